@@ -1,0 +1,1 @@
+"""How parts make a system: block diagrams and their exact evaluation."""
