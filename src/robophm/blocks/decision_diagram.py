@@ -1,0 +1,187 @@
+"""A reduced ordered decision diagram: how parts that are drawn in several places make a system, exactly.
+
+Bryant, "Graph-based algorithms for Boolean function manipulation", IEEE Trans. Comput. C-35 (1986);
+Rauzy, "New algorithms for fault trees analysis", Reliab. Eng. Syst. Saf. 40 (1993).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from itertools import groupby
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robophm.core.errors import StructureError
+
+Array = NDArray[np.float64]
+Gate = tuple[int, Sequence[int]]
+"""(k, inputs): at least k of the inputs work. 1 of n is parallel, n of n is series."""
+
+LIMIT = 500_000
+"""Largest number of nodes, of pairs of nodes, and of steps to build them, of one decision diagram."""
+
+_FAILED, _WORKS = 0, 1  # the two leaves
+_NEVER, _ALWAYS = (_FAILED, _FAILED), (_WORKS, _FAILED)  # the pairs that differ never and always
+_T = TypeVar("_T", int, tuple[int, int])
+
+
+class DecisionDiagram:
+    """A coherent structure of independent variables, prepared once and evaluated many times.
+
+    ``gates`` come in topological order: inputs 0 … ``variables`` − 1 are the variables, in the order in which
+    the diagram decides them, input ``variables`` + i is gate i, and the last gate is the system.
+
+    Raises StructureError where the diagram would exceed LIMIT.
+    """
+
+    def __init__(self, variables: int, gates: Sequence[Gate]) -> None:
+        table = _Table(variables)
+        function = [table.node(x, _WORKS, _FAILED) for x in range(variables)]
+        for k, inputs in gates:
+            function.append(table.at_least(k, [function[i] for i in inputs]))
+        root = function[-1]
+
+        node = _below([root], (_FAILED, _WORKS), table.split, table.level.__getitem__)
+        splits = [table.split(g) for g in node][2:]
+        pair = _below([(root, _FAILED), *splits], (_NEVER, _ALWAYS), table.split_pair, table.level_pair)
+        self._nodes = _levels(
+            (table.level[g], node[g1], node[g0], pair[_pair(g1, g0)])
+            for g, (g1, g0) in zip(list(node)[2:], splits, strict=True)
+        )
+        self._pairs = _levels(
+            (table.level_pair(gh), *(pair[part] for part in table.split_pair(gh))) for gh in list(pair)[2:]
+        )
+        self._root, self._root_works = node[root], pair[root, _FAILED]
+        self._size = len(node), len(pair)
+        self.size = len(node) + len(pair)
+        """Number of nodes and pairs: what an evaluation holds per column."""
+
+    def evaluate(self, b: Array, c: Array, s: Array, works: Array, lost: Array) -> tuple[Array, Array, Array]:
+        """(b, c, s) of the system from those of its variables, each of shape (variables, columns).
+
+        b: failed by now; c: fails in the task (or failure density); s: works at the end; ``works``: works
+        now; ``lost``: failed at the end. For the density, now and the end are the same moment.
+
+        A node g splits on its variable x into g1 (x works) and g0 (x failed). With D(g, h) = P(g works, h has
+        failed) at the end, C(g) = works·C(g1) + b·C(g0) + c·D(g1, g0): variables before x are as of now,
+        those after x as of the end, and x makes the difference. Every term is positive.
+        """
+        nodes, pairs = self._size
+        differ = np.zeros((pairs, b.shape[1]))
+        differ[1] = 1.0
+        for x, rows, (high, low) in self._pairs:
+            differ[rows] = s[x] * differ[high] + lost[x] * differ[low]
+
+        failed = np.zeros((nodes, b.shape[1]))
+        failed[_FAILED] = 1.0
+        change = np.zeros_like(failed)
+        for x, rows, (high, low, pair) in self._nodes:
+            failed[rows] = works[x] * failed[high] + b[x] * failed[low]
+            change[rows] = works[x] * change[high] + b[x] * change[low] + c[x] * differ[pair]
+        return failed[self._root], change[self._root], differ[self._root_works]
+
+
+class _Table:
+    """The nodes of a diagram: node g decides variable ``level[g]`` into ``split(g)``; no two are alike."""
+
+    def __init__(self, variables: int) -> None:
+        self.level = [variables, variables]  # the leaves lie below every variable
+        self._split = [(_FAILED, _FAILED), (_WORKS, _WORKS)]
+        self._node: dict[tuple[int, int, int], int] = {}
+        self._choice: dict[tuple[int, int, int], int] = {}
+
+    def node(self, x: int, high: int, low: int) -> int:
+        if high == low:
+            return high
+        node = self._node.setdefault((x, high, low), len(self.level))
+        if node == len(self.level):
+            self.level.append(x)
+            self._split.append((high, low))
+        return node
+
+    def split(self, g: int) -> tuple[int, int]:
+        return self._split[g]
+
+    def level_pair(self, pair: tuple[int, int]) -> int:
+        return min(self.level[pair[0]], self.level[pair[1]])
+
+    def split_pair(self, pair: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
+        (g1, g0), (h1, h0) = self._cofactors(pair, self.level_pair(pair))
+        return _pair(g1, h1), _pair(g0, h0)
+
+    def _cofactors(self, nodes: Iterable[int], x: int) -> list[tuple[int, int]]:
+        return [self._split[g] if self.level[g] == x else (g, g) for g in nodes]
+
+    def at_least(self, k: int, inputs: Sequence[int]) -> int:
+        """The node that works while k of the inputs do; the last input first, as it lies deepest."""
+        enough = [_WORKS] + [_FAILED] * k  # enough[j]: at least j of the inputs seen work
+        for left, g in zip(reversed(range(len(inputs))), reversed(inputs), strict=True):
+            for j in range(k, max(k - left, 1) - 1, -1):
+                enough[j] = self.choose(g, enough[j - 1], enough[j])
+        return enough[k]
+
+    def choose(self, f: int, g: int, h: int) -> int:
+        """The node "g if f works, else h" (Bryant's if-then-else)."""
+        done, todo = self._choice, [(f, g, h)]
+        while todo:
+            choice = f, g, h = todo[-1]
+            if f == _WORKS or g == h:
+                done[choice] = g
+            elif f == _FAILED:
+                done[choice] = h
+            elif (g, h) == _ALWAYS:
+                done[choice] = f
+            else:
+                x = min(self.level[f], self.level[g], self.level[h])
+                (f1, f0), (g1, g0), (h1, h0) = self._cofactors(choice, x)
+                missing = [part for part in ((f1, g1, h1), (f0, g0, h0)) if part not in done]
+                if missing:
+                    todo += missing
+                    continue
+                done[choice] = self.node(x, done[f1, g1, h1], done[f0, g0, h0])
+            todo.pop()
+        _check(len(done))
+        return done[choice]
+
+
+def _pair(g: int, h: int) -> tuple[int, int]:
+    """The pair for D(g, h); a node never differs from itself."""
+    return _NEVER if g == h else (g, h)
+
+
+def _below(
+    roots: Iterable[_T],
+    leaves: tuple[_T, _T],
+    split: Callable[[_T], tuple[_T, _T]],
+    level: Callable[[_T], int],
+) -> dict[_T, int]:
+    """Everything that the roots split into, numbered: the leaves, then from the deepest variable up."""
+    found, todo = dict.fromkeys(leaves, 0), list(roots)
+    while todo:
+        top = todo.pop()
+        if top not in found:
+            found[top] = 0
+            todo.extend(split(top))
+            _check(len(found))
+    deepest_first = sorted(list(found)[2:], key=level, reverse=True)
+    return {part: i for i, part in enumerate([*leaves, *deepest_first])}
+
+
+def _levels(rows: Iterable[tuple[int, ...]]) -> list[tuple[int, slice, list[NDArray[np.intp]]]]:
+    """(variable, rows that decide it, their columns) for each level, from rows (variable, *columns)."""
+    levels, start = [], 2
+    for x, group in groupby(rows, key=lambda row: row[0]):
+        columns = np.array([row[1:] for row in group], dtype=np.intp).T
+        levels.append((x, slice(start, start + columns.shape[1]), list(columns)))
+        start += columns.shape[1]
+    return levels
+
+
+def _check(size: int) -> None:
+    if size > LIMIT:
+        raise StructureError(
+            f"shared parts: too many to solve exactly, their decision diagram exceeds {LIMIT:,} steps; "
+            "expected fewer parts that are drawn in several places"
+        )
