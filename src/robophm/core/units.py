@@ -1,0 +1,108 @@
+"""Units at the edges: what a user writes becomes the one unit used inside (h, 1/h, km, °C, V …).
+
+Inside robophm every number is in the unit that its docstring states; pint is loaded only here, and only when
+a text with a unit is read.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+from robophm.core.errors import UnitError, nearest
+
+if TYPE_CHECKING:
+    from pint import Unit, UnitRegistry
+
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)\Z", re.ASCII | re.DOTALL)
+# What may follow the number. pint's own grammar would compute 9**9**9; this one cannot be made to work hard.
+_FACTOR = re.compile(r"\s*([*·/]?)\s*(?:(10\^-?\d{1,2}|1(?!\d))|([^\W\d]+|[%°Ω]\w?)(?:(?:\^|\*\*)(-?\d))?)")
+_SPAN = 2.0**20  # wide, so that the 273.15 of a temperature costs the scale no digits
+_NAMES = ("h", "s", "min", "day", "FIT", "FPMH", "degC", "degF", "K", "V", "A", "W", "ohm", "uF", "m", "km",
+          "m/s", "km/h", "cycle", "start", "percent", "eV", "Pa", "N", "rpm")  # fmt: skip
+
+
+class Conversion(NamedTuple):
+    """A linear map from a written unit to the inside one: ``inside = scale · written + offset``."""
+
+    scale: float
+    offset: float
+
+
+@lru_cache(maxsize=1)
+def _registry() -> UnitRegistry:
+    import pint
+
+    registry: UnitRegistry = pint.UnitRegistry(autoconvert_offset_to_baseunit=True, cache_folder=None)
+    registry.define("FIT = 1e-9 / hour")
+    registry.define("FPMH = 1e-6 / hour")
+    registry.define("cycle_of_use = [cycle_of_use] = cycle = cycles")  # not pint's 2π radians
+    registry.define("start = [start] = _ = starts")
+    return registry
+
+
+@lru_cache(maxsize=4096)
+def conversion(written: str, inside: str) -> Conversion:
+    """The map from a unit that a user wrote to the unit used inside.
+
+    Raises UnitError where either is no unit, or where they measure different things.
+    """
+    import pint
+
+    (power, source), (inside_power, target) = _parse(written), _parse(inside)
+    try:
+        low = _registry().Quantity(0.0, source).to(target).magnitude
+        high = _registry().Quantity(_SPAN, source).to(target).magnitude
+    except pint.PintError:
+        raise UnitError(f"unit '{written or 'none'}' does not measure what '{inside or 'none'}' does") from None
+    return Conversion(float(high - low) / _SPAN * 10.0 ** (power - inside_power), float(low))
+
+
+def _parse(unit: str) -> tuple[int, Unit]:
+    """The power of ten and the unit of a text such as '/10^6 h' (all after a leading stroke is below it)."""
+    import pint
+
+    text = unit.strip()
+    inverse = re.match(r"(?:1\s*/|/|per\s)", text)
+    text = text[inverse.end() :] if inverse else text
+    power, result, at = 0, _registry().Unit(""), 0
+    while at < len(text):
+        match = _FACTOR.match(text, at)
+        if not match or len(text) > 60:
+            raise UnitError(f"'{unit[:60]}' is not a unit; expected e.g. 'h', 'FIT', 'degC', 'km/h'")
+        at = match.end()
+        operator, ten, name, exponent = match.groups()
+        sign = -1 if operator == "/" else 1
+        if ten:
+            power += sign * int(ten[3:] or 0)
+            continue
+        try:
+            result = result * _registry().Unit(name) ** (sign * int(exponent or 1))
+        except (pint.PintError, AttributeError, ValueError):
+            raise UnitError(f"unknown unit '{name}'{nearest(name, _NAMES)}") from None
+    return (-power, result**-1) if inverse else (power, result)
+
+
+def quantity(text: object, inside: str) -> float:
+    """A written quantity ('12 FIT', '0.3 FPMH', '5.8e-6 /h', '0.3 /10^6 h', '25 degC') in the unit used inside.
+
+    A bare number is taken only where the inside unit is none. Raises UnitError otherwise, and for text that is
+    not a number with a unit.
+    """
+    if isinstance(text, bool) or not isinstance(text, int | float | str):
+        raise UnitError(f"{text!r:.60} is not a quantity; expected a number with the unit of '{inside or 'none'}'")
+    if isinstance(text, int | float):
+        if inside:
+            raise UnitError(f"{text} has no unit; expected e.g. '{text} {inside}'")
+        return float(text)
+    match = _NUMBER.match(text)
+    if not match:
+        raise UnitError(f"'{text[:60]}' is not a number with a unit; expected e.g. '1.5 {inside}'".rstrip(" '") + "'")
+    value, unit = float(match[1]), match[2].strip()
+    if not unit and inside:
+        raise UnitError(f"'{text[:60]}' has no unit; expected e.g. '{text.strip()} {inside}'")
+    scale, offset = conversion(unit, inside)
+    whole = round(1 / scale)  # 12 FIT is 12 / 10⁹, which rounds once; 12 · 1e-9 rounds twice
+    exact = scale < 1 and abs(whole * scale - 1) < 1e-15
+    return (value / whole if exact else value * scale) + offset

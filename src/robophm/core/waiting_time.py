@@ -1,0 +1,98 @@
+"""The random time until something fails, from the probabilities that it fails and survives up to a time.
+
+A curve takes times, shape (n,), and gives P(fails by then) and P(survives till then), each with its own digits:
+small ones of either kind are exact, and nothing here computes one from the other.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Curve = Callable[[Array], tuple[Array, Array]]
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
+
+
+def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike) -> Array:
+    """The times by which the failure probability reaches given ones; shape of ``fails``, in the curve's unit.
+
+    ``survives`` is 1 − ``fails`` with its own digits. Infinite where it is never reached within 1e30, 0 where it
+    is passed at once.
+    """
+    target_fails, target_survives = (np.atleast_1d(np.asarray(p, dtype=float)) for p in (fails, survives))
+    early = target_fails <= target_survives
+
+    def excess(x: Array, which: npt.NDArray[np.intp]) -> Array:
+        """How far beyond the target, on the logarithm of the smaller probability; rises with x = ln time."""
+        failed, survived = curve(np.exp(x))
+        with np.errstate(divide="ignore"):
+            below = np.log(failed) - np.log(target_fails[which])
+            above = np.log(target_survives[which]) - np.log(survived)
+        return np.clip(np.where(early[which], below, above), -1e300, 1e300)
+
+    # One pass over decades finds the bracket of every target.
+    grid = np.log(10.0) * np.arange(-30, 31)
+    n = len(target_fails)
+    table = excess(np.tile(grid, n), np.repeat(np.arange(n), len(grid))).reshape(n, -1)
+    first = np.argmax(table >= 0, axis=1)
+    result = np.where(table[:, 0] >= 0, 0.0, math.inf)
+    todo = np.flatnonzero((table[:, 0] < 0) & (table[:, -1] >= 0))
+    if len(todo):
+        low, high = grid[first[todo] - 1], grid[first[todo]]
+        ends = table[todo, first[todo] - 1], table[todo, first[todo]]
+        result[todo] = np.exp(_roots(lambda x: excess(x, todo), low, high, *ends))
+    return result.reshape(np.shape(fails))
+
+
+def _roots(f: Callable[[Array], Array], a: Array, b: Array, fa: Array, fb: Array) -> Array:
+    """Roots of many bracketed functions side by side. Chandrupatla, Adv. Eng. Software 28 (1997)."""
+    c, fc, t = a, fa, np.full(a.shape, 0.5)
+    for _ in range(100):
+        x = a + t * (b - a)
+        fx = f(x)
+        same = np.sign(fx) == np.sign(fa)
+        c, fc = np.where(same, a, b), np.where(same, fa, fb)
+        b, fb = np.where(same, b, a), np.where(same, fb, fa)
+        a, fa = x, fx
+        best = np.where(np.abs(fa) < np.abs(fb), a, b)
+        width = np.abs(b - a)
+        tolerance = 4e-16 * np.maximum(1.0, np.abs(best))
+        if np.all((width <= 2 * tolerance) | (fa == 0)):
+            return best
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+            quadratic = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
+            inverse = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+        t = np.where(quadratic & np.isfinite(inverse), inverse, 0.5)
+        edge = np.minimum(tolerance / np.maximum(width, 1e-300), 0.5)
+        t = np.clip(t, edge, 1 - edge)
+    return best
+
+
+def mean_time(curve: Curve) -> float:
+    """The mean time to failure, ∫ P(survives) over all times, to about 1e-10; in the curve's unit, or infinite."""
+    deepest = 6
+    while True:
+        # Panels between the times at which the cumulative hazard doubles, so that each is smooth.
+        levels = 2.0 ** np.arange(-40, deepest + 1, 0.5)
+        times = time_at(curve, -np.expm1(-levels), np.exp(-levels))
+        if not np.isfinite(times[-1]):
+            return math.inf
+        positive = times[times > 0]
+        if not len(positive):
+            return 0.0
+        width = np.diff(np.log(positive))
+        within = np.log(positive[:-1, None]) + width[:, None] * (_NODES + 1) / 2
+        survives = curve(np.exp(within.ravel()))[1].reshape(within.shape)
+        total = positive[0] + float(np.sum(width * ((np.exp(within) * survives) @ _WEIGHTS)) / 2)
+        tail = positive[-1] * float(curve(positive[-1:])[1][0])
+        if tail <= 1e-13 * total:
+            return total
+        if deepest >= 9:
+            return math.inf
+        deepest += 1

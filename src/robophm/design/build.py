@@ -1,0 +1,444 @@
+"""From what a design file says to the robot that it describes, with every contradiction named."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from robophm.blocks import diagram as blocks
+from robophm.core.errors import DesignError, ModelError, PlugError, RobophmError, StructureError, UnitError, nearest
+from robophm.core.signal import SECOND, signal_name
+from robophm.core.units import conversion, quantity
+from robophm.design import schema
+from robophm.design.robot import (
+    CLOCK_UNITS,
+    Channel,
+    Component,
+    FailureMode,
+    MeasuredClock,
+    Module,
+    Robot,
+    Stress,
+    Task,
+    Thresholds,
+    Usage,
+)
+from robophm.hazard.acceleration import acceleration_model
+from robophm.hazard.handbooks import handbook_model
+from robophm.hazard.model import Choice, Model
+from robophm.life import life_distribution
+from robophm.life.distribution import LifeDistribution
+
+Path = tuple[str, ...]
+
+
+class Fault(DesignError):
+    """A design error at a place in the file, before the file's name and line are known."""
+
+    def __init__(self, place: Path, message: str) -> None:
+        super().__init__(message)
+        self.place = place
+
+
+@dataclass(frozen=True)
+class _Scope:
+    """What a level inherits from those above it."""
+
+    environment: str | None = None
+    signals: Mapping[str, tuple[Path, schema.SignalBinding]] = field(default_factory=dict)
+    clocks: Mapping[str, tuple[Path, schema.ClockBinding]] = field(default_factory=dict)
+    acceleration: schema.Accelerations | None = None
+
+    def within(self, place: Path, level: Any) -> _Scope:
+        return _Scope(
+            level.environment or self.environment,
+            {**self.signals, **{name: ((*place, "signals", name), b) for name, b in level.signals.items()}},
+            {**self.clocks, **{name: ((*place, "clocks", name), b) for name, b in level.clocks.items()}},
+            level.acceleration if level.acceleration is not None else self.acceleration,
+        )
+
+
+def build(design: schema.RobotFile) -> Robot:
+    """Put a robot together. Raises Fault (a DesignError with its place) at the first contradiction."""
+    return _Builder(design).robot()
+
+
+class _Builder:
+    def __init__(self, design: schema.RobotFile) -> None:
+        self.design = design
+        self.components: dict[str, Component] = {}
+        self.modules: dict[str, schema._Group] = {}
+        self.places: dict[str, Path] = {}
+        self.used_signals: set[Path] = set()
+        self.told_apart = {
+            name.partition("[")[0].rpartition("/")[2] for name in _drawn(design) if name.endswith("]")
+        }  # last steps of names drawn as 'motor[2]'
+
+    def robot(self) -> Robot:
+        design = self.design
+        root = self._module((), (), design, _Scope())
+        expand = _Expansion(self)
+        functions = {
+            name: expand.block((), diagram, ("functions", name)) for name, diagram in design.functions.items()
+        }
+        whole = expand.module(root)
+        used = set(blocks.units(whole.diagram)).union(*(blocks.units(diagram) for diagram in functions.values()))
+        drawn = {name.partition("[")[0] for name in used}
+        warnings = [f"{path}: used in no diagram" for path in self.components if path not in drawn]
+        warnings += [
+            f"{'/'.join(place)}: no part below takes this input"
+            for place in self._signal_places((), design)
+            if place not in self.used_signals
+        ]
+        warnings += [f"{mode.path}: rate is zero, it never fails" for c in self.components.values() for mode in c.modes if mode.rate == 0]
+        content = json.dumps(design.model_dump(mode="json"), sort_keys=True, ensure_ascii=False)
+        return Robot(
+            **{key: getattr(whole, key) for key in ("modules", "components", "wiring", "diagram", "description")},
+            path=design.name,
+            functions=functions,
+            usage=self._usage(),
+            powered=signal_name(design.powered.topic, design.powered.field) if design.powered else None,
+            max_gap=round(design.max_gap * SECOND),
+            task=self._task(),
+            thresholds=Thresholds(**design.thresholds.model_dump()),
+            warnings=tuple(warnings),
+            design_hash=hashlib.sha256(content.encode()).hexdigest(),
+        )
+
+    def _module(self, path: Path, place: Path, level: schema._Group, above: _Scope) -> Module:
+        scope = above.within(place, level)
+        self.modules["/".join(path)] = level
+        self.places["/".join(path)] = place
+        for name in level.modules.keys() & level.components.keys():
+            raise Fault((*place, "components", name), f"duplicate name '{name}': a module here has it too")
+        if not level.modules and not level.components:
+            raise Fault(place, "has no parts; expected modules or components")
+        modules = tuple(
+            self._module((*path, name), (*place, "modules", name), module, scope)
+            for name, module in level.modules.items()
+        )
+        components = tuple(
+            self._component((*path, name), (*place, "components", name), component, scope)
+            for name, component in level.components.items()
+        )
+        placeholder = blocks.Unit("")
+        return Module("/".join(path), modules, components, placeholder, placeholder, level.description or "")
+
+    def _component(self, path: Path, place: Path, part: schema.Component, above: _Scope) -> Component:
+        own_acceleration = part.acceleration
+        scope = replace(above.within(place, part), acceleration=above.acceleration)
+        required = part.quantity if part.required is None else part.required
+        if required > part.quantity:
+            raise Fault((*place, "required"), f"required {required} of quantity {part.quantity}; expected at most that")
+        if part.failure_modes:
+            inline = part.model_fields_set & {"rate", "hazard", "life", "clock", "scaling", "initial_exposure"}
+            if inline or own_acceleration is not None:
+                raise Fault(place, f"has failure_modes and its own {min(inline or {'acceleration'})}; expected one of the two")
+            modes = tuple(
+                self._mode((*path, name), (*place, "failure_modes", name), mode, part, scope)
+                for name, mode in part.failure_modes.items()
+            )
+        else:
+            modes = (self._mode(path, place, part, part, scope),)
+        for name in part.offsets:
+            if name not in scope.signals:
+                raise Fault((*place, "offsets", name), f"no signal '{name}' is bound here or above{nearest(name, scope.signals)}")
+        name = "/".join(path)
+        apart = part.quantity > 1 and (required < part.quantity or path[-1] in self.told_apart)
+        names = tuple(f"{name}[{i}]" for i in range(1, part.quantity + 1)) if apart else (name,)
+        component = Component(name, part.quantity, required, part.monitored, modes, names, part.description or "")
+        self.components[name] = component
+        self.places[name] = place
+        return component
+
+    def _mode(
+        self, path: Path, place: Path, mode: schema.FailureMode, part: schema.Component, scope: _Scope
+    ) -> FailureMode:
+        clock_unit = CLOCK_UNITS[mode.clock]
+        if mode.rate is not None and mode.hazard is not None:
+            raise Fault((*place, "rate"), "both 'rate' and 'hazard' are given; expected one of the two")
+        hazard = self._hazard(place, mode.hazard, part, scope) if mode.hazard else None
+        if hazard and hazard.model.unit != f"1/{clock_unit}":
+            raise Fault(place, f"{hazard.model.name} gives a rate in {hazard.model.unit}, its clock '{mode.clock}' counts {clock_unit}")
+        rate: float | None = None
+        if mode.rate is not None:
+            rate = _written((*place, "rate"), mode.rate, f"1/{clock_unit}")
+            if not rate >= 0:
+                raise Fault((*place, "rate"), f"hazard rate {mode.rate} is negative; expected at least zero")
+        elif hazard:
+            rate = hazard.reference
+        life, rate = self._life((*place, "life"), mode.life, rate, clock_unit, place)
+        stresses = self._accelerations(place, mode, part, hazard, scope)
+        if hazard and hazard.channels:
+            stresses = (hazard, *stresses)
+        if mode.clock in ("kilometres", "cycles", "starts") and getattr(self.design.usage, mode.clock) is None:
+            raise Fault(
+                ("usage",), f"says nothing of '{mode.clock}', on which {'/'.join(path)} ages; expected e.g. "
+                f"{mode.clock}: 1 {clock_unit}/h"
+            )
+        initial = 0.0
+        if mode.initial_exposure is not None:
+            initial = _written((*place, "initial_exposure"), mode.initial_exposure, clock_unit)
+            if not initial >= 0:
+                raise Fault((*place, "initial_exposure"), f"{mode.initial_exposure} is negative; expected at least zero")
+        measured = scope.clocks.get(mode.clock)
+        if mode.clock in ("operating", "calendar") and measured:
+            raise Fault(measured[0], f"the {mode.clock} clock is time itself and takes no signal")
+        return FailureMode(
+            "/".join(path), rate, life, mode.clock, self._measured_clock(mode.clock, *measured) if measured else None,
+            mode.scaling, initial, stresses, hazard, mode.source or "",
+        )  # fmt: skip
+
+    def _hazard(self, place: Path, hazard: schema.Hazard, part: schema.Component, scope: _Scope) -> Stress:
+        place = (*place, "hazard")
+        model = _plug((*place, "model"), handbook_model, hazard.model)
+        inputs: dict[str, object] = dict(hazard.inputs)
+        if "environment" in model.inputs and scope.environment and "environment" not in inputs:
+            inputs["environment"] = scope.environment
+        return self._stress((*place, "inputs"), model, inputs, part, scope)
+
+    def _accelerations(
+        self, place: Path, mode: schema.FailureMode, part: schema.Component, hazard: Stress | None, scope: _Scope
+    ) -> tuple[Stress, ...]:
+        chosen = mode.acceleration
+        if chosen is None and not hazard:
+            chosen = scope.acceleration  # inherited: of constant-rate parts alone
+        if chosen is None or chosen == "none":
+            return ()
+        stresses = []
+        for written in chosen if isinstance(chosen, list) else [chosen]:
+            at = (*place, "acceleration")
+            model = _plug((*at, "model"), acceleration_model, written.model)
+            parameters = dict(written.model_extra or {})
+            stress_input = next(iter(model.inputs))
+            if stress_input in parameters:
+                raise Fault((*at, stress_input), f"'{stress_input}' is what is measured; expected reference_{stress_input} here")
+            parameters[stress_input] = parameters.get(f"reference_{stress_input}", _default(model, stress_input))
+            if hazard and (hazard.channels or stress_input in hazard.model.inputs):
+                raise Fault(at, f"double acceleration: {hazard.model.name} answers to '{stress_input}' itself; expected one of the two")
+            if any(stress_input in earlier.design for earlier in stresses):
+                raise Fault(at, f"double acceleration: two factors of '{stress_input}'")
+            stress = self._stress(at, model, parameters, part, scope)
+            if stress.channels:
+                stresses.append(stress)
+        return tuple(stresses)
+
+    def _stress(
+        self, place: Path, model: Model, inputs: Mapping[str, object], part: schema.Component, scope: _Scope
+    ) -> Stress:
+        try:
+            design = model.settle(inputs)
+        except (ModelError, UnitError) as error:
+            named = next((name for name in inputs if name in str(error)), None)
+            raise Fault((*place, named) if named else place, str(error)) from None
+        channels = {}
+        for name, entry in model.numbers.items():
+            if name in scope.signals:
+                at, binding = scope.signals[name]
+                channels[name] = self._channel(at, binding, entry.unit, part.offsets.get(name))
+        return Stress(model, design, channels)
+
+    def _channel(
+        self, place: Path, binding: schema.SignalBinding, unit: str, more: str | float | None
+    ) -> Channel:
+        self.used_signals.add(place)
+        try:
+            written = unit if binding.unit is None else binding.unit
+            scale, offset = conversion(written, unit)
+            difference = f"delta_{unit}" if unit in ("degC", "degF") else unit
+            low, high = sorted(scale * end + offset for end in binding.range or (-math.inf, math.inf))
+            for extra in (binding.offset, more):
+                if extra is not None:
+                    shift = quantity(extra, difference)
+                    offset, low, high = offset + shift, low + shift, high + shift
+            signal = signal_name(binding.topic, binding.field)
+        except RobophmError as error:
+            raise Fault(place, str(error)) from None
+        if binding.range is None and binding.stale == "worst":
+            raise Fault(place, "stale: worst needs a 'range'; expected e.g. range: [-20, 80]")
+        return Channel(signal, written, scale, offset, low, high, round(binding.max_age * SECOND), binding.stale)
+
+    def _measured_clock(self, clock: str, place: Path, binding: schema.ClockBinding) -> MeasuredClock:
+        self.used_signals.add(place)
+        kind, fields = next(
+            (kind, value) for kind in ("position", "speed", "edge") if (value := getattr(binding, kind)) is not None
+        )
+        fields = (fields,) if isinstance(fields, str) else fields
+        if (kind == "edge") != (clock in ("cycles", "starts")):
+            wanted = "edge" if clock in ("cycles", "starts") else "position or speed"
+            raise Fault(place, f"the {clock} clock is driven by {wanted}, not by {kind}")
+        inside = {"position": "m", "speed": "m/s", "edge": ""}[kind]
+        written = binding.unit or inside
+        try:
+            scale = 1.0 if kind == "edge" else conversion(written, inside).scale
+            signals = tuple(signal_name(binding.topic, name) for name in fields)
+        except RobophmError as error:
+            raise Fault(place, str(error)) from None
+        return MeasuredClock(clock, kind, signals, written, scale, binding.threshold, round(binding.max_age * SECOND))  # type: ignore[arg-type]
+
+    def _life(
+        self, place: Path, life: schema.Life, rate: float | None, unit: str, mode_place: Path
+    ) -> tuple[LifeDistribution, float]:
+        distribution: type[LifeDistribution] = _plug((*place, "distribution"), life_distribution, life.distribution)
+        parameters = {}
+        for name, value in (life.model_extra or {}).items():
+            if name not in distribution.dimensions:
+                raise Fault((*place, name), f"{life.distribution} has no parameter '{name}'{nearest(name, distribution.dimensions)}")
+            power = distribution.dimensions[name]
+            inside = {1: unit, 0: "", -1: f"1/{unit}"}[power]
+            listed = isinstance(value, list)
+            numbers = [_written((*place, name), one, inside) for one in (value if listed else [value])]
+            parameters[name] = numbers if listed else numbers[0]
+        try:
+            if rate is None:
+                if not parameters:
+                    raise Fault(mode_place, "has no rate; expected rate, hazard, failure_modes, or a life with its scale")
+                whole = distribution(**parameters)
+                return whole, 1 / whole.mean()
+            return distribution.with_rate(rate, **parameters), rate
+        except (ModelError, TypeError) as error:
+            raise Fault(place, str(error)) from None
+
+    def _usage(self) -> Usage:
+        usage = self.design.usage
+        return Usage(usage.operating, usage.kilometres or 0.0, usage.cycles or 0.0, usage.starts or 0.0)
+
+    def _task(self) -> Task | None:
+        task = self.design.task
+        if task is None:
+            return None
+        distance, speed, duration = task.distance, task.speed, task.duration
+        if duration is None:
+            if distance is None or not speed:
+                raise Fault(("task",), "expected a distance with a speed above zero, or a duration")
+            return Task(distance, distance / speed / 3600)
+        if speed is not None and distance is not None:
+            raise Fault(("task",), "distance, speed and duration are given; expected two of them")
+        return Task(distance if distance is not None else (speed or 0.0) * duration * 3600, duration)
+
+    def _signal_places(self, place: Path, level: Any) -> Iterable[Path]:
+        yield from ((*place, "signals", name) for name in level.signals)
+        yield from ((*place, "clocks", name) for name in level.clocks)
+        for kind in ("modules", "components"):
+            for name, child in getattr(level, kind, {}).items():
+                yield from self._signal_places((*place, kind, name), child)
+
+
+class _Expansion:
+    """Diagrams of names become diagrams of units; a module drawn inside itself is found."""
+
+    def __init__(self, builder: _Builder) -> None:
+        self.builder = builder
+        self.expanded: dict[str, blocks.Block] = {}
+        self.under_way: list[str] = []
+
+    def module(self, module: Module) -> Module:
+        inner = tuple(self.module(child) for child in module.modules)
+        diagram = self.path(module.path, ())
+        return replace(module, modules=inner, wiring=self._wiring(module.path), diagram=diagram)
+
+    def _wiring(self, path: str) -> blocks.Block:
+        level = self.builder.modules[path]
+        place = (*self.builder.places[path], "diagram")
+        if level.diagram is None:
+            names = [_join(path, name) for name in (*level.modules, *level.components)]
+            return blocks.Series(*names)
+        return self._named(path, level.diagram, place)
+
+    def _named(self, level: str, diagram: Any, place: Path) -> blocks.Block:
+        """The diagram with every name made a path from the robot down."""
+        if isinstance(diagram, str):
+            return blocks.Unit(self._resolve(level, diagram, place))
+        try:
+            if isinstance(diagram, schema.Series):
+                return blocks.Series(*(self._named(level, b, (*place, "series")) for b in diagram.series))
+            if isinstance(diagram, schema.Parallel):
+                return blocks.Parallel(*(self._named(level, b, (*place, "parallel")) for b in diagram.parallel))
+            group = diagram.k_of_n
+            return blocks.KOutOfN(group.k, *(self._named(level, b, (*place, "k_of_n")) for b in group.of))
+        except StructureError as error:
+            raise Fault(place, str(error)) from None
+
+    def _resolve(self, level: str, name: str, place: Path) -> str:
+        """A name in a diagram: of this level, below it by path, or from the robot down after a leading '/'."""
+        path = name[1:] if name.startswith("/") else _join(level, name)
+        stem, bracket, member = path.partition("[")
+        component = self.builder.components.get(stem)
+        if component and bracket:
+            if path in component.units:
+                return path
+            raise Fault(place, f"'{name}': {stem} has quantity {component.quantity}; expected [1] … [{component.quantity}]")
+        if path in self.builder.modules or component:
+            return path
+        known = [p.removeprefix(f"{level}/") if level else p for p in (*self.builder.components, *self.builder.modules) if p]
+        raise Fault(place, f"unknown part '{name}'{nearest(name, known)}")
+
+    def block(self, path: Path, diagram: Any, place: Path) -> blocks.Block:
+        return self._expand(self._named("/".join(path), diagram, place), place)
+
+    def path(self, path: str, place: Path) -> blocks.Block:
+        """The expanded diagram of a module or component, or one member of a component."""
+        component = self.builder.components.get(path.partition("[")[0])
+        if component:
+            if path in component.units:
+                return blocks.Unit(path)
+            return blocks.KOutOfN(component.required, *component.units)
+        if path in self.under_way:
+            circle = " → ".join(self.under_way[self.under_way.index(path) :] + [path])
+            raise Fault(place, f"cycle: {circle or 'the robot'} contains itself")
+        if path not in self.expanded:
+            self.under_way.append(path)
+            self.expanded[path] = self._expand(self._wiring(path), (*self.builder.places[path], "diagram"))
+            self.under_way.pop()
+        return self.expanded[path]
+
+    def _expand(self, block: blocks.Block, place: Path) -> blocks.Block:
+        if isinstance(block, blocks.Unit):
+            return self.path(block.name, place)
+        inner = (self._expand(child, place) for child in block.blocks)
+        return blocks.KOutOfN(block.k, *inner) if isinstance(block, blocks.KOutOfN) else type(block)(*inner)
+
+
+def _join(level: str, name: str) -> str:
+    return f"{level}/{name}" if level else name
+
+
+def _drawn(level: Any) -> Iterable[str]:
+    """Every name in every diagram of a design."""
+    stack: list[Any] = [level.diagram, *getattr(level, "functions", {}).values()]
+    while stack:
+        block = stack.pop()
+        if isinstance(block, str):
+            yield block
+        elif block is not None:
+            for kind in ("series", "parallel", "k_of_n"):
+                inner = getattr(block, kind, None)
+                stack.extend(getattr(inner, "of", inner) or ())
+    for module in level.modules.values():
+        yield from _drawn(module)
+
+
+def _written(place: Path, value: object, unit: str) -> float:
+    try:
+        number = quantity(value, unit)
+    except UnitError as error:
+        raise Fault(place, str(error)) from None
+    if not math.isfinite(number):
+        raise Fault(place, f"{value} is not a finite number")
+    return number
+
+
+def _plug(place: Path, find: Any, name: str) -> Any:
+    try:
+        return find(name)
+    except PlugError as error:
+        raise Fault(place, str(error)) from None
+
+
+def _default(model: Model, name: str) -> float | None:
+    entry = model.inputs[f"reference_{name}"]
+    return None if isinstance(entry, Choice) else entry.default

@@ -1,0 +1,243 @@
+"""robot.yaml ⇄ Robot: read with the line of every fault, saved whole or not at all with comments kept."""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from robophm.core.errors import DesignError, nearest
+from robophm.design.robot import Robot
+
+if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
+
+MAX_BYTES = 20_000_000
+"""A larger file is refused before it is parsed."""
+
+MAX_VALUES = 1_000_000
+"""Of a file with its aliases followed: a small file can otherwise unfold to billions."""
+
+MAX_DEPTH = 100
+
+Lines = dict[tuple[str, ...], int]
+
+
+def load(path: str | os.PathLike[str]) -> Robot:
+    """Read a robot's design. Raises DesignError, one line with file, line, place, what was expected."""
+    return parse(_read(Path(path)), str(path))
+
+
+def parse(text: str, name: str = "design") -> Robot:
+    """A robot from the text of a design file; ``name`` is what errors call it. Raises DesignError."""
+    data, lines = _values(text, name)
+    from pydantic import ValidationError  # a robot that is not read from a file needs no pydantic
+
+    from robophm.design.build import Fault, build
+    from robophm.design.schema import SCHEMA_VERSION, RobotFile
+
+    if not isinstance(data, dict):
+        raise DesignError(f"{name}: holds no design; expected a mapping that starts with 'schema_version: {SCHEMA_VERSION}'")
+    if data.get("schema_version") != SCHEMA_VERSION:
+        found = data.get("schema_version", "none")
+        line = lines.get(("schema_version",), 1)
+        raise DesignError(f"{name}:{line}: schema_version {found}; expected {SCHEMA_VERSION}")
+    try:
+        return build(RobotFile.model_validate(data))
+    except ValidationError as error:
+        details = error.errors(include_url=False)
+        place, message = _first_fault(details[0], lines)
+        more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
+        raise DesignError(_located(name, lines, place, message) + more) from None
+    except Fault as fault:
+        raise DesignError(_located(name, lines, fault.place, str(fault))) from None
+
+
+class DesignFile:
+    """A design file under edit: ``document`` is its YAML as nested mappings and lists, comments attached."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        """Open a file. Raises DesignError where it is not a valid design."""
+        self.path = Path(path)
+        text = _read(self.path)
+        parse(text, str(path))
+        self.document: Any = _yaml().load(text)
+
+    def text(self) -> str:
+        """The file as it would be saved."""
+        stream = io.StringIO()
+        _yaml().dump(self.document, stream)
+        return stream.getvalue()
+
+    def save(self) -> Robot:
+        """Write the file atomically, what was there kept beside it as ``<name>.bak``.
+
+        Raises DesignError, the file as it was, where the document is no valid design or cannot be written.
+        """
+        text = self.text()
+        robot = parse(text, str(self.path))
+        write_atomically(self.path, text, backup=True)
+        return robot
+
+
+def write_atomically(path: Path, text: str, *, backup: bool = False) -> None:
+    """Replace a file's content whole or not at all. Raises DesignError where it cannot be written."""
+    temporary: Path | None = None
+    try:
+        for target, content in ((_backup(path), None), (path, text)):
+            if content is None and not (backup and path.exists()):
+                continue
+            handle, made = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+            temporary = Path(made)
+            with os.fdopen(handle, "wb") as stream:
+                stream.write(path.read_bytes() if content is None else content.encode())
+                stream.flush()
+                os.fsync(stream.fileno())
+            if path.exists():
+                shutil.copymode(path, temporary)
+            else:
+                temporary.chmod(0o666 & ~_umask())
+            temporary.replace(target)
+    except OSError as error:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+        raise DesignError(f"{path}: cannot be saved: {error.strerror}; the file is as it was") from None
+
+
+def _backup(path: Path) -> Path:
+    return path.with_name(path.name + ".bak")
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def _yaml() -> Any:
+    from ruamel.yaml import YAML
+
+    yaml = YAML(typ="rt")
+    yaml.preserve_quotes = True
+    yaml.width = 110
+    return yaml
+
+
+def _read(path: Path) -> str:
+    try:
+        if not path.exists():
+            beside = [other.name for other in path.parent.iterdir()] if path.parent.is_dir() else []
+            hint = nearest(path.name, [name for name in beside if name.endswith((".yaml", ".yml"))])
+            raise DesignError(f"{path}: no such file{hint}")
+        if path.stat().st_size > MAX_BYTES:
+            raise DesignError(f"{path}: {path.stat().st_size / 1e6:.0f} MB; a design is at most {MAX_BYTES / 1e6:.0f} MB")
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise DesignError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise DesignError(f"{path}: is not UTF-8 text (byte {error.start})") from None
+
+
+def _values(text: str, name: str) -> tuple[Any, Lines]:
+    """The plain values of a YAML text, and the line of each."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+    try:
+        root = YAML(typ="safe", pure=True).compose(io.StringIO(text))
+    except MarkedYAMLError as error:
+        line = error.problem_mark.line + 1 if error.problem_mark else 1
+        raise DesignError(f"{name}:{line}: is not YAML: {error.problem}") from None
+    except (YAMLError, ValueError) as error:
+        raise DesignError(f"{name}: is not YAML: {str(error).splitlines()[0]}") from None
+    except RecursionError:
+        raise DesignError(f"{name}: is nested too deeply; expected at most {MAX_DEPTH} levels") from None
+    reader = _Reader(name)
+    return (None if root is None else reader.value(root, ())), reader.lines
+
+
+class _Reader:
+    """YAML nodes to plain values: only what JSON has too, no tags, no doubled keys, within bounds."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.lines: Lines = {}
+        self.count = 0
+
+    def value(self, node: Any, place: tuple[str, ...]) -> Any:
+        line = self.lines[place] = node.start_mark.line + 1
+        self.count += 1
+        if self.count > MAX_VALUES:
+            raise DesignError(f"{self.name}:{line}: unfolds to more than {MAX_VALUES:,} values")
+        if len(place) > MAX_DEPTH:
+            raise DesignError(f"{self.name}:{line}: is nested too deeply; expected at most {MAX_DEPTH} levels")
+        if node.id == "mapping":
+            result: dict[str, Any] = {}
+            for key_node, value_node in node.value:
+                key = str(key_node.value) if key_node.id == "scalar" else "?"
+                if key in result:
+                    at = f"{self.name}:{key_node.start_mark.line + 1}"
+                    raise DesignError(f"{at}: {_text(place)}duplicate name '{key}'; names of one level must differ")
+                result[key] = self.value(value_node, (*place, key))
+                self.lines[(*place, key)] = key_node.start_mark.line + 1
+            return result
+        if node.id == "sequence":
+            return [self.value(item, (*place, str(i))) for i, item in enumerate(node.value)]
+        kind = str(node.tag).rpartition(":")[2]
+        try:
+            if kind == "null":
+                return None
+            if kind == "bool":
+                return node.value.lower() in ("true", "yes", "on")
+            if kind == "int":
+                return int(node.value.replace("_", ""), 0)
+            if kind == "float":
+                return float(node.value.replace("_", "").lower().replace(".inf", "inf").replace(".nan", "nan"))
+        except ValueError:
+            pass
+        if kind in ("str", "timestamp", "int", "float"):
+            return node.value
+        raise DesignError(f"{self.name}:{line}: {_text(place)}tag '{node.tag}' is not taken; expected plain values")
+
+
+def _text(place: tuple[str, ...]) -> str:
+    return "/".join(place) + ": " if place else ""
+
+
+def _located(name: str, lines: Lines, place: tuple[str, ...], message: str) -> str:
+    known = next((place[:n] for n in range(len(place), -1, -1) if place[:n] in lines), ())
+    return f"{name}:{lines.get(known, 1)}: {_text(place)}{message}"
+
+
+def _first_fault(detail: ErrorDetails, lines: Lines) -> tuple[tuple[str, ...], str]:
+    """Place and message of a pydantic error: its location less the names of union branches."""
+    place: tuple[str, ...] = ()
+    for i, step in enumerate(detail["loc"]):
+        last = i == len(detail["loc"]) - 1
+        if (*place, str(step)) in lines or (last and detail["type"] in ("missing", "extra_forbidden")):
+            place = (*place, str(step))
+    if detail["type"] == "extra_forbidden":
+        key = place[-1]
+        return place, f"unknown key '{key}'{nearest(key, _keys(place[:-1]))}"
+    if detail["type"] == "missing":
+        return place[:-1], f"needs '{place[-1]}'"
+    message = detail["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
+    given = detail["input"]
+    return place, message if isinstance(given, dict | list) or detail["type"] == "value_error" else f"{message}, not {given!r:.60}"
+
+
+def _keys(place: tuple[str, ...]) -> list[str]:
+    """The keys that a mapping at this place of a design may have."""
+    from robophm.design import schema
+
+    inside = {"modules": schema.Module, "components": schema.Component, "failure_modes": schema.FailureMode,
+              "signals": schema.SignalBinding, "clocks": schema.ClockBinding}  # fmt: skip
+    itself = {"life": schema.Life, "hazard": schema.Hazard, "usage": schema.Usage, "task": schema.Task,
+              "thresholds": schema.Thresholds, "powered": schema.PowerBinding, "k_of_n": schema.KOutOfNGroup}  # fmt: skip
+    if not place:
+        return list(schema.RobotFile.model_fields)
+    model = inside.get(place[-2]) if len(place) > 1 and place[-2] in inside else itself.get(place[-1])
+    return list(model.model_fields) if model else ["series", "parallel", "k_of_n"]

@@ -1,0 +1,231 @@
+"""A robot as designed, put together: every unit converted, every binding resolved, every diagram expanded.
+
+Paths name things from the robot down, joined by "/": ``Power/Battery Control Board/Capacitor``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.blocks.diagram import Block
+from robophm.hazard.model import Evaluation, Model
+from robophm.life.distribution import LifeDistribution
+
+Array = npt.NDArray[np.float64]
+
+CLOCK_UNITS: Mapping[str, str] = {
+    "operating": "h",
+    "calendar": "h",
+    "kilometres": "km",
+    "cycles": "cycle",
+    "starts": "start",
+}
+"""The unit in which each clock counts."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A measured model input: ``input = scale · message value + offset`` while that is inside [low, high]."""
+
+    signal: str
+    unit: str
+    """In which the message's value is."""
+    scale: float
+    offset: float
+    low: float
+    high: float
+    max_age: int
+    """Nanoseconds that the last value holds."""
+    stale: Literal["nominal", "hold", "worst"]
+
+
+@dataclass(frozen=True)
+class MeasuredClock:
+    """A clock that signals drive: path length of positions [m], a speed [m/s], or rising edges."""
+
+    clock: str
+    kind: Literal["position", "speed", "edge"]
+    signals: tuple[str, ...]
+    unit: str
+    """In which the messages' values are; "" for edges, which may be of anything."""
+    scale: float
+    """To metres or m/s; 1 for edges."""
+    threshold: float
+    max_age: int
+
+
+@dataclass(frozen=True)
+class Stress:
+    """What makes one failure mode age faster or slower than designed: a model at design and observed inputs."""
+
+    model: Model
+    design: Mapping[str, str | float]
+    """Settled inputs at design-time stress x₀."""
+    channels: Mapping[str, Channel]
+    """The inputs that are measured."""
+
+    @cached_property
+    def key(self) -> tuple[object, ...]:
+        """Equal where two stresses give the same factor always."""
+        return (self.model.name, tuple(sorted(self.design.items())), tuple(sorted(self.channels.items())))
+
+    @cached_property
+    def reference(self) -> float:
+        """λ(x₀)."""
+        return float(self.model.evaluate(self.design).value)
+
+    def factor(self, observed: Mapping[str, Array]) -> Evaluation:
+        """ψ(x) = λ(x)/λ(x₀) for observed inputs, shape of their broadcast; and where a model range is left."""
+        value, extrapolated = self.model.evaluate({**self.design, **observed})
+        return Evaluation(value / self.reference, extrapolated)
+
+
+@dataclass(frozen=True)
+class FailureMode:
+    """One way of one component to fail."""
+
+    path: str
+    rate: float
+    """Nominal, at design stress [1 per unit of its clock]."""
+    life: LifeDistribution
+    clock: str
+    measured_clock: MeasuredClock | None
+    scaling: Literal["age", "hazard"]
+    initial_exposure: float
+    """[unit of its clock]"""
+    stresses: tuple[Stress, ...]
+    """Their factors multiply; empty where nothing measured changes the rate."""
+    hazard: Stress | None
+    """The handbook model behind the rate, where there is one."""
+    source: str
+
+
+@dataclass(frozen=True)
+class Component:
+    """A part, or ``quantity`` equal parts of which ``required`` must work."""
+
+    path: str
+    quantity: int
+    required: int
+    monitored: bool
+    modes: tuple[FailureMode, ...]
+    units: tuple[str, ...]
+    """Names of its units in the diagrams: its path, or path[1] … path[quantity] where they are told apart."""
+    description: str = ""
+
+    @property
+    def name(self) -> str:
+        """The last step of its path."""
+        return self.path.rpartition("/")[2]
+
+    @property
+    def multiplicity(self) -> int:
+        """How many equal parts in series one unit stands for."""
+        return self.quantity if len(self.units) == 1 else 1
+
+
+@dataclass(frozen=True)
+class Module:
+    """Modules and components wired by a diagram."""
+
+    path: str
+    modules: tuple[Module, ...]
+    components: tuple[Component, ...]
+    wiring: Block
+    """As drawn: units are paths of its modules and components."""
+    diagram: Block
+    """Expanded: units are units of components."""
+    description: str = ""
+
+    @property
+    def name(self) -> str:
+        """The last step of its path."""
+        return self.path.rpartition("/")[2]
+
+    def all_components(self) -> Iterator[Component]:
+        """The components at this level and below, in design order."""
+        for module in self.modules:
+            yield from module.all_components()
+        yield from self.components
+
+    def all_modules(self) -> Iterator[Module]:
+        """The modules below, outer before inner, in design order."""
+        for module in self.modules:
+            yield module
+            yield from module.all_modules()
+
+
+@dataclass(frozen=True)
+class Usage:
+    """What an hour brings. ``operating`` is the share of calendar time; the others are per operating hour."""
+
+    operating: float = 1.0
+    kilometres: float = 0.0
+    cycles: float = 0.0
+    starts: float = 0.0
+
+    def per_operating_hour(self, clock: str) -> float:
+        """How far a clock goes in one operating hour."""
+        return 1.0 if clock in ("operating", "calendar") else float(getattr(self, clock))
+
+
+@dataclass(frozen=True)
+class Task:
+    """A plain task: ``distance`` [m] in ``duration`` [h]."""
+
+    distance: float
+    duration: float
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Where health is no longer good enough: λ at most [1/h], R and PoTC at least, median RUL at least [h]."""
+
+    hazard_rate: float | None = None
+    reliability: float | None = None
+    remaining_life: float | None = None
+    completion: float | None = None
+
+
+@dataclass(frozen=True)
+class Robot(Module):
+    """The outermost module, with what holds for the robot as a whole."""
+
+    functions: Mapping[str, Block] = field(default_factory=dict)
+    usage: Usage = field(default_factory=Usage)
+    powered: str | None = None
+    """Signal that is above a half while the robot is on."""
+    max_gap: int = 60_000_000_000
+    """Nanoseconds of silence after which the robot is off."""
+    task: Task | None = None
+    thresholds: Thresholds = field(default_factory=Thresholds)
+    warnings: tuple[str, ...] = ()
+    design_hash: str = ""
+    """SHA-256 of the design's content, to tell results of different designs apart."""
+
+    @property
+    def name(self) -> str:
+        """The robot's own name."""
+        return self.path
+
+    @cached_property
+    def modes(self) -> tuple[FailureMode, ...]:
+        """Every failure mode, in design order."""
+        return tuple(mode for component in self.all_components() for mode in component.modes)
+
+    @cached_property
+    def signals(self) -> Mapping[str, str | None]:
+        """Every signal that the design listens to, and the unit in which it takes its values; None for any."""
+        found: dict[str, str | None] = {self.powered: None} if self.powered else {}
+        for mode in self.modes:
+            if clock := mode.measured_clock:
+                found |= dict.fromkeys(clock.signals, None if clock.kind == "edge" else clock.unit)
+            for stress in mode.stresses:
+                found |= {channel.signal: channel.unit for channel in stress.channels.values()}
+        return found

@@ -1,0 +1,247 @@
+"""What a design file may say, key by key. ``robophm schema`` prints it as JSON Schema.
+
+This is the only place that loads pydantic; the rest of robophm sees the resolved ``Robot`` alone.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema, model_validator
+
+from robophm.core.errors import UnitError
+from robophm.core.units import quantity
+
+SCHEMA_VERSION = 1
+"""Of the design file; a file that says another number is refused."""
+
+Clock = Literal["operating", "calendar", "kilometres", "cycles", "starts"]
+"""What a failure mode ages on."""
+
+
+def _quantity(unit: str, description: str, example: str, low: float = float("-inf")) -> Any:
+    """A field that takes a written quantity and holds the number in ``unit``."""
+
+    def read(value: object) -> float:
+        try:
+            number = quantity(value, unit)
+        except UnitError as error:
+            raise ValueError(str(error)) from None
+        if not number >= low:
+            raise ValueError(f"{value} is too small; expected at least {low:g} {unit}".rstrip())
+        return number
+
+    kind = {"type": ["string", "number"] if not unit else "string"}
+    return Annotated[
+        float, BeforeValidator(read), WithJsonSchema({**kind, "description": description, "examples": [example]})
+    ]
+
+
+Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^/\[\]\x00-\x1f]+$")]
+"""Of a module, component, mode or function: any text without / [ ] and control characters."""
+
+Written = Annotated[
+    str | float, WithJsonSchema({"type": ["string", "number"], "description": "a quantity with its unit"})
+]
+"""A quantity whose unit depends on its neighbours; it is converted when the robot is put together."""
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class SignalBinding(_Strict):
+    """A model input that is measured: a field of a topic."""
+
+    topic: str = Field(min_length=1, description="e.g. /power/temperature")
+    field: str = Field(min_length=1, description="path of the number in the message, e.g. temperature or effort[2]")
+    unit: str | None = Field(None, description="unit of the field; default: the unit that the model input has")
+    range: tuple[float, float] | None = Field(None, description="what is outside, in that unit, is no sample")
+    offset: Written | None = Field(None, description="added to the value, e.g. 15 K for a part hotter than its module")
+    max_age: _quantity("s", "how long the last value holds", "5 s", 0.0) = 5.0  # type: ignore[valid-type]
+    stale: Literal["nominal", "hold", "worst"] = Field("nominal", description="what applies when there is no value")
+
+
+class ClockBinding(_Strict):
+    """A clock that is measured: distance from positions or speed, cycles or starts from rising edges."""
+
+    topic: str = Field(min_length=1)
+    position: tuple[str, ...] | None = Field(None, min_length=1, max_length=3, description="coordinates, e.g. [x, y]")
+    speed: str | None = Field(None, description="field with a speed; its magnitude counts")
+    edge: str | None = Field(None, description="field whose rise through the threshold counts one")
+    unit: str | None = Field(None, description="unit of the field; default m or m/s")
+    threshold: float = Field(0.5, description="of an edge, in the field's unit")
+    max_age: _quantity("s", "how long the last speed holds", "5 s", 0.0) = 5.0  # type: ignore[valid-type]
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> ClockBinding:
+        if sum(kind is not None for kind in (self.position, self.speed, self.edge)) != 1:
+            raise ValueError("expected exactly one of position, speed, edge")
+        return self
+
+
+class PowerBinding(_Strict):
+    """The signal that says whether the robot is on: true above a half."""
+
+    topic: str = Field(min_length=1)
+    field: str = Field(min_length=1)
+
+
+class Hazard(_Strict):
+    """A hazard rate by a handbook model."""
+
+    model: str = Field(description="e.g. mil_hdbk_217f.capacitor; `robophm rate` lists them")
+    inputs: dict[str, Written] = Field(default_factory=dict, description="design-time stresses and choices")
+
+
+class Life(_Strict):
+    """How hazard depends on age; the scale follows from the rate unless it is given."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+    distribution: str = Field("exponential", description="e.g. weibull, lognormal; parameters as further keys")
+
+
+class Acceleration(_Strict):
+    """How stress shortens life: a model and its parameters as further keys."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+    model: str = Field(description="arrhenius or q10")
+
+
+Accelerations = Acceleration | list[Acceleration] | Literal["none"]
+
+
+class FailureMode(_Strict):
+    """One way to fail; the modes of a component are in series."""
+
+    rate: Written | None = Field(None, description="e.g. 12 FIT, 0.3 FPMH, 5.8e-6 /h, 2e-5 /km by its clock")
+    hazard: Hazard | None = None
+    life: Life = Field(default_factory=lambda: Life.model_validate({}))
+    clock: Clock = "operating"
+    scaling: Literal["age", "hazard"] = Field("age", description="what stress scales: the age or the hazard")
+    acceleration: Accelerations | None = None
+    initial_exposure: Written | None = Field(None, description="what a used part has behind it, e.g. 1200 h")
+    source: str | None = Field(None, description="where the rate is from")
+
+
+class Component(FailureMode):
+    """A part, with its only failure mode written inline or several under failure_modes."""
+
+    description: str | None = None
+    quantity: int = Field(1, ge=1, le=100_000, description="that many separate parts")
+    required: int | None = Field(None, ge=1, description="how many of them must work; default all")
+    environment: str | None = None
+    monitored: bool = Field(False, description="known to work until reported failed")
+    signals: dict[str, SignalBinding] = Field(default_factory=dict)
+    offsets: dict[str, Written] = Field(default_factory=dict, description="added to inherited signals, e.g. 15 K")
+    clocks: dict[Clock, ClockBinding] = Field(default_factory=dict)
+    failure_modes: dict[Name, FailureMode] = Field(default_factory=dict)
+
+
+class Series(_Strict):
+    """Works while all work."""
+
+    series: list[Diagram] = Field(min_length=1)
+
+
+class Parallel(_Strict):
+    """Works while any works."""
+
+    parallel: list[Diagram] = Field(min_length=1)
+
+
+class KOutOfNGroup(_Strict):
+    """k and the blocks it is chosen of."""
+
+    k: int = Field(ge=1)
+    of: list[Diagram] = Field(min_length=1)
+
+
+class KOutOfN(_Strict):
+    """Works while at least k work."""
+
+    k_of_n: KOutOfNGroup
+
+
+def _kind_of_block(value: object) -> str | None:
+    if isinstance(value, str):
+        return "part"
+    kinds = value if isinstance(value, dict) else type(value).model_fields if isinstance(value, BaseModel) else ()
+    return next((kind for kind in ("series", "parallel", "k_of_n") if kind in kinds), None)
+
+
+Diagram = Annotated[
+    Annotated[str, Tag("part")]
+    | Annotated[Series, Tag("series")]
+    | Annotated[Parallel, Tag("parallel")]
+    | Annotated[KOutOfN, Tag("k_of_n")],
+    Discriminator(
+        _kind_of_block,
+        custom_error_type="block",
+        custom_error_message="not a block; expected a part's name, or one of series, parallel, k_of_n",
+    ),
+]
+
+
+class _Group(_Strict):
+    description: str | None = None
+    environment: str | None = None
+    signals: dict[str, SignalBinding] = Field(default_factory=dict)
+    clocks: dict[Clock, ClockBinding] = Field(default_factory=dict)
+    acceleration: Accelerations | None = Field(None, description="of the constant-rate parts below")
+    modules: dict[Name, Module] = Field(default_factory=dict)
+    components: dict[Name, Component] = Field(default_factory=dict)
+    diagram: Diagram | None = Field(None, description="how the blocks of this level are wired; default series")
+
+
+class Module(_Group):
+    """A module or sub-module, to any depth."""
+
+
+class Usage(_Strict):
+    """What an hour brings: the nominal future, on every clock."""
+
+    operating: Annotated[float, Field(gt=0, le=1, description="share of calendar time that the robot works")] = 1.0
+    kilometres: _quantity("km/h", "driven per operating hour", "1.2 km/h", 0.0) | None = None  # type: ignore[valid-type]
+    cycles: _quantity("cycle/h", "cycles per operating hour", "40 cycle/h", 0.0) | None = None  # type: ignore[valid-type]
+    starts: _quantity("start/h", "starts per operating hour", "0.1 start/h", 0.0) | None = None  # type: ignore[valid-type]
+
+
+class Task(_Strict):
+    """A plain task: a distance at a speed, or a duration."""
+
+    distance: _quantity("m", "to drive", "250 m", 0.0) | None = None  # type: ignore[valid-type]
+    speed: _quantity("m/s", "while driving", "0.3 m/s", 0.0) | None = None  # type: ignore[valid-type]
+    duration: _quantity("h", "instead of distance and speed, or with a distance", "20 min", 0.0) | None = None  # type: ignore[valid-type]
+
+
+class Thresholds(_Strict):
+    """Where the robot's health is no longer good enough (exit code 1)."""
+
+    hazard_rate: _quantity("1/h", "at most", "1000 FPMH", 0.0) | None = None  # type: ignore[valid-type]
+    reliability: Annotated[float, Field(gt=0, lt=1, description="at least, since new")] | None = None
+    remaining_life: _quantity("h", "median, at least", "500 h", 0.0) | None = None  # type: ignore[valid-type]
+    completion: Annotated[float, Field(gt=0, lt=1, description="of the task, at least")] | None = None
+
+
+class RobotFile(_Group):
+    """A robot's design."""
+
+    schema_version: Literal[1]
+    name: Name
+    usage: Usage = Field(default_factory=Usage)
+    powered: PowerBinding | None = None
+    max_gap: _quantity("s", "after so long a silence the robot is off", "60 s", 0.0) = 60.0  # type: ignore[valid-type]
+    task: Task | None = None
+    functions: dict[Name, Diagram] = Field(default_factory=dict, description="what the robot can do, each a diagram")
+    thresholds: Thresholds = Field(default_factory=Thresholds)
+
+
+for _model in (Series, Parallel, KOutOfNGroup, KOutOfN, Module, RobotFile):
+    _model.model_rebuild()
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of a design file, for an editor's completion and checks."""
+    schema = RobotFile.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "robophm design"}

@@ -1,0 +1,1 @@
+"""Rates that no handbook computes: a maker's or the user's own figure."""

@@ -1,0 +1,185 @@
+"""A declared model: a formula whose inputs, ranges, units, source and every factor can be asked for.
+
+A hazard model gives a hazard rate, an acceleration gives a factor of it. Both are one function with keyword
+inputs and one declaration, from which come the checks of a design, its JSON Schema, ``robophm rate --explain``
+and the reference page.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.core.errors import ModelError, nearest
+from robophm.core.table import Source, Table
+from robophm.core.units import quantity
+
+Array = npt.NDArray[np.float64]
+
+PER_MILLION_HOURS = 1e-6
+"""What turns the handbooks' failures per 10⁶ h into 1/h."""
+
+
+@dataclass(frozen=True, eq=False)
+class Factor:
+    """A number in a formula, with its symbol and where it comes from; products and sums remember their parts."""
+
+    symbol: str
+    value: Array | float
+    note: str = ""
+    parts: tuple[Factor, ...] = ()
+    outside: npt.NDArray[np.bool_] | bool = False
+    """Where what went into this factor is beyond what the handbook covers (an overstress S > 1)."""
+
+    def __mul__(self, other: Factor | float) -> Factor:
+        return self._join("·", other, lambda a, b: a * b)
+
+    def __add__(self, other: Factor | float) -> Factor:
+        return self._join("+", other, lambda a, b: a + b)
+
+    def _join(self, sign: str, other: Factor | float, of: Callable[[Any, Any], Any]) -> Factor:
+        if not isinstance(other, Factor):
+            other = Factor(f"{other:g}", other)
+        kept = self.parts if self.symbol == sign else (self,)
+        return Factor(sign, of(self.value, other.value), parts=(*kept, other))
+
+    def leaves(self) -> Iterator[Factor]:
+        """The factors that are not made of others, in the order of the formula."""
+        if not self.parts:
+            yield self
+        for part in self.parts:
+            yield from part.leaves()
+
+
+@dataclass(frozen=True)
+class Choice:
+    """An input that is one word of a table or list."""
+
+    options: Table | tuple[str, ...]
+    description: str = ""
+    default: str | None = None
+
+
+@dataclass(frozen=True)
+class Range:
+    """An input that is a number in a unit, valid from ``low`` to ``high``, both included."""
+
+    low: float
+    high: float
+    unit: str
+    description: str = ""
+    default: float | None = None
+    required: bool = True
+    monotone: int = 0
+    """+1 where the result never falls with this input, −1 where it never rises, 0 where it may do either."""
+
+
+Input = Choice | Range
+
+
+class Evaluation(NamedTuple):
+    """A model's result and, shape for shape, whether an input lay outside the model's printed range."""
+
+    value: Array
+    extrapolated: npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Model:
+    """A formula with declared inputs. ``unit`` is that of its result: '1/h', or '' for an acceleration."""
+
+    name: str
+    formula: str
+    source: Source
+    unit: str
+    inputs: Mapping[str, Input]
+    function: Callable[..., Factor] = field(repr=False)
+
+    @cached_property
+    def numbers(self) -> Mapping[str, Range]:
+        """The inputs that are numbers, and so can be measured."""
+        return {name: entry for name, entry in self.inputs.items() if isinstance(entry, Range)}
+
+    def settle(self, given: Mapping[str, object]) -> dict[str, str | float]:
+        """The inputs as a user wrote them ('60 degC', 'CDR'), converted, checked, with defaults filled in.
+
+        Raises ModelError for an unknown or missing input, a word that is not a choice, a number out of range.
+        """
+        for name in given:
+            if name not in self.inputs:
+                raise ModelError(f"{self.name} has no input '{name}'{nearest(name, self.inputs)}")
+        settled: dict[str, str | float] = {}
+        for name, entry in self.inputs.items():
+            value = given.get(name, entry.default)
+            if value is None:
+                if isinstance(entry, Choice) or entry.required:
+                    raise ModelError(f"{self.name} needs the input '{name}' ({self.expected(name)})")
+            elif isinstance(entry, Choice):
+                if value not in entry.options:
+                    hint = nearest(str(value), entry.options)
+                    raise ModelError(f"{self.name}: {name} '{value}' is not one of its choices{hint}")
+                settled[name] = str(value)
+            else:
+                number = float(value) if value is entry.default else quantity(value, entry.unit)
+                if not entry.low <= number <= entry.high:
+                    raise ModelError(f"{self.name}: {name} {number:g} {entry.unit} is outside {self.expected(name)}")
+                settled[name] = number
+        # A combination that the handbook has no answer for is an error now, not a flag on the robot.
+        for factor in self.explain(settled).leaves():
+            if np.any(factor.outside):
+                raise ModelError(f"{self.name}: {factor.symbol} is outside the handbook's range: {factor.note}")
+        return settled
+
+    def expected(self, name: str) -> str:
+        """What an input takes, in words."""
+        entry = self.inputs[name]
+        if isinstance(entry, Choice):
+            return "one of " + ", ".join(entry.options)
+        return f"{entry.low:g} … {entry.high:g} {entry.unit}".rstrip()
+
+    def explain(self, inputs: Mapping[str, Any]) -> Factor:
+        """The result as a tree of factors. Inputs are settled ones; numbers may be arrays that broadcast."""
+        return self.function(**inputs)
+
+    def evaluate(self, inputs: Mapping[str, Any]) -> Evaluation:
+        """The result for settled inputs, numbers being scalars or arrays that broadcast. Never raises for a range.
+
+        Raises ModelError where the formula has no answer at all.
+        """
+        explained = self.explain(inputs)
+        result = np.asarray(explained.value, dtype=float)
+        outside = np.zeros(result.shape, dtype=bool)
+        for factor in explained.leaves():
+            outside = outside | factor.outside
+        for name, entry in self.numbers.items():
+            if name in inputs:
+                value = np.asarray(inputs[name])
+                outside = outside | (value < entry.low) | (value > entry.high)
+        return Evaluation(result, np.broadcast_to(outside, result.shape))
+
+
+def hazard_model(
+    *, source: Source, inputs: Mapping[str, Input], unit: str = "1/h"
+) -> Callable[[Callable[..., Factor]], Model]:
+    """Declare a function as a hazard model; its result is in ``unit``. The first docstring line is the formula."""
+    return lambda function: _declare(function, source, inputs, unit)
+
+
+def acceleration(*, source: Source, inputs: Mapping[str, Input]) -> Callable[[Callable[..., Factor]], Model]:
+    """Declare a function as an acceleration: a factor of the hazard rate that is 1 at the reference stress."""
+    return lambda function: _declare(function, source, inputs, "")
+
+
+def _declare(function: Callable[..., Factor], source: Source, inputs: Mapping[str, Input], unit: str) -> Model:
+    taken = inspect.signature(function).parameters
+    if set(taken) != set(inputs):
+        raise TypeError(f"{function.__module__}.{function.__qualname__}: declared {set(inputs)}, takes {set(taken)}")
+    formula = (inspect.getdoc(function) or "").splitlines()[0]
+    name = function.__module__.removeprefix("robophm.hazard.").removeprefix("handbooks.")
+    return Model(name, formula, source, unit, inputs, function)

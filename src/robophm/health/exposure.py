@@ -1,0 +1,499 @@
+"""What a robot has lived through: stress history → age, effective age and cumulative hazard of every failure mode.
+
+A ledger holds the sums; an Exposure knows how samples become sums for one robot. Between samples the last value
+holds, until it is stale; every interval is split exactly where something changes.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.core.errors import StoreError
+from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
+from robophm.design.robot import Channel, FailureMode, MeasuredClock, Robot, Stress
+
+Array = npt.NDArray[np.float64]
+Times = npt.NDArray[np.int64]
+
+RECENT = 600 * SECOND
+"""Nanoseconds over which the recent mean is taken: the last ten minutes."""
+
+_RECENT_STEP = 30 * SECOND  # the recent past is kept in steps of at least this, so that it stays small
+
+
+class Total:
+    """Sums that lose nothing: each is a double and the rounding left over from all additions (Neumaier 1974)."""
+
+    def __init__(self, high: Array, low: Array) -> None:
+        self.high = high
+        self.low = low
+
+    @classmethod
+    def zeros(cls, n: int) -> Total:
+        """n empty sums."""
+        return cls(np.zeros(n), np.zeros(n))
+
+    def add(self, more: Array) -> None:
+        """Add to every sum; shape (n,)."""
+        total = self.high + more
+        shifted = total - self.high
+        self.low = self.low + ((self.high - (total - shifted)) + (more - shifted))
+        self.high = total
+
+    @property
+    def value(self) -> Array:
+        """The sums, shape (n,)."""
+        return self.high + self.low
+
+    def copy(self) -> Total:
+        """An independent copy."""
+        return Total(self.high.copy(), self.low.copy())
+
+
+class Recent(NamedTuple):
+    """What one step of the recent past added."""
+
+    end: int
+    operating: float
+    """[h]"""
+    age: Array
+    """Of each mode [unit of its clock]."""
+    effective: Array
+    """Of each mode, stress factor times age."""
+
+
+@dataclass
+class Ledger:
+    """A robot's past. Sums are by failure mode in design order, since new and without the initial exposure."""
+
+    modes: tuple[str, ...]
+    age: Total
+    effective: Total
+    hazard: Total
+    """∫ψ·h₀(a)da, for the modes whose stress scales the hazard; zero for the others."""
+    hours: Total
+    """Operating and calendar hours since the start."""
+    started: int | None = None
+    integrated_to: int | None = None
+    newest: int | None = None
+    heard: int | None = None
+    """Time of the last sample of the robot itself."""
+    last: dict[str, tuple[int, tuple[float, ...]]] = field(default_factory=dict)
+    """The last valid value of every channel, position and clock signal, by its key."""
+    pending: list[Sample] = field(default_factory=list)
+    """The open window: received, not yet integrated."""
+    counts: Counter[str] = field(default_factory=Counter)
+    """What was not taken, by reason and signal."""
+    stale: Counter[str] = field(default_factory=Counter)
+    """Nanoseconds of operation without a valid value, by channel key."""
+    extrapolated: Counter[str] = field(default_factory=Counter)
+    """Nanoseconds of operation outside a model's printed range, by mode."""
+    recent: list[Recent] = field(default_factory=list)
+
+    @classmethod
+    def new(cls, robot: Robot) -> Ledger:
+        """The ledger of a robot that has not lived yet."""
+        n = len(robot.modes)
+        return cls(tuple(m.path for m in robot.modes), Total.zeros(n), Total.zeros(n), Total.zeros(n), Total.zeros(2))
+
+    def copy(self) -> Ledger:
+        """An independent copy, to look ahead without consequence."""
+        return Ledger.from_json(self.to_json(), self.modes)
+
+    def to_json(self) -> dict[str, Any]:
+        """As plain values; floats come back bit for bit."""
+        totals = {name: getattr(self, name) for name in ("age", "effective", "hazard", "hours")}
+        return {
+            "version": 1,
+            "modes": list(self.modes),
+            "totals": {name: [total.high.tolist(), total.low.tolist()] for name, total in totals.items()},
+            **{name: getattr(self, name) for name in ("started", "integrated_to", "newest", "heard")},
+            "last": {key: [time, list(values)] for key, (time, values) in self.last.items()},
+            "pending": [list(sample) for sample in self.pending],
+            **{name: dict(getattr(self, name)) for name in ("counts", "stale", "extrapolated")},
+            "recent": [[r.end, r.operating, r.age.tolist(), r.effective.tolist()] for r in self.recent],
+        }
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any], modes: tuple[str, ...]) -> Ledger:
+        """A ledger read back. Raises StoreError where it was kept for other failure modes or another version."""
+        if data.get("version") != 1:
+            raise StoreError(f"ledger version {data.get('version')}; expected 1")
+        kept = tuple(data["modes"])
+        if set(kept) != set(modes):
+            other = sorted(set(kept) ^ set(modes))
+            raise StoreError(
+                f"ledger was kept for other parts: '{other[0]}' is in {'it' if other[0] in kept else 'the design'} "
+                f"alone ({len(other)} in all); expected the design that it was kept for, or another store"
+            )
+        order = [kept.index(mode) for mode in modes]
+        totals = {
+            name: Total(*(np.array(part, dtype=float) for part in parts)) for name, parts in data["totals"].items()
+        }
+        for name in ("age", "effective", "hazard"):
+            totals[name] = Total(totals[name].high[order], totals[name].low[order])
+        return cls(
+            modes,
+            **totals,
+            **{name: data[name] for name in ("started", "integrated_to", "newest", "heard")},
+            last={key: (time, tuple(values)) for key, (time, values) in data["last"].items()},
+            pending=[Sample(*sample) for sample in data["pending"]],
+            **{name: Counter(data[name]) for name in ("counts", "stale", "extrapolated")},
+            recent=[Recent(end, on, np.array(a)[order], np.array(u)[order]) for end, on, a, u in data["recent"]],
+        )
+
+
+class Exposure:
+    """How the samples of one robot become exposure. Holds no state: that is the ledger's."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.modes = robot.modes
+        clocks: dict[tuple[object, ...], _Clock] = {}
+        groups: dict[tuple[object, ...], _Group] = {}
+        channels: dict[str, Channel] = {}
+        for i, mode in enumerate(self.modes):
+            source = (mode.clock, mode.measured_clock)
+            clock = clocks.setdefault(source, _Clock(mode.clock, mode.measured_clock, robot.usage.per_operating_hour(mode.clock)))
+            key = (source, *(stress.key for stress in mode.stresses))
+            group = groups.setdefault(key, _Group(clock, tuple(_Input.all_of(stress) for stress in mode.stresses), []))
+            group.members.append(i)
+            for stress in mode.stresses:
+                channels |= {channel_key(channel): channel for channel in stress.channels.values()}
+        self.clocks = tuple(clocks.values())
+        self.groups = tuple(groups.values())
+        self.channels: Mapping[str, Channel] = channels
+        self.initial = np.array([mode.initial_exposure for mode in self.modes])
+        self._by_hazard = [mode.scaling == "hazard" for mode in self.modes]
+
+    def integrate(self, ledger: Ledger, samples: Sequence[Sample], until: int) -> None:
+        """Carry the ledger on to ``until`` [ns] with samples that are sorted and not later than it."""
+        if ledger.integrated_to is None:
+            ledger.integrated_to = ledger.started if ledger.started is not None else until
+        block = _Block(ledger, samples, until, self.robot)
+        n = len(self.modes)
+        age, effective, hazard = np.zeros(n), np.zeros(n), np.zeros(n)
+        elapsed = {id(clock): clock.elapsed(block) for clock in self.clocks}
+        series = {key: block.series(key, channel) for key, channel in self.channels.items()}
+        for group in self.groups:
+            clock = elapsed[id(group.clock)]
+            edges = block.edges(series[key] for key in group.channel_keys)
+            steps = np.diff(clock(edges))
+            factor, outside = group.factor(series, edges[:-1])
+            age[group.members] = clock(block.ends)[1]
+            effective[group.members] = age[group.members] if factor is None else np.sum(factor * steps)
+            if factor is not None and np.any(outside):
+                over = round(float(np.sum(np.diff(block.operating(edges)), where=outside)))
+                ledger.extrapolated.update({self.modes[i].path: over for i in group.members if over})
+            for i in group.members:
+                if self._by_hazard[i]:
+                    start = self.initial[i] + ledger.age.high[i] + ledger.age.low[i]
+                    increments = self.modes[i].life.increment(start + clock(edges[:-1]), steps)
+                    hazard[i] = np.sum(increments if factor is None else factor * increments)
+        operating = float(block.operating(block.ends)[1]) / HOUR
+        for total, more in ((ledger.age, age), (ledger.effective, effective), (ledger.hazard, hazard)):
+            total.add(more)
+        ledger.hours.add(np.array([operating, block.length / HOUR]))
+        for key, values in series.items():
+            edges = block.edges([values])
+            missing = np.diff(block.operating(edges))[~values.fresh(edges[:-1])]
+            if (nanoseconds := round(float(missing.sum()))) > 0:
+                ledger.stale[key] += nanoseconds
+        self._remember(ledger, Recent(until, operating, age, effective))
+        block.close(ledger)
+
+    @staticmethod
+    def _remember(ledger: Ledger, new: Recent) -> None:
+        last = ledger.recent[-1] if ledger.recent else None
+        if last and last.end // _RECENT_STEP == new.end // _RECENT_STEP:
+            both = (last.operating + new.operating, last.age + new.age, last.effective + new.effective)
+            ledger.recent[-1] = Recent(new.end, *both)
+        else:
+            ledger.recent.append(new)
+        ledger.recent = [step for step in ledger.recent if step.end > new.end - RECENT]
+
+    def settled(self, ledger: Ledger) -> Ledger:
+        """A copy of the ledger with its open window integrated too, up to the newest sample."""
+        ahead = ledger.copy()
+        samples, ahead.pending = sorted(ahead.pending), []
+        newest = ahead.newest
+        if newest is not None and (ahead.integrated_to is None or newest > ahead.integrated_to or samples):
+            self.integrate(ahead, samples, newest)
+        return ahead
+
+    def current_factor(self, ledger: Ledger) -> Array:
+        """The stress factor ψ of every mode under what is known at the integrated-to time; shape (modes,)."""
+        factor = np.ones(len(self.modes))
+        if ledger.integrated_to is not None:
+            block = _Block(ledger, (), ledger.integrated_to, self.robot)
+            series = {key: block.series(key, channel) for key, channel in self.channels.items()}
+            for group in self.groups:
+                now, _ = group.factor(series, block.ends[:1])
+                if now is not None:
+                    factor[group.members] = now[0]
+        return factor
+
+    def recent_factor(self, ledger: Ledger) -> Array:
+        """The mean stress factor of every mode over the last ten minutes; NaN where its clock did not run."""
+        age = sum((step.age for step in ledger.recent), np.zeros(len(self.modes)))
+        effective = sum((step.effective for step in ledger.recent), np.zeros(len(self.modes)))
+        return np.divide(effective, age, out=np.full(age.shape, np.nan), where=age > 0)
+
+    def recent_usage(self, ledger: Ledger) -> Array:
+        """How far each mode's clock went per operating hour in the last ten minutes; NaN where it was off."""
+        hours = sum(step.operating for step in ledger.recent)
+        age = sum((step.age for step in ledger.recent), np.zeros(len(self.modes)))
+        return age / hours if hours > 0 else np.full(age.shape, np.nan)
+
+    def silent(self, ledger: Ledger) -> list[str]:
+        """The signals that are bound and have no valid value at the integrated-to time."""
+        now = ledger.integrated_to
+        old = (
+            channel.signal
+            for key, channel in self.channels.items()
+            if now is None or key not in ledger.last or now >= ledger.last[key][0] + channel.max_age
+        )
+        return sorted(set(old))
+
+
+def channel_key(channel: Channel) -> str:
+    """What a channel's last value is kept under: a signal, and what of it is valid."""
+    return f"{channel.signal} {channel.scale!r} {channel.offset!r} {channel.low!r} {channel.high!r}"
+
+
+class _Series:
+    """The valid values of one channel in a block, with the one carried in; in the model's unit."""
+
+    def __init__(self, times: Times, values: Array, max_age: int) -> None:
+        self.times = times
+        self.values = values
+        self.max_age = max_age
+
+    def index(self, at: Times) -> npt.NDArray[np.intp]:
+        """Which value was the last at each time; −1 before the first."""
+        return np.searchsorted(self.times, at, side="right") - 1
+
+    def fresh(self, at: Times) -> npt.NDArray[np.bool_]:
+        """Whether the last value still holds at each time."""
+        index = self.index(at)
+        return (index >= 0) & (at - self.times[index] < self.max_age) if len(self.times) else index >= 0
+
+    def changes(self) -> Times:
+        """The times at which the value, or whether there is one, may change."""
+        ends = self.times + self.max_age
+        gone = np.ones(len(ends), dtype=bool)
+        gone[:-1] = ends[:-1] < self.times[1:]
+        return np.concatenate((self.times, ends[gone]))
+
+
+class _Block:
+    """The samples of one stretch of time, in nanoseconds from its start."""
+
+    def __init__(self, ledger: Ledger, samples: Sequence[Sample], until: int, robot: Robot) -> None:
+        self.ledger = ledger
+        self.robot = robot
+        self.start = ledger.integrated_to if ledger.integrated_to is not None else until
+        self.length = until - self.start
+        self.ends: Times = np.array([0, self.length], dtype=np.int64)
+        own: dict[str, tuple[list[int], list[float]]] = {}
+        for time, signal, value in samples:
+            times, values = own.setdefault(signal, ([], []))
+            times.append(time - self.start)
+            values.append(value)
+        self.raw = {s: (np.array(t, dtype=np.int64), np.array(v)) for s, (t, v) in own.items() if s != CLOCK}
+        self.last: dict[str, tuple[int, tuple[float, ...]]] = {}
+        self.operating = self._operating()
+
+    def signal(self, name: str, key: str) -> tuple[Times, Array]:
+        """Times and values of one signal, the value carried in first, each time once with its last value."""
+        times, values = self.raw.get(name, (np.empty(0, dtype=np.int64), np.empty(0)))
+        if key in self.ledger.last:
+            time, (value,) = self.ledger.last[key]
+            times, values = np.append(time - self.start, times), np.append(value, values)
+        keep = np.append(times[1:] != times[:-1], True) if len(times) else slice(None)
+        return times[keep], values[keep]
+
+    def carry(self, key: str, times: Times, values: Array) -> None:
+        """Remember the last value for the next block."""
+        if len(times):
+            self.last[key] = (int(times[-1]) + self.start, (float(values[-1]),))
+
+    def series(self, key: str, channel: Channel) -> _Series:
+        times, values = self.signal(channel.signal, key)
+        inside = channel.scale * values + channel.offset
+        valid = (inside >= channel.low) & (inside <= channel.high)
+        if rejected := int(np.count_nonzero(~valid)):
+            self.ledger.counts[f"out of range: {channel.signal}"] += rejected
+        self.carry(key, times[valid], values[valid])
+        return _Series(times[valid], inside[valid], channel.max_age)
+
+    def edges(self, series: Iterable[_Series]) -> Times:
+        """Both ends, and every change in between, ascending."""
+        changes = np.concatenate([self.ends, *(one.changes() for one in series)])
+        return np.unique(changes[(changes >= 0) & (changes <= self.length)])
+
+    def _operating(self) -> _Elapsed:
+        """Nanoseconds that the robot was on: it has been heard within max_gap, and says it is powered."""
+        gap = self.robot.max_gap
+        heard = np.unique(np.concatenate([times for times, _ in self.raw.values()])) if self.raw else np.empty(0, np.int64)
+        if self.ledger.heard is not None:
+            heard = np.append(min(self.ledger.heard - self.start, heard[0] if len(heard) else self.length), heard)
+        self.heard = int(heard[-1]) + self.start if len(heard) else None
+        silent = np.append(np.diff(heard) > gap, True) if len(heard) else np.empty(0, dtype=bool)
+        back = np.append(heard[1:], self.length)[silent] if len(heard) else np.empty(0, np.int64)
+        changes = [self.ends, heard[:1], heard[silent] + gap, back]
+        power: tuple[Times, Array] | None = None
+        if self.robot.powered:
+            power = self.signal(self.robot.powered, self.robot.powered)
+            self.carry(self.robot.powered, *power)
+            changes.append(power[0])
+        every = np.concatenate(changes)
+        edges = np.unique(every[(every >= 0) & (every <= self.length)])
+        index = np.searchsorted(heard, edges[:-1], side="right") - 1
+        on = (index >= 0) & (edges[:-1] - heard[index] < gap) if len(heard) else index >= 0
+        if power is not None and len(power[0]):
+            index = np.searchsorted(power[0], edges[:-1], side="right") - 1
+            on &= (index < 0) | (power[1][index] > 0.5)
+        return _Elapsed(edges, np.append(0.0, np.cumsum(np.diff(edges) * on)))
+
+    def close(self, ledger: Ledger) -> None:
+        """Leave in the ledger what the next block starts from."""
+        ledger.last |= self.last
+        ledger.heard = self.heard if self.heard is not None else ledger.heard
+        ledger.integrated_to = self.start + self.length
+
+
+class _Elapsed:
+    """How far a clock has gone since the block began: linear between edges, or in steps at them."""
+
+    def __init__(self, edges: Times, total: Array, *, steps: bool = False) -> None:
+        self.edges = edges
+        self.total = total
+        self.steps = steps
+
+    def __call__(self, at: Times) -> Array:
+        if self.steps:  # total[i] is reached at edges[i − 1]; a step belongs to the interval that it ends
+            return self.total[np.searchsorted(self.edges, at, side="right")]
+        return np.interp(at, self.edges, self.total)
+
+    def scaled(self, factor: float) -> _Elapsed:
+        return _Elapsed(self.edges, self.total * factor, steps=self.steps)
+
+
+@dataclass
+class _Clock:
+    clock: str
+    measured: MeasuredClock | None
+    usage: float
+    """Per operating hour, where nothing measures it."""
+
+    def elapsed(self, block: _Block) -> _Elapsed:
+        """[unit of the clock]"""
+        if self.clock == "calendar":
+            return _Elapsed(block.ends, block.ends / HOUR)
+        if self.measured is None:
+            return block.operating.scaled(self.usage / HOUR)
+        return {"position": self._path, "speed": self._speed, "edge": self._edges}[self.measured.kind](block, self.measured)
+
+    def _path(self, block: _Block, measured: MeasuredClock) -> _Elapsed:
+        coordinates = [block.signal(signal, f"position {signal}") for signal in measured.signals]
+        for signal, (times, values) in zip(measured.signals, coordinates, strict=True):
+            block.carry(f"position {signal}", times, values)
+        when = np.unique(np.concatenate([times for times, _ in coordinates]))
+        first = max((int(times[0]) if len(times) else block.length + 1 for times, _ in coordinates), default=0)
+        when = when[when >= first]
+        squares = np.zeros(max(len(when) - 1, 0))
+        for times, values in coordinates:
+            if len(when) > 1:
+                squares += np.diff(values[np.searchsorted(times, when, side="right") - 1]) ** 2
+        kilometres = np.sqrt(squares) * measured.scale / 1000
+        return _Elapsed(when[1:], np.append(0.0, np.cumsum(kilometres)), steps=True)
+
+    def _speed(self, block: _Block, measured: MeasuredClock) -> _Elapsed:
+        key = f"speed {measured.signals[0]}"
+        times, values = block.signal(measured.signals[0], key)
+        block.carry(key, times, values)
+        series = _Series(times, np.abs(values), measured.max_age)
+        edges = np.unique(np.concatenate((block.edges([series]), block.operating.edges)))
+        operating = np.diff(block.operating(edges))
+        rate = np.full(len(operating), self.usage / HOUR)  # silence is not standstill: the design's usage holds
+        fresh = series.fresh(edges[:-1])
+        rate[fresh] = series.values[series.index(edges[:-1])[fresh]] * measured.scale * 1e-3 / SECOND
+        silence = round(float(operating[~fresh].sum()))
+        if silence:
+            block.ledger.stale[measured.signals[0]] += silence
+        return _Elapsed(edges, np.append(0.0, np.cumsum(rate * operating)))
+
+    def _edges(self, block: _Block, measured: MeasuredClock) -> _Elapsed:
+        key = f"edge {measured.signals[0]}"
+        times, values = block.signal(measured.signals[0], key)
+        block.carry(key, times, values)
+        above = values > measured.threshold
+        rises = times[1:][above[1:] & ~above[:-1]]
+        return _Elapsed(rises, np.arange(len(rises) + 1, dtype=float), steps=True)
+
+
+@dataclass(frozen=True)
+class _Input:
+    """One measured input of one stress: the value without a sensor, and the one that ages fastest."""
+
+    name: str
+    key: str
+    stale: str
+    nominal: float
+    worst: float
+
+    @staticmethod
+    def all_of(stress: Stress) -> tuple[Stress, tuple[_Input, ...]]:
+        return stress, tuple(_Input._of(stress, name, channel) for name, channel in stress.channels.items())
+
+    @staticmethod
+    def _of(stress: Stress, name: str, channel: Channel) -> _Input:
+        worst = nominal = float(stress.design[name])
+        if channel.stale == "worst":
+            candidates = np.linspace(channel.low, channel.high, 257)
+            worst = float(candidates[np.argmax(stress.factor({name: candidates}).value)])
+        return _Input(name, channel_key(channel), channel.stale, nominal, worst)
+
+    def observed(self, series: _Series, at: Times) -> Array:
+        index, fresh = series.index(at), series.fresh(at)
+        if self.stale == "hold":
+            fresh = index >= 0
+        silent = self.worst if self.stale == "worst" else self.nominal
+        result = np.full(len(at), silent)
+        result[fresh] = series.values[index[fresh]]
+        return result
+
+
+@dataclass
+class _Group:
+    """Failure modes that share clock and stresses: their factor is evaluated once."""
+
+    clock: _Clock
+    stresses: tuple[tuple[Stress, tuple[_Input, ...]], ...]
+    members: list[int]
+
+    @property
+    def channel_keys(self) -> Iterator[str]:
+        return (one.key for _, inputs in self.stresses for one in inputs)
+
+    def factor(self, series: Mapping[str, _Series], at: Times) -> tuple[Array | None, npt.NDArray[np.bool_]]:
+        """ψ at the given times, None where nothing is measured; and where a model's range is left."""
+        product: Array | None = None
+        outside = np.zeros(len(at), dtype=bool)
+        for stress, inputs in self.stresses:
+            value, beyond = stress.factor({one.name: one.observed(series[one.key], at) for one in inputs})
+            product = value if product is None else product * value
+            outside = outside | beyond
+        return product, outside
+
+
+def effective_ages(modes: Sequence[FailureMode], ledger: Ledger) -> Array:
+    """u = initial exposure + ∫ψ da of every mode [unit of its clock]; shape (modes,)."""
+    return np.array([mode.initial_exposure for mode in modes]) + ledger.effective.value

@@ -1,0 +1,215 @@
+"""One look at a robot's health: nominal and sensor-based side by side, with all that qualifies it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from robophm.blocks.diagram import Block
+from robophm.core.signal import SECOND
+from robophm.design.robot import Robot, Task
+from robophm.health.exposure import Exposure, Ledger
+from robophm.health.prognosis import Completion, Figures, Outlook, Plant, RemainingLife, View, outlooks
+
+SCHEMA_VERSION = 1
+"""Of a report as JSON."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What figures are given for: the robot, a module or a function."""
+
+    kind: str
+    """robot, module or function."""
+    path: str
+    nominal: Figures
+    sensor_based: Figures
+    flags: tuple[str, ...] = ()
+    """What qualifies the sensor-based figures: 'stale /topic.field', 'extrapolated'."""
+
+
+@dataclass(frozen=True)
+class ComponentHealth:
+    """A component in both views; hazard rates of all its equal parts together [1/h of operation]."""
+
+    path: str
+    quantity: int
+    nominal_hazard_rate: float
+    sensor_based_hazard_rate: float
+    nominal_reliability: float
+    sensor_based_reliability: float
+
+
+@dataclass(frozen=True)
+class HealthReport:
+    """A robot's health at one time of its own clock."""
+
+    robot: str
+    design_hash: str
+    time: int | None
+    """Nanoseconds since the epoch to which exposure has been integrated; None before the first sample."""
+    operating_hours: float
+    calendar_hours: float
+    kilometres: float | None
+    """Driven as measured; None where no part ages on kilometres."""
+    subjects: tuple[Subject, ...]
+    """The robot first, then its modules outer before inner, then its functions."""
+    components: tuple[ComponentHealth, ...]
+    task: Task | None
+    breaches: tuple[str, ...]
+    """Thresholds of the design that the sensor-based figures fail."""
+    notes: tuple[str, ...]
+    """What was not taken, and why."""
+    outlooks: Mapping[View, Outlook] = field(repr=False, compare=False)
+
+    @property
+    def system(self) -> Subject:
+        """The robot as a whole."""
+        return self.subjects[0]
+
+    def subject(self, path: str) -> Subject:
+        """A module or function by its path. Raises KeyError."""
+        for subject in self.subjects:
+            if subject.path == path:
+                return subject
+        raise KeyError(path)
+
+    def reliability(self, hours: float, view: View = "sensor_based") -> float:
+        """Survival since new after so many more operating hours of the same use."""
+        outlook = self.outlooks[view]
+        import numpy as np
+
+        return float(outlook.survival_curve(outlook.plant.robot.diagram, np.array([hours])).works[0])
+
+    def remaining_life(self, view: View = "sensor_based") -> RemainingLife:
+        """Of the robot [h]."""
+        outlook = self.outlooks[view]
+        return outlook.remaining_life(outlook.plant.robot.diagram)
+
+    def completion(self, task: Task, view: View = "sensor_based") -> Completion:
+        """Of a task by the robot as it is now."""
+        outlook = self.outlooks[view]
+        return outlook.completion(outlook.plant.robot.diagram, task)
+
+    def to_json(self) -> dict[str, Any]:
+        """As plain values, schema-versioned; infinite times are null."""
+        names = ("robot", "design_hash", "time", "operating_hours", "calendar_hours", "kilometres")
+        return {
+            "schema_version": SCHEMA_VERSION,
+            **{name: getattr(self, name) for name in names},
+            "subjects": [_finite(asdict(subject)) for subject in self.subjects],
+            "components": [_finite(asdict(component)) for component in self.components],
+            "task": asdict(self.task) if self.task else None,
+            "breaches": list(self.breaches),
+            "notes": list(self.notes),
+        }
+
+    def _repr_html_(self) -> str:
+        """A table, for a notebook."""
+        from html import escape
+
+        head = "".join(f"<th>{h}</th>" for h in ("", "λ nominal [1/h]", "λ sensor", "R nominal", "R sensor", "RUL median [h]", "PoTC"))
+        rows = []
+        for one in self.subjects:
+            n, s = one.nominal, one.sensor_based
+            life = f"{s.remaining_life.median:.4g}" if s.remaining_life else "–"
+            task = f"{s.completion.probability:.6g}" if s.completion else "–"
+            cells = (f"{n.hazard_rate:.4g}", f"{s.hazard_rate:.4g}", f"{n.reliability:.6g}", f"{s.reliability:.6g}", life, task)
+            rows.append(f"<tr><th>{escape(one.path)}</th>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+
+
+def health_report(
+    plant: Plant, exposure: Exposure, ledger: Ledger, *, task: Task | None = None, remaining_life: bool = True
+) -> HealthReport:
+    """The health that a ledger tells of; ``task`` is the design's unless given. Remaining life is the slow part."""
+    robot = plant.robot
+    task = task or robot.task
+    views = outlooks(plant, exposure, ledger)
+    silent = set(exposure.silent(ledger))
+    systems: list[tuple[str, str, Block, frozenset[str]]] = [("robot", robot.name, robot.diagram, _signals(robot, ""))]
+    systems += [("module", m.path, m.diagram, _signals(robot, m.path + "/")) for m in robot.all_modules()]
+    systems += [("function", name, diagram, frozenset()) for name, diagram in robot.functions.items()]
+    subjects = tuple(
+        Subject(
+            kind,
+            path,
+            views["nominal"].figures(diagram, task, remaining_life=remaining_life),
+            views["sensor_based"].figures(diagram, task, remaining_life=remaining_life),
+            tuple(f"stale {signal}" for signal in sorted(silent & signals)) + _extrapolated(robot, ledger, path, kind),
+        )
+        for kind, path, diagram, signals in systems
+    )
+    columns = [
+        values
+        for method in ("component_hazard_rates", "component_survival")
+        for values in (getattr(views[view], method)() for view in ("nominal", "sensor_based"))
+    ]
+    components = tuple(
+        ComponentHealth(component.path, component.quantity, *(float(column[i]) for column in columns))
+        for i, component in enumerate(plant.components)
+    )
+    hours = ledger.hours.value
+    driven = [i for i, mode in enumerate(robot.modes) if mode.clock == "kilometres"]
+    return HealthReport(
+        robot.name,
+        robot.design_hash,
+        ledger.integrated_to,
+        float(hours[0]),
+        float(hours[1]),
+        float(ledger.age.value[driven[0]]) if driven else None,
+        subjects,
+        components,
+        task,
+        _breaches(robot, subjects[0].sensor_based),
+        _notes(ledger),
+        views,
+    )
+
+
+def _signals(robot: Robot, prefix: str) -> frozenset[str]:
+    return frozenset(
+        channel.signal
+        for mode in robot.modes
+        if mode.path.startswith(prefix)
+        for stress in mode.stresses
+        for channel in stress.channels.values()
+    )
+
+
+def _extrapolated(robot: Robot, ledger: Ledger, path: str, kind: str) -> tuple[str, ...]:
+    inside = (kind == "robot" or mode.startswith(path + "/") for mode in ledger.extrapolated)
+    return ("extrapolated",) if kind != "function" and any(inside) else ()
+
+
+def _breaches(robot: Robot, figures: Figures) -> tuple[str, ...]:
+    limits = robot.thresholds
+    found = []
+    if limits.hazard_rate is not None and figures.hazard_rate > limits.hazard_rate:
+        found.append(f"hazard rate {figures.hazard_rate:.4g} /h is above {limits.hazard_rate:.4g} /h")
+    if limits.reliability is not None and figures.reliability < limits.reliability:
+        found.append(f"reliability {figures.reliability:.6g} is below {limits.reliability:g}")
+    life, completion = figures.remaining_life, figures.completion
+    if limits.remaining_life is not None and life and life.median < limits.remaining_life:
+        found.append(f"median remaining life {life.median:.4g} h is below {limits.remaining_life:g} h")
+    if limits.completion is not None and completion and completion.probability < limits.completion:
+        found.append(f"probability of task completion {completion.probability:.6g} is below {limits.completion:g}")
+    return tuple(found)
+
+
+def _notes(ledger: Ledger) -> tuple[str, ...]:
+    dropped = [f"{count} samples not taken: {reason}" for reason, count in sorted(ledger.counts.items())]
+    silent = [
+        f"{key.split(' ')[0]} had no valid value for {time / SECOND:.6g} s of operation"
+        for key, time in sorted(ledger.stale.items())
+    ]
+    return tuple(dict.fromkeys(dropped + silent))
+
+
+def _finite(value: Any) -> Any:
+    """JSON has no infinity: what never happens has no time."""
+    if isinstance(value, dict):
+        return {key: _finite(inner) for key, inner in value.items()}
+    return None if isinstance(value, float) and not math.isfinite(value) else value

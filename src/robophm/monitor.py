@@ -1,0 +1,174 @@
+"""The loop from samples to health. It has no clock of its own: time is what the samples say.
+
+Integration trails the newest sample by a reorder window and goes on in whole periods of the samples' own time, so
+that the same samples in the same order always give the same ledger, bit for bit, wherever a run was interrupted.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+import re
+import time
+from bisect import bisect_right
+from collections.abc import Callable
+from typing import Any
+
+from robophm.core.errors import SourceError, UnitError, nearest
+from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
+from robophm.core.units import conversion
+from robophm.design.robot import Robot, Task
+from robophm.health.exposure import Exposure, Ledger
+from robophm.health.prognosis import Plant
+from robophm.health.report import HealthReport, health_report
+from robophm.stores.store import Progress, Store
+from robophm.transports.message_units import field_unit
+from robophm.transports.source import SignalSource, open_source
+
+WINDOW = SECOND
+"""Nanoseconds that integration waits for samples that come out of order."""
+
+
+class Monitor:
+    """One robot under observation."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        ledger: Ledger | None = None,
+        *,
+        period: float = 60.0,
+        on_tick: Callable[[Monitor], None] | None = None,
+    ) -> None:
+        """Start, or go on from a ledger. ``period`` [s] is the step of integration; ``on_tick`` follows each."""
+        self.robot = robot
+        self.plant = Plant(robot)
+        self.exposure = Exposure(robot)
+        self.ledger = ledger if ledger is not None else Ledger.new(robot)
+        self.period = round(period * SECOND)
+        self.on_tick = on_tick
+
+    def observe(self, sample: Sample) -> None:
+        """Take one sample. What is not finite, or older than what has been integrated, is counted and dropped."""
+        ledger = self.ledger
+        at, signal, value = sample
+        if ledger.integrated_to is not None and at <= ledger.integrated_to:
+            if signal != CLOCK:
+                ledger.counts[f"late: {signal}"] += 1
+            return
+        if signal != CLOCK:
+            if not math.isfinite(value):
+                ledger.counts[f"not finite: {signal}"] += 1
+                return
+            ledger.pending.append(sample)
+        if ledger.started is None or (ledger.integrated_to is None and at < ledger.started):
+            ledger.started = at
+        if ledger.newest is None or at > ledger.newest:
+            ledger.newest = at
+            tick = (at - WINDOW) // self.period * self.period
+            if tick > (ledger.started if ledger.integrated_to is None else ledger.integrated_to):
+                self._integrate(tick)
+
+    def _integrate(self, until: int) -> None:
+        ledger = self.ledger
+        ledger.pending.sort()
+        split = bisect_right(ledger.pending, until, key=lambda sample: sample.time)
+        ready, ledger.pending = ledger.pending[:split], ledger.pending[split:]
+        self.exposure.integrate(ledger, ready, until)
+        if self.on_tick:
+            self.on_tick(self)
+
+    def report(self, *, task: Task | None = None, remaining_life: bool = True, settled: bool = True) -> HealthReport:
+        """The robot's health now. ``settled`` takes the open window in, up to the newest sample."""
+        ledger = self.exposure.settled(self.ledger) if settled else self.ledger
+        return health_report(self.plant, self.exposure, ledger, task=task, remaining_life=remaining_life)
+
+
+def replay(
+    robot: Robot,
+    source: SignalSource | str | os.PathLike[str],
+    *,
+    store: Store | None = None,
+    period: float = 60.0,
+    skip_missing: bool = False,
+    report_every: float = 600.0,
+    on_tick: Callable[[Monitor], None] | None = None,
+) -> HealthReport:
+    """A robot's health after a recording, from new or from where the store's ledger stands.
+
+    With a store the ledger, the progress and a report for every ``report_every`` [s] of the robot's time are kept
+    as the replay goes, so that one that was killed goes on where it was, and one that is done is not counted again.
+    ``skip_missing``: signals that the recording lacks stay silent instead of being an error.
+
+    Raises SourceError where the recording lacks a bound signal or its messages measure something else.
+    """
+    if not isinstance(source, SignalSource):
+        with open_source(os.fspath(source)) as opened:
+            return replay(
+                robot, opened, store=store, period=period, skip_missing=skip_missing,
+                report_every=report_every, on_tick=on_tick,
+            )  # fmt: skip
+    signals = _available(robot, source, skip_missing=skip_missing)
+    kept = store.ledger(robot.name) if store else None
+    ledger = Ledger.from_json(kept, tuple(mode.path for mode in robot.modes)) if kept else None
+    progress = store.progress(robot.name, source.fingerprint) if store else Progress(source.fingerprint, 0, False)
+    consumed = progress.samples
+    reported = ledger.integrated_to if ledger else None
+    reports: list[dict[str, Any]] = []
+    saved = time.monotonic()
+    step = round(report_every * SECOND)
+
+    def tick(monitor: Monitor) -> None:
+        nonlocal reported, saved
+        now = monitor.ledger.integrated_to or 0
+        if store and (reported is None or now // step > reported // step):
+            reports.append(monitor.report(remaining_life=False, settled=False).to_json())
+        reported = now
+        if store and time.monotonic() - saved > SAVE_EVERY:
+            store.save(robot.name, monitor.ledger.to_json(), Progress(source.fingerprint, consumed, False), reports)
+            reports.clear()
+            saved = time.monotonic()
+        if on_tick:
+            on_tick(monitor)
+
+    monitor = Monitor(robot, ledger, period=period, on_tick=tick)
+    if not progress.complete:
+        for sample in itertools.islice(source.samples(signals), progress.samples, None):
+            consumed += 1
+            monitor.observe(sample)
+        if store:
+            store.save(robot.name, monitor.ledger.to_json(), Progress(source.fingerprint, consumed, True), reports)
+    return monitor.report()
+
+
+SAVE_EVERY = 2.0
+"""Seconds between two checkpoints of a replay."""
+
+
+def _available(robot: Robot, source: SignalSource, *, skip_missing: bool) -> list[str]:
+    """The bound signals that a source has. Raises SourceError as ``replay``."""
+    topics = {info.topic: info for info in source.topics()}
+    found = []
+    for signal, unit in robot.signals.items():
+        topic, field = split_signal(signal)
+        info = topics.get(topic)
+        element = re.sub(r"\[\d+\]", "[]", field)
+        if info is None or (info.fields and element not in info.fields and field not in info.fields):
+            if skip_missing:
+                continue
+            if info is None:
+                raise SourceError(f"the recording has no topic '{topic}'{nearest(topic, topics)}")
+            raise SourceError(f"topic '{topic}' ({info.type}) has no number '{field}'{nearest(field, info.fields)}")
+        measured = field_unit(info.type, field)
+        if unit is not None and measured is not None:
+            try:
+                conversion(measured, unit)
+            except UnitError:
+                raise SourceError(
+                    f"topic '{topic}' ({info.type}): {field} is in '{measured or 'no unit'}'; the design expects '{unit or 'no unit'}'"
+                ) from None
+        found.append(signal)
+    if not found and robot.signals:
+        raise SourceError(f"the recording has none of the design's topics{nearest(split_signal(next(iter(robot.signals)))[0], topics)}")
+    return found

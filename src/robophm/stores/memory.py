@@ -1,0 +1,46 @@
+"""A store that lasts as long as the process."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from robophm.stores.store import Progress, Store
+
+
+class MemoryStore(Store):
+    """Keeps everything as text, so that what is read back is never what somebody still changes."""
+
+    def __init__(self) -> None:
+        self._ledgers: dict[str, str] = {}
+        self._progress: dict[tuple[str, str], Progress] = {}
+        self._reports: dict[str, dict[int, str]] = {}
+
+    def ledger(self, robot: str) -> Mapping[str, Any] | None:
+        """The robot's ledger as it was saved, or None."""
+        text = self._ledgers.get(robot)
+        return json.loads(text) if text is not None else None
+
+    def progress(self, robot: str, recording: str) -> Progress:
+        """How far a recording has been replayed into this robot's ledger."""
+        return self._progress.get((robot, recording), Progress(recording, 0, False))
+
+    def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
+        """The robot's reports, oldest first."""
+        for _, text in sorted(self._reports.get(robot, {}).items()):
+            yield json.loads(text)
+
+    def save(
+        self,
+        robot: str,
+        ledger: Mapping[str, Any],
+        progress: Progress | None = None,
+        reports: Sequence[Mapping[str, Any]] = (),
+    ) -> None:
+        """Keep all of it."""
+        texts = json.dumps(ledger), {int(report["time"]): json.dumps(report) for report in reports}
+        self._ledgers[robot] = texts[0]
+        self._reports.setdefault(robot, {}).update(texts[1])
+        if progress:
+            self._progress[robot, progress.recording] = progress

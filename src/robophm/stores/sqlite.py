@@ -1,0 +1,107 @@
+"""A store in one SQLite file, in WAL mode: one writer, readers beside it, and a crash at any moment loses nothing kept."""
+
+from __future__ import annotations
+
+import json
+import os
+import sqlite3
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from robophm.core.errors import StoreError
+from robophm.stores.store import Progress, Store
+
+VERSION = 1
+"""Of the tables; kept in the file's user_version."""
+
+_TABLES = """
+CREATE TABLE ledger (robot TEXT PRIMARY KEY, state TEXT NOT NULL) STRICT;
+CREATE TABLE progress (
+    robot TEXT NOT NULL, recording TEXT NOT NULL, samples INTEGER NOT NULL, complete INTEGER NOT NULL,
+    PRIMARY KEY (robot, recording)
+) STRICT;
+CREATE TABLE report (
+    robot TEXT NOT NULL, time INTEGER NOT NULL, body TEXT NOT NULL, PRIMARY KEY (robot, time)
+) STRICT, WITHOUT ROWID;
+"""
+
+
+class SqliteStore(Store):
+    """Keeps robots' pasts in a file."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        """Open a file, or make it. Raises StoreError where it is not a store of this version."""
+        self.path = Path(path)
+        with self._errors():
+            self._base = sqlite3.connect(self.path, timeout=10.0, isolation_level=None)
+        try:
+            with self._errors():
+                self._open()
+        except BaseException:
+            self._base.close()
+            raise
+
+    def _open(self) -> None:
+        self._base.execute("PRAGMA busy_timeout = 10000")
+        version = self._base.execute("PRAGMA user_version").fetchone()[0]
+        tables = self._base.execute("SELECT count(*) FROM sqlite_schema").fetchone()[0]
+        if version == 0 and tables == 0:
+            self._base.execute("PRAGMA journal_mode = WAL")
+            self._base.executescript(f"BEGIN IMMEDIATE; {_TABLES} PRAGMA user_version = {VERSION}; COMMIT;")
+        elif version != VERSION:
+            raise StoreError(f"{self.path}: not a robophm store of version {VERSION} (its version is {version})")
+        self._base.execute("PRAGMA synchronous = NORMAL")
+
+    def ledger(self, robot: str) -> Mapping[str, Any] | None:
+        """The robot's ledger as it was saved, or None. Raises StoreError where it cannot be read."""
+        with self._errors():
+            row = self._base.execute("SELECT state FROM ledger WHERE robot = ?", (robot,)).fetchone()
+            return json.loads(row[0]) if row else None
+
+    def progress(self, robot: str, recording: str) -> Progress:
+        """How far a recording has been replayed into this robot's ledger."""
+        with self._errors():
+            query = "SELECT samples, complete FROM progress WHERE robot = ? AND recording = ?"
+            row = self._base.execute(query, (robot, recording)).fetchone()
+        return Progress(recording, row[0], bool(row[1])) if row else Progress(recording, 0, False)
+
+    def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
+        """The robot's reports, oldest first."""
+        with self._errors():
+            for (body,) in self._base.execute("SELECT body FROM report WHERE robot = ? ORDER BY time", (robot,)):
+                yield json.loads(body)
+
+    def save(
+        self,
+        robot: str,
+        ledger: Mapping[str, Any],
+        progress: Progress | None = None,
+        reports: Sequence[Mapping[str, Any]] = (),
+    ) -> None:
+        """Keep all of it, or none. Raises StoreError, as on a full disk."""
+        rows = [(robot, report["time"], json.dumps(report)) for report in reports]
+        with self._errors():
+            self._base.execute("BEGIN IMMEDIATE")
+            try:
+                self._base.execute("INSERT OR REPLACE INTO ledger VALUES (?, ?)", (robot, json.dumps(ledger)))
+                if progress:
+                    self._base.execute("INSERT OR REPLACE INTO progress VALUES (?, ?, ?, ?)", (robot, *progress))
+                self._base.executemany("INSERT OR REPLACE INTO report VALUES (?, ?, ?)", rows)
+                self._base.execute("COMMIT")
+            except BaseException:
+                if self._base.in_transaction:  # a full disk may have rolled back already
+                    self._base.execute("ROLLBACK")
+                raise
+
+    def close(self) -> None:
+        """Close the file."""
+        self._base.close()
+
+    @contextmanager
+    def _errors(self) -> Iterator[None]:
+        try:
+            yield
+        except (sqlite3.Error, json.JSONDecodeError) as error:
+            raise StoreError(f"{self.path}: {error}; expected a robophm store that can be read and written") from None

@@ -1,0 +1,51 @@
+"""What every store offers."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, Self
+
+
+class Progress(NamedTuple):
+    """How far one recording has been replayed into a ledger."""
+
+    recording: str
+    """Fingerprint of its content."""
+    samples: int
+    complete: bool
+
+
+class Store(ABC):
+    """The past of robots, by name."""
+
+    @abstractmethod
+    def ledger(self, robot: str) -> Mapping[str, Any] | None:
+        """The robot's ledger as it was saved, or None. Raises StoreError where it cannot be read."""
+
+    @abstractmethod
+    def progress(self, robot: str, recording: str) -> Progress:
+        """How far a recording has been replayed into this robot's ledger."""
+
+    @abstractmethod
+    def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
+        """The robot's reports, oldest first."""
+
+    @abstractmethod
+    def save(
+        self,
+        robot: str,
+        ledger: Mapping[str, Any],
+        progress: Progress | None = None,
+        reports: Sequence[Mapping[str, Any]] = (),
+    ) -> None:
+        """Keep all of it, or none. A report replaces the one of the same time. Raises StoreError."""
+
+    def close(self) -> None:
+        """Let go of what is open."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
