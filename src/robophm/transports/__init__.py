@@ -1,0 +1,11 @@
+"""Where samples come from. A plug is a file with one class that is a SignalSource.
+
+``source.py`` holds the interface and ``message_units.py`` the units of well-known messages; every other file
+is one transport, imported when it is first used: recording, csv, journal, synthetic.
+"""
+
+from __future__ import annotations
+
+from robophm.transports.source import SignalSource, TopicInfo, open_source
+
+__all__ = ["SignalSource", "TopicInfo", "open_source"]

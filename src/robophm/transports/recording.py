@@ -1,0 +1,491 @@
+"""Transport ``recording``: what ``rosbag record`` and ``ros2 bag record`` write, and MCAP from elsewhere.
+
+ROS 1 ``.bag`` and ROS 2 ``.db3`` and ``.mcap``: single files, rosbag2 folders, split and compressed ones.
+Read through rosbags; an MCAP file without the ROS 2 profile, as foxglove-sdk writes it, through mcap.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from heapq import merge
+from keyword import iskeyword
+from operator import attrgetter, itemgetter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, cast
+
+from robophm.core.errors import SourceError, nearest
+from robophm.core.signal import SECOND, Sample, split_signal
+from robophm.transports.source import SignalSource, TopicInfo, existing, reading
+
+if TYPE_CHECKING:
+    from rosbags.interfaces import Connection, MessageDefinition
+    from rosbags.interfaces.typing import Typesdict
+    from rosbags.typesys.store import Typestore
+
+STAMP_LIMIT = 10 * SECOND
+"""How far [ns] a header stamp may be from receipt and still be believed."""
+
+SUFFIXES = (".bag", ".db3", ".mcap")
+"""Suffixes of the files that are read."""
+
+_HEADER = "std_msgs/msg/Header"
+_EDGE = 64 * 1024
+_NUMBERS = {"bool", "byte", "char", "float32", "float64", "float128"} | {
+    f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
+}
+_STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
+
+
+class Recording(SignalSource):
+    """One drive: any number of files and folders, merged in order of receipt; a context manager.
+
+    A sample's time is the message's header stamp, or its receipt where there is no header, or the stamp is
+    zero or more than STAMP_LIMIT from receipt. ``notes`` counts those, and messages that do not decode.
+
+    Raises SourceError where a file is missing, not a recording, damaged, given twice, or all are empty.
+    """
+
+    def __init__(self, *paths: str | Path) -> None:
+        self.notes = Counter()
+        self._files: list[_File] = []
+        with ExitStack() as opened:
+            for path in (part for given in paths for part in _parts(existing(Path(given)))):
+                file = _File(path)
+                opened.callback(file.close)
+                self._files.append(file)
+            self._files.sort(key=lambda file: (file.reader.start_time, file.fingerprint))
+            for one, other in zip(self._files, self._files[1:], strict=False):
+                if one.fingerprint == other.fingerprint and one.reader.message_count:
+                    raise SourceError(f"{one.path} and {other.path} are the same recording; expected it once")
+            if not sum(file.reader.message_count for file in self._files):
+                raise SourceError(f"{', '.join(map(str, paths)) or 'no file'}: holds no messages")
+            self._opened = opened.pop_all()
+        self._name = str(self._files[0].path) + (" …" if len(self._files) > 1 else "")
+        digests = "".join(sorted(file.fingerprint for file in self._files))
+        self.fingerprint = hashlib.sha256(digests.encode()).hexdigest()
+
+    def close(self) -> None:
+        """Close all files; closing twice does no harm."""
+        self._opened.close()
+        self._files.clear()
+
+    def topics(self) -> list[TopicInfo]:
+        """What there is to ask for. ``fields`` is empty where the messages cannot be decoded."""
+        found: dict[str, TopicInfo] = {}
+        for file in self._files:
+            spans = file.spans()
+            for connection in file.connections:
+                first, last = spans.get(connection.id, (None, None))
+                try:
+                    type_ = _message_type(connection)
+                    fields = tuple(numeric_fields(type_.definitions, type_.name))
+                except SourceError:
+                    fields = ()
+                info = TopicInfo(
+                    connection.topic, connection.msgtype, connection.msgcount, first, last, fields
+                )
+                before = found.get(info.topic)
+                found[info.topic] = _joined(before, info) if before else info
+        return [found[topic] for topic in sorted(found)]
+
+    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
+        """The samples of these signals, in receipt order; raises SourceError as the interface says."""
+        wanted: dict[str, list[tuple[str, str]]] = {}
+        for signal in sorted(set(signals)):
+            topic, field = split_signal(signal)
+            wanted.setdefault(topic, []).append((signal, field))
+        known = {connection.topic for file in self._files for connection in file.connections}
+        for topic in wanted:
+            if topic not in known:
+                name = self._name if self._files else "closed recording"
+                raise SourceError(f"{name}: no topic '{topic}'{nearest(topic, known)}")
+        self.notes.clear()
+        streams = [file.messages(file.readings(wanted, self.notes)) for file in self._files]
+        # merge() looks at every message; one file is in order already
+        messages = streams[0] if len(streams) == 1 else merge(*streams, key=itemgetter(0))
+        return self._samples(messages)
+
+    def _samples(self, messages: Iterable[tuple[int, _Reading, bytes]]) -> Iterator[Sample]:
+        notes = self.notes
+        latest = 0
+        for receipt, reading_, raw in messages:
+            try:
+                message = reading_.decode(raw)
+            except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
+                notes[f"unreadable message on {reading_.topic}"] += 1
+                continue
+            if receipt < latest:
+                notes[f"receipt time goes backwards on {reading_.topic}"] += 1
+            latest = receipt
+            time = 0
+            if reading_.stamp:
+                seconds, nanoseconds = reading_.stamp(message)
+                time = seconds * SECOND + nanoseconds
+            if time == 0 or abs(time - receipt) > STAMP_LIMIT:
+                notes[f"receipt time used for {reading_.topic}"] += 1
+                time = receipt
+            for signal, value_of in reading_.values:
+                try:
+                    value = float(value_of(message))
+                except IndexError:
+                    notes[f"no element for {signal}"] += 1
+                else:
+                    yield Sample(time, signal, value)
+
+
+class _Reader(Protocol):
+    """What the readers of rosbags have in common."""
+
+    @property
+    def connections(self) -> list[Connection]: ...
+    @property
+    def message_count(self) -> int: ...
+    @property
+    def start_time(self) -> int: ...
+    @property
+    def end_time(self) -> int: ...
+    def open(self) -> None: ...
+    def close(self) -> None: ...
+    def messages(
+        self, connections: Collection[Connection] = (), start: int | None = None, stop: int | None = None
+    ) -> Iterator[tuple[Connection, int, bytes]]: ...
+
+
+@dataclass(frozen=True)
+class _Reading:
+    """How the messages of one connection become samples."""
+
+    topic: str
+    decode: Callable[[bytes], Any]
+    stamp: Callable[[Any], tuple[int, int]] | None
+    values: list[tuple[str, Callable[[Any], Any]]]
+
+
+class _File:
+    """One opened file, or one rosbag2 folder."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        with reading(path):
+            self.fingerprint = _fingerprint(path)
+            self.reader = _open_reader(path)
+            self.connections = list(self.reader.connections)
+
+    def close(self) -> None:
+        self.reader.close()
+
+    def readings(
+        self, wanted: Mapping[str, list[tuple[str, str]]], notes: Counter[str]
+    ) -> dict[int, _Reading]:
+        """What to read of each connection that carries a wanted topic."""
+        readings = {}
+        for connection in self.connections:
+            if connection.topic in wanted:
+                with reading(self.path):
+                    type_ = _message_type(connection)
+                    if type_.borrowed:
+                        notes[f"definition of {type_.name} taken from ROS 2 Humble"] += 1
+                    values = []
+                    for signal, field in wanted[connection.topic]:
+                        try:
+                            values.append((signal, field_getter(type_.definitions, type_.name, field)))
+                        except SourceError as error:
+                            raise SourceError(f"{self.path}: topic '{connection.topic}' {error}") from None
+                readings[connection.id] = _Reading(connection.topic, type_.decode, type_.stamp, values)
+        return readings
+
+    def messages(self, readings: Mapping[int, _Reading]) -> Iterator[tuple[int, _Reading, bytes]]:
+        """Receipt time, reading and bytes of the messages to read."""
+        with reading(self.path):
+            connections = [connection for connection in self.connections if connection.id in readings]
+            if connections:
+                for connection, receipt, raw in self.reader.messages(connections):
+                    yield receipt, readings[connection.id], raw
+
+    def spans(self) -> dict[int, tuple[int, int]]:
+        """First and last receipt time of every connection that has messages.
+
+        Looked for from both ends in windows that widen, so that the middle of a long file is not read.
+        """
+        first: dict[int, int] = {}
+        last: dict[int, int] = {}
+        used = [connection for connection in self.connections if connection.msgcount]
+        begin, end = self.reader.start_time, self.reader.end_time
+        window = SECOND
+        with reading(self.path):
+            while used:
+                if missing := [connection for connection in used if connection.id not in first]:
+                    for connection, receipt, _ in self.reader.messages(missing, stop=begin + window):
+                        first.setdefault(connection.id, receipt)
+                if missing := [connection for connection in used if connection.id not in last]:
+                    last |= {c.id: t for c, t, _ in self.reader.messages(missing, start=end - window)}
+                if len(first) == len(last) == len(used) or window > end - begin:
+                    break
+                window *= 16
+        return {id_: (first[id_], last[id_]) for id_ in first.keys() & last.keys()}
+
+
+class _ForeignMcap:
+    """An MCAP file without the ROS 2 profile, read through mcap, in the words of rosbags' readers."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self.connections: list[Connection] = []
+        self.message_count = self.start_time = self.end_time = 0
+
+    def open(self) -> None:
+        from mcap.reader import make_reader
+        from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition
+        from rosbags.interfaces import MessageDefinitionFormat as Format
+        from rosbags.typesys.msg import normalize_msgtype
+
+        formats = {"ros1msg": Format.MSG, "ros2msg": Format.MSG, "ros2idl": Format.IDL, "omgidl": Format.IDL}
+        self._file = self._path.open("rb")
+        try:
+            self._reader = make_reader(self._file)
+            summary = self._reader.get_summary()
+            if summary is None or summary.statistics is None:
+                raise SourceError(
+                    f"{self._path}: has no summary section; expected one, as `mcap recover` writes"
+                )
+            statistics = summary.statistics
+            self.message_count = statistics.message_count
+            self.start_time = statistics.message_start_time
+            self.end_time = statistics.message_end_time + 1
+            for channel in summary.channels.values():
+                schema = summary.schemas.get(channel.schema_id)
+                format_ = formats.get(schema.encoding, Format.NONE) if schema else Format.NONE
+                self.connections.append(
+                    Connection(
+                        channel.id,
+                        channel.topic,
+                        normalize_msgtype(schema.name) if schema and format_ is not Format.NONE else "",
+                        MessageDefinition(format_, schema.data.decode() if schema and format_.value else ""),
+                        "",
+                        statistics.channel_message_counts.get(channel.id, 0),
+                        ConnectionExtRosbag2(channel.message_encoding, []),
+                        self,
+                    )
+                )
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        self._file.close()
+
+    def messages(
+        self, connections: Collection[Connection] = (), start: int | None = None, stop: int | None = None
+    ) -> Iterator[tuple[Connection, int, bytes]]:
+        wanted = {connection.id: connection for connection in connections}
+        topics = {connection.topic for connection in connections}
+        for _, channel, message in self._reader.iter_messages(topics=topics):
+            if stop is not None and message.log_time >= stop:
+                return
+            if channel.id in wanted and (start is None or message.log_time >= start):
+                yield wanted[channel.id], message.log_time, message.data
+
+
+def _parts(path: Path) -> list[Path]:
+    """The files to open: a rosbag2 folder is opened as one, a folder without its metadata file by file."""
+    if not path.is_dir():
+        if path.suffix not in SUFFIXES:
+            raise SourceError(
+                f"{path}: not a recording; expected {', '.join(SUFFIXES)} or a folder with metadata.yaml"
+            )
+        return [path]
+    if (path / "metadata.yaml").exists():
+        return [path]
+    parts = sorted(part for part in path.iterdir() if part.suffix in SUFFIXES and part.is_file())
+    if not parts:
+        raise SourceError(
+            f"{path}: holds no recording; expected metadata.yaml or {', '.join(SUFFIXES)} files"
+        )
+    return parts
+
+
+def _open_reader(path: Path) -> _Reader:
+    from rosbags.rosbag1 import Reader as BagReader
+    from rosbags.rosbag2 import Reader as Rosbag2Reader
+
+    for unsaved in path.glob("*.db3-wal") if path.is_dir() else [path.with_name(path.name + "-wal")]:
+        if unsaved.exists() and unsaved.stat().st_size:
+            raise SourceError(
+                f"{unsaved}: holds messages that the recorder did not save; expected a closed one"
+            )
+    reader: _Reader
+    if path.suffix == ".bag" and not path.is_dir():
+        reader = cast(_Reader, BagReader(path))
+    elif path.suffix == ".mcap" and not path.is_dir() and _profile(path) != "ros2":
+        reader = _ForeignMcap(path)
+    else:
+        reader = cast(_Reader, Rosbag2Reader(path))
+    reader.open()
+    return reader
+
+
+def _profile(path: Path) -> str:
+    from mcap.reader import make_reader
+
+    with path.open("rb") as file:
+        return str(make_reader(file).get_header().profile)
+
+
+def _fingerprint(path: Path) -> str:
+    """Digest of the size and the first, middle and last 64 KiB of each file of messages, names left out."""
+    files = [path]
+    if path.is_dir():
+        files = [part for part in path.iterdir() if part.suffix in (".db3", ".mcap", ".zstd")]
+    digests = []
+    for each in files:
+        size = each.stat().st_size
+        digest = hashlib.sha256(str(size).encode())
+        with each.open("rb") as file:
+            for offset in (0, size // 2, size - _EDGE):
+                file.seek(max(0, offset))
+                digest.update(file.read(_EDGE))
+        digests.append(digest.hexdigest())
+    return hashlib.sha256("".join(sorted(digests)).encode()).hexdigest()
+
+
+def _joined(one: TopicInfo, other: TopicInfo) -> TopicInfo:
+    """Two parts of one topic, from two publishers or two files."""
+    starts = [time for time in (one.first, other.first) if time is not None]
+    ends = [time for time in (one.last, other.last) if time is not None]
+    return TopicInfo(
+        one.topic,
+        one.type,
+        one.messages + other.messages,
+        min(starts, default=None),
+        max(ends, default=None),
+        tuple(dict.fromkeys(one.fields + other.fields)),
+    )
+
+
+@dataclass(frozen=True)
+class _MessageType:
+    """How one type of message decodes."""
+
+    name: str
+    definitions: Typesdict
+    decode: Callable[[bytes], Any]
+    stamp: Callable[[Any], tuple[int, int]] | None
+    borrowed: bool
+    """The recording does not define the type; Humble's is taken."""
+
+
+def _message_type(connection: Connection) -> _MessageType:
+    encoding = getattr(connection.ext, "serialization_format", "ros1")
+    if encoding not in ("cdr", "ros1"):
+        raise SourceError(f"topic '{connection.topic}' is encoded as '{encoding}'; expected cdr or ros1")
+    try:
+        return _compiled_type(connection.msgtype, connection.msgdef, encoding)
+    except Exception as error:  # the parser fails on definitions in many ways
+        what = f"the definition of its type '{connection.msgtype}'"
+        raise SourceError(f"topic '{connection.topic}': {what} is missing or damaged") from error
+
+
+@lru_cache(maxsize=256)
+def _compiled_type(name: str, definition: MessageDefinition, encoding: str) -> _MessageType:
+    """Types are compiled by definition, not by name: two files may define one name differently."""
+    store, borrowed = _typestore(name, definition)
+    store.get_msgdef(name)  # raises where a part of the definition is missing
+    decode = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
+    stamped = any(field == "header" and part[1] == _HEADER for field, part in store.fielddefs[name][1])
+    stamp = attrgetter("header.stamp.sec", "header.stamp.nanosec") if stamped else None
+    return _MessageType(name, store.fielddefs, partial(decode, typename=name), stamp, borrowed)
+
+
+def _typestore(name: str, definition: MessageDefinition) -> tuple[Typestore, bool]:
+    from rosbags.interfaces import MessageDefinitionFormat as Format
+    from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+
+    if definition.format is Format.NONE:
+        # only ROS 2 Humble and older record without definitions
+        return get_typestore(Stores.ROS2_HUMBLE), True
+    store = get_typestore(Stores.EMPTY)
+    if definition.format is Format.MSG:
+        store.register(get_types_from_msg(definition.data, name))
+    else:
+        parts = definition.data.split("=" * 80 + "\nIDL: ")  # rosbag2 joins the files of nested types so
+        for part in parts[1:]:
+            store.register(get_types_from_idl(part.partition("\n")[2]))
+        if len(parts) == 1:
+            store.register(get_types_from_idl(parts[0]))
+    return store, False
+
+
+def numeric_fields(definitions: Typesdict, type_: str, prefix: str = "") -> Iterator[str]:
+    """Paths of the numeric leaves of a message type, in order; ``[]`` stands for the index of an element."""
+    for name, _, part, array in _fields(definitions, type_):
+        path = f"{prefix}{name}{'' if array is None else '[]'}"
+        if part in definitions:
+            yield from numeric_fields(definitions, part, path + ".")
+        elif part in _NUMBERS:
+            yield path
+
+
+def field_getter(definitions: Typesdict, type_: str, field: str) -> Callable[[Any], Any]:
+    """The function that takes one number, ``pose.x`` or ``effort[2]``, out of a decoded message.
+
+    Raises SourceError, as the end of a sentence about the topic, where the type has no such number.
+    """
+    known = list(numeric_fields(definitions, type_))
+    steps: list[Callable[[Any], Any]] = []
+    names: list[str] = []
+    part, walked = type_, ""
+    for step in field.split("."):
+        match = _STEP.fullmatch(step)
+        here = {entry[0]: entry[1:] for entry in _fields(definitions, part)} if part in definitions else {}
+        if not match or match[1] not in here:
+            raise SourceError(f"({type_}) has no field '{field}'{nearest(field, known)}")
+        attribute, part, array = here[match[1]]
+        walked += ("." if walked else "") + match[1]
+        if array is None and match[2]:
+            raise SourceError(f"({type_}) has one value in '{walked}'; expected it without an index")
+        if array is not None and not match[2]:
+            raise SourceError(f"({type_}) has an array in '{walked}'; expected e.g. '{walked}[0]'")
+        names.append(attribute)
+        if match[2]:
+            index = int(match[2])
+            if array and index >= array:
+                raise SourceError(
+                    f"({type_}) has {array} elements in '{walked}', 0 to {array - 1}; no [{index}]"
+                )
+            steps += [attrgetter(".".join(names)), itemgetter(index)]
+            names.clear()
+            walked += f"[{index}]"
+    if re.sub(r"\[\d+\]", "[]", field) not in known:
+        raise SourceError(f"({type_}) has no number in '{field}'{nearest(field, known)}")
+    if names:
+        steps.append(attrgetter(".".join(names)))
+    if len(steps) == 1:
+        return steps[0]
+
+    def value_of(message: Any) -> Any:
+        for step in steps:
+            message = step(message)
+        return message
+
+    return value_of
+
+
+def _fields(definitions: Typesdict, type_: str) -> Iterator[tuple[str, str, str, int | None]]:
+    """Name, Python attribute, type and array length of each field: None is no array, 0 any length."""
+    from rosbags.interfaces import Nodetype
+
+    for name, (node, detail) in definitions[type_][1]:
+        length: int | None = None
+        if node in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+            (inner, size) = cast(tuple[tuple[Any, Any], int], detail)
+            length = size if node == Nodetype.ARRAY else 0
+            node, detail = inner
+        part = cast(str, detail if node == Nodetype.NAME else detail[0])
+        if name != "structure_needs_at_least_one_member":
+            yield name, name + "_" * iskeyword(name), part, length

@@ -1,0 +1,157 @@
+"""The interface of all transports: a source yields the wanted signals as samples."""
+
+from __future__ import annotations
+
+import hashlib
+from abc import ABC, abstractmethod
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+from robophm.core.errors import SourceError, nearest
+from robophm.core.signal import CLOCK, Sample, split_signal
+
+LONGEST_LINE = 1 << 20
+"""Bytes of a line of text beyond which a file is not believed to be a table or a journal."""
+
+
+@dataclass(frozen=True)
+class TopicInfo:
+    """What a source knows of one topic. Times are receipt times [ns], None where there is no message."""
+
+    topic: str
+    type: str
+    """Message type, ``sensor_msgs/msg/Temperature``; empty where the source does not know it."""
+    messages: int
+    first: int | None
+    last: int | None
+    fields: tuple[str, ...]
+    """Paths of the numeric fields, ``pose.x``; of an array, ``effort[]``, a signal names one element."""
+
+
+class SignalSource(ABC):
+    """A source of samples, live or recorded; a context manager."""
+
+    fingerprint: str
+    """Identifies the content wherever it lies, so that a replay can be resumed and is never counted twice."""
+    notes: Counter[str]
+    """What had to be decided on the way of the latest ``samples()``, and how often."""
+
+    @abstractmethod
+    def topics(self) -> list[TopicInfo]:
+        """What there is to ask for, by topic name."""
+
+    @abstractmethod
+    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
+        """The samples of exactly these signals, ``/topic.field[2]``, in receipt order.
+
+        All samples of one message carry the same time and come in the order of their names. Clock samples
+        come along, wanted or not, from a source that has them.
+
+        Raises SourceError at once where a signal is not in the source, and on the way where it is damaged.
+        """
+
+    def close(self) -> None:  # noqa: B027  most sources hold nothing open
+        """Let go of files and connections; closing twice does no harm."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+class TextSource(SignalSource):
+    """A text file read line by line; a subclass says which signals it has and how its lines read."""
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = existing(Path(path))
+        self.notes = Counter()
+        with reading(self.path), self.path.open("rb") as file:
+            self.fingerprint = hashlib.file_digest(file, "sha256").hexdigest()
+        self.signals = self._signals()
+
+    @abstractmethod
+    def _signals(self) -> frozenset[str]: ...
+
+    @abstractmethod
+    def _samples(self) -> Iterator[Sample]: ...
+
+    def topics(self) -> list[TopicInfo]:
+        """What there is to ask for; reads the file once. The messages are the rows that have a value."""
+        rows: Counter[str] = Counter()
+        first: dict[str, int] = {}
+        last: dict[str, int] = {}
+        for time, signal, _ in self._samples():
+            rows[signal] += 1
+            topic = signal.partition(".")[0]
+            first.setdefault(topic, time)
+            last[topic] = time
+        fields: dict[str, dict[str, int]] = {}
+        for signal in sorted(self.signals):
+            topic, field = split_signal(signal)
+            fields.setdefault(topic, {})[field] = rows[signal]
+        return [
+            TopicInfo(topic, "", max(counts.values()), first.get(topic), last.get(topic), tuple(counts))
+            for topic, counts in fields.items()
+        ]
+
+    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
+        """The samples of these signals, in the file's order; raises SourceError as the interface says."""
+        wanted = {*signals, CLOCK}
+        for signal in sorted(wanted - self.signals - {CLOCK}):
+            raise SourceError(f"{self.path}: no signal '{signal}'{nearest(signal, self.signals)}")
+        self.notes.clear()
+        return (sample for sample in self._samples() if sample.signal in wanted)
+
+    def _lines(self) -> Iterator[tuple[int, bytes]]:
+        """Number and bytes of every line, its end included."""
+        with reading(self.path), self.path.open("rb") as file:
+            for number, line in enumerate(iter(lambda: file.readline(LONGEST_LINE + 1), b""), 1):
+                if len(line) > LONGEST_LINE:
+                    raise SourceError(f"{self.path}, line {number}: longer than {LONGEST_LINE} bytes")
+                yield number, line
+
+
+def open_source(*paths: str | Path) -> SignalSource:
+    """The source that reads these files, by suffix: one .csv, one .journal, or any number of recordings.
+
+    Raises SourceError where a file is missing or cannot be read.
+    """
+    suffixes = {Path(path).suffix.lower() for path in paths}
+    if len(paths) == 1 and suffixes == {".csv"}:
+        from robophm.transports.csv import CsvRecording
+
+        return CsvRecording(paths[0])
+    if len(paths) == 1 and suffixes == {".journal"}:
+        from robophm.transports.journal import JournalRecording
+
+        return JournalRecording(paths[0])
+    if alone := suffixes & {".csv", ".journal"}:
+        raise SourceError(f"a {min(alone)} file is read alone; {len(paths)} files were given")
+    from robophm.transports.recording import Recording
+
+    return Recording(*paths)
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Turn whatever goes wrong while the file is read into a SourceError of one line that names it."""
+    try:
+        yield
+    except SourceError:
+        raise
+    except Exception as error:  # the decoders below raise struct, zstd, SQLite, YAML, assertion errors …
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise SourceError(f"{path}: cannot be read: {reason}") from error
+
+
+def existing(path: Path) -> Path:
+    """The path itself. Raises SourceError, with the nearest name beside it, where there is nothing."""
+    if path.exists():
+        return path
+    beside: Iterable[Path] = path.parent.iterdir() if path.parent.is_dir() else ()
+    raise SourceError(f"{path}: no such file{nearest(path.name, (other.name for other in beside))}")
