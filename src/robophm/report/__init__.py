@@ -1,0 +1,1 @@
+"""What people see: block diagrams, curves, number texts and the page that holds them. SVG, HTML, terminal."""

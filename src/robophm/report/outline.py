@@ -1,0 +1,117 @@
+"""What of a diagram is drawn: its labels, and a bounded outline of it that any drawing can walk."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from robophm.blocks.diagram import Block, KOutOfN, Series, Unit, units
+from robophm.report.style import Tone
+
+_DEEPEST = 12  # groups inside groups: beyond, a drawing would be all brackets
+
+
+@dataclass(frozen=True)
+class Label:
+    """What a unit's box says: "Battery A", "4e-8 /h", "×2", and its state."""
+
+    title: str
+    detail: str = ""
+    badge: str = ""
+    tone: Tone = "ok"
+
+
+@dataclass(frozen=True)
+class More:
+    """A box that stands for units left out of the drawing."""
+
+    count: int
+
+    def __str__(self) -> str:
+        return f"… {self.count:,} more part{'s' * (self.count != 1)}"
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Nodes in series; none of them is a chain."""
+
+    nodes: tuple[Node, ...]
+
+
+@dataclass(frozen=True)
+class Fork:
+    """Branches side by side, at least ``k`` of ``n`` of which must work."""
+
+    k: int
+    n: int
+    nodes: tuple[Node, ...]
+
+
+Node = str | More | Chain | Fork
+"""A node of an outline; a ``str`` is the name of a unit."""
+
+
+def outline(diagram: Block, boxes: int) -> Node:
+    """The diagram with series inside series run together and about ``boxes`` boxes, the rest counted."""
+    return _Outliner(boxes).node(diagram, 0)
+
+
+def names(node: Node) -> Iterator[str]:
+    """Names of the units drawn, in drawing order, a name as often as it is drawn."""
+    if isinstance(node, str):
+        yield node
+    elif not isinstance(node, More):
+        for inner in node.nodes:
+            yield from names(inner)
+
+
+def words(node: Node, labels: Mapping[str, Label]) -> str:
+    """The outline as one sentence part: "all of (A, at least 1 of 2 (B, C))"."""
+    if isinstance(node, str):
+        return labels[node].title
+    if isinstance(node, More):
+        return str(node)
+    inside = ", ".join(words(inner, labels) for inner in node.nodes)
+    return f"all of ({inside})" if isinstance(node, Chain) else f"at least {node.k} of {node.n} ({inside})"
+
+
+class _Outliner:
+    def __init__(self, boxes: int) -> None:
+        self.left = boxes
+
+    def node(self, block: Block, depth: int) -> Node:
+        links = list(_links(block))
+        if len(links) > 1:
+            return Chain(self.nodes(links, depth))
+        (link,) = links
+        if isinstance(link, Unit):
+            self.left -= 1
+            return link.name
+        if depth == _DEEPEST:
+            self.left -= 1
+            return More(_count([link]))
+        k = link.k if isinstance(link, KOutOfN) else 1
+        return Fork(k, len(link.blocks), self.nodes(link.blocks, depth + 1))
+
+    def nodes(self, blocks: Sequence[Block], depth: int) -> tuple[Node, ...]:
+        drawn: list[Node] = []
+        for i, block in enumerate(blocks):
+            if self.left <= 0:
+                return (*drawn, More(_count(blocks[i:])))
+            drawn.append(self.node(block, depth))
+        return tuple(drawn)
+
+
+def _links(block: Block) -> Iterator[Block]:
+    """Blocks that the current passes one after the other; groups of one are their only block."""
+    stack = [block]
+    while stack:
+        top = stack.pop()
+        if isinstance(top, Series) or (not isinstance(top, Unit) and len(top.blocks) == 1):
+            stack.extend(reversed(top.blocks))
+        else:
+            yield top
+
+
+def _count(blocks: Sequence[Block]) -> int:
+    return sum(1 for block in blocks for _ in units(block))

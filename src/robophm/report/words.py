@@ -1,0 +1,75 @@
+"""Numbers as people read them: probabilities, rates, durations."""
+
+from __future__ import annotations
+
+import math
+
+from robophm.core.errors import UnitError, nearest
+
+_RATE_UNITS = {"1/h": (1.0, "/h"), "FIT": (1e9, "FIT"), "FPMH": (1e6, "FPMH")}
+_SPANS = (
+    ("s", 1 / 3600, 60),
+    ("min", 1 / 60, 60),
+    ("h", 1.0, 48),
+    ("days", 24.0, 730),
+    ("years", 8766.0, math.inf),
+)
+
+
+def number_text(value: float, digits: int = 4) -> str:
+    """A number to ``digits`` significant digits: "0.5", "10,250", "5.8e-6", "∞", "–" for NaN."""
+    if math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞" if value > 0 else "-∞"
+    rounded = float(f"{value:.{digits - 1}e}")
+    if rounded == 0:
+        return "0"
+    if 1e-3 <= abs(rounded) < 1e6:
+        decimals = max(0, digits - 1 - math.floor(math.log10(abs(rounded))))
+        text = f"{rounded:,.{decimals}f}"
+        return text.rstrip("0").rstrip(".") if "." in text else text
+    mantissa, exponent = f"{rounded:.{digits - 1}e}".split("e")
+    return f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}"
+
+
+def probability_text(p: float, failure: float | None = None) -> str:
+    """A probability in percent, and the odds of failing where those say more: "99.98 % (fails 1 in 4,700)".
+
+    ``failure`` is the complement 1 − p; give it where it is known better than by subtraction.
+    """
+    q = 1 - p if failure is None else failure
+    if math.isnan(p) or math.isnan(q):
+        return "–"
+    if q <= 0 or q > 0.1:
+        return f"{number_text(100 * p)} %"
+    odds = float(f"{1 / q:.1e}")
+    fails = f"(fails 1 in {f'{odds:,.0f}' if odds < 1e12 else number_text(odds)})"
+    if q < 1e-12:
+        return f"> 99.9999999999 % {fails}"
+    # as many decimals as keep a failure that can happen from reading as 100 %
+    percent = f"{100 - 100 * q:.{max(2, math.ceil(-2 - math.log10(q)))}f}"
+    return f"{percent.rstrip('0').rstrip('.')} % {fails}"
+
+
+def rate_text(rate_per_hour: float, unit: str = "1/h") -> str:
+    """A hazard rate in "1/h", "FIT" (per 10⁹ h) or "FPMH" (per 10⁶ h): "5.8e-6 /h", "5,800 FIT".
+
+    Raises ``UnitError`` for any other unit.
+    """
+    if unit not in _RATE_UNITS:
+        raise UnitError(f"unknown unit of rate '{unit}'{nearest(unit, _RATE_UNITS)}")
+    factor, name = _RATE_UNITS[unit]
+    text = number_text(rate_per_hour * factor)
+    return text if text == "–" else f"{text} {name}"
+
+
+def duration_text(hours: float) -> str:
+    """A time to three significant digits, in the unit that fits: "45 min", "11.6 days", "3.2 years", "∞"."""
+    if not math.isfinite(hours):
+        return number_text(hours)
+    if hours == 0:
+        return "0 h"
+    # rounded first: 59.99 s is 1 min, not 60 s
+    unit, length = next((u, n) for u, n, limit in _SPANS if float(f"{abs(hours) / n:.3g}") < limit)
+    return f"{number_text(hours / length, 3)} {unit}"
