@@ -92,7 +92,7 @@ def mean_time(curve: Curve) -> float:
         total = positive[0] + float(np.sum(width * ((np.exp(within) * survives) @ _WEIGHTS)) / 2)
         tail = positive[-1] * float(curve(positive[-1:])[1][0])
         if tail <= 1e-13 * total:
-            return total
+            return float(total)
         if deepest >= 9:
             return math.inf
         deepest += 1

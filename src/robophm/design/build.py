@@ -88,6 +88,7 @@ class _Builder:
         whole = expand.module(root)
         used = set(blocks.units(whole.diagram)).union(*(blocks.units(diagram) for diagram in functions.values()))
         drawn = {name.partition("[")[0] for name in used}
+        clocks = {name: self._measured_clock(name, ("clocks", name), b) for name, b in design.clocks.items()}
         warnings = [f"{path}: used in no diagram" for path in self.components if path not in drawn]
         warnings += [
             f"{'/'.join(place)}: no part below takes this input"
@@ -101,6 +102,7 @@ class _Builder:
             path=design.name,
             functions=functions,
             usage=self._usage(),
+            clocks=clocks,
             powered=signal_name(design.powered.topic, design.powered.field) if design.powered else None,
             max_gap=round(design.max_gap * SECOND),
             task=self._task(),
@@ -186,8 +188,6 @@ class _Builder:
             if not initial >= 0:
                 raise Fault((*place, "initial_exposure"), f"{mode.initial_exposure} is negative; expected at least zero")
         measured = scope.clocks.get(mode.clock)
-        if mode.clock in ("operating", "calendar") and measured:
-            raise Fault(measured[0], f"the {mode.clock} clock is time itself and takes no signal")
         return FailureMode(
             "/".join(path), rate, life, mode.clock, self._measured_clock(mode.clock, *measured) if measured else None,
             mode.scaling, initial, stresses, hazard, mode.source or "",
@@ -264,6 +264,8 @@ class _Builder:
 
     def _measured_clock(self, clock: str, place: Path, binding: schema.ClockBinding) -> MeasuredClock:
         self.used_signals.add(place)
+        if clock in ("operating", "calendar"):
+            raise Fault(place, f"the {clock} clock is time itself and takes no signal")
         kind, fields = next(
             (kind, value) for kind in ("position", "speed", "edge") if (value := getattr(binding, kind)) is not None
         )

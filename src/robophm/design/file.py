@@ -224,6 +224,8 @@ def _first_fault(detail: ErrorDetails, lines: Lines) -> tuple[tuple[str, ...], s
         return place, f"unknown key '{key}'{nearest(key, _keys(place[:-1]))}"
     if detail["type"] == "missing":
         return place[:-1], f"needs '{place[-1]}'"
+    if detail["type"] == "string_pattern_mismatch":
+        return place, f"{detail['input']!r:.60} is not a name; expected text without / [ ] and line breaks"
     message = detail["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
     given = detail["input"]
     return place, message if isinstance(given, dict | list) or detail["type"] == "value_error" else f"{message}, not {given!r:.60}"

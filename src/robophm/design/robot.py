@@ -199,6 +199,8 @@ class Robot(Module):
 
     functions: Mapping[str, Block] = field(default_factory=dict)
     usage: Usage = field(default_factory=Usage)
+    clocks: Mapping[str, MeasuredClock] = field(default_factory=dict)
+    """The clocks that are measured for the robot as a whole, whether parts age on them or not."""
     powered: str | None = None
     """Signal that is above a half while the robot is on."""
     max_gap: int = 60_000_000_000
@@ -223,9 +225,10 @@ class Robot(Module):
     def signals(self) -> Mapping[str, str | None]:
         """Every signal that the design listens to, and the unit in which it takes its values; None for any."""
         found: dict[str, str | None] = {self.powered: None} if self.powered else {}
-        for mode in self.modes:
-            if clock := mode.measured_clock:
+        for clock in (*self.clocks.values(), *(mode.measured_clock for mode in self.modes)):
+            if clock:
                 found |= dict.fromkeys(clock.signals, None if clock.kind == "edge" else clock.unit)
+        for mode in self.modes:
             for stress in mode.stresses:
                 found |= {channel.signal: channel.unit for channel in stress.channels.values()}
         return found

@@ -77,8 +77,8 @@ class Ledger:
     effective: Total
     hazard: Total
     """∫ψ·h₀(a)da, for the modes whose stress scales the hazard; zero for the others."""
-    hours: Total
-    """Operating and calendar hours since the start."""
+    clocks: Total
+    """Since the start: operating hours, calendar hours, and the robot's own measured clocks in design order."""
     started: int | None = None
     integrated_to: int | None = None
     newest: int | None = None
@@ -100,7 +100,7 @@ class Ledger:
     def new(cls, robot: Robot) -> Ledger:
         """The ledger of a robot that has not lived yet."""
         n = len(robot.modes)
-        return cls(tuple(m.path for m in robot.modes), Total.zeros(n), Total.zeros(n), Total.zeros(n), Total.zeros(2))
+        return cls(tuple(m.path for m in robot.modes), Total.zeros(n), Total.zeros(n), Total.zeros(n), Total.zeros(2 + len(robot.clocks)))
 
     def copy(self) -> Ledger:
         """An independent copy, to look ahead without consequence."""
@@ -108,7 +108,7 @@ class Ledger:
 
     def to_json(self) -> dict[str, Any]:
         """As plain values; floats come back bit for bit."""
-        totals = {name: getattr(self, name) for name in ("age", "effective", "hazard", "hours")}
+        totals = {name: getattr(self, name) for name in ("age", "effective", "hazard", "clocks")}
         return {
             "version": 1,
             "modes": list(self.modes),
@@ -158,9 +158,13 @@ class Exposure:
         clocks: dict[tuple[object, ...], _Clock] = {}
         groups: dict[tuple[object, ...], _Group] = {}
         channels: dict[str, Channel] = {}
+
+        def clock_of(name: str, measured: MeasuredClock | None) -> _Clock:
+            return clocks.setdefault((name, measured), _Clock(name, measured, robot.usage.per_operating_hour(name)))
+
+        self.odometers = tuple(clock_of(name, measured) for name, measured in robot.clocks.items())
         for i, mode in enumerate(self.modes):
-            source = (mode.clock, mode.measured_clock)
-            clock = clocks.setdefault(source, _Clock(mode.clock, mode.measured_clock, robot.usage.per_operating_hour(mode.clock)))
+            clock, source = clock_of(mode.clock, mode.measured_clock), (mode.clock, mode.measured_clock)
             key = (source, *(stress.key for stress in mode.stresses))
             group = groups.setdefault(key, _Group(clock, tuple(_Input.all_of(stress) for stress in mode.stresses), []))
             group.members.append(i)
@@ -199,7 +203,8 @@ class Exposure:
         operating = float(block.operating(block.ends)[1]) / HOUR
         for total, more in ((ledger.age, age), (ledger.effective, effective), (ledger.hazard, hazard)):
             total.add(more)
-        ledger.hours.add(np.array([operating, block.length / HOUR]))
+        counted = (float(elapsed[id(clock)](block.ends)[1]) for clock in self.odometers)
+        ledger.clocks.add(np.array([operating, block.length / HOUR, *counted]))
         for key, values in series.items():
             edges = block.edges([values])
             missing = np.diff(block.operating(edges))[~values.fresh(edges[:-1])]

@@ -7,7 +7,7 @@ failure mode and how fast it will age; every figure follows from that and a bloc
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
@@ -20,7 +20,7 @@ from robophm.blocks.reliability import State, Structure, Transition
 from robophm.core.waiting_time import mean_time, time_at
 from robophm.design.robot import Component, Robot, Task
 from robophm.health.exposure import Exposure, Ledger
-from robophm.life.distribution import stack
+from robophm.life.distribution import side_by_side
 
 Array = npt.NDArray[np.float64]
 View = Literal["nominal", "sensor_based"]
@@ -75,10 +75,7 @@ class Plant:
         self.initial = np.array([mode.initial_exposure for mode in robot.modes])
         self.usage = np.array([robot.usage.per_operating_hour(mode.clock) for mode in robot.modes])
         self.calendar = np.array([mode.clock == "calendar" for mode in robot.modes])
-        self.lives = [
-            (np.array(members), stack([robot.modes[i].life for i in members]))
-            for members in _alike([type(mode.life) for mode in robot.modes])
-        ]
+        self.lives = side_by_side([mode.life for mode in robot.modes])
         self._structures: dict[Block, tuple[Structure, npt.NDArray[np.intp]]] = {}
 
     def structure(self, diagram: Block) -> tuple[Structure, npt.NDArray[np.intp]]:
@@ -260,13 +257,6 @@ def as_designed(plant: Plant) -> Outlook:
     n = len(plant.initial)
     age = plant.initial
     return Outlook(plant, age, plant.lifewise("increment", np.zeros(n), age), np.ones(n), np.ones(n), plant.usage)
-
-
-def _alike(keys: Sequence[object]) -> list[list[int]]:
-    groups: dict[object, list[int]] = {}
-    for i, key in enumerate(keys):
-        groups.setdefault(key, []).append(i)
-    return list(groups.values())
 
 
 def contributors(plant: Plant, outlook: Outlook) -> list[tuple[Component, float]]:

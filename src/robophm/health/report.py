@@ -50,10 +50,8 @@ class HealthReport:
     design_hash: str
     time: int | None
     """Nanoseconds since the epoch to which exposure has been integrated; None before the first sample."""
-    operating_hours: float
-    calendar_hours: float
-    kilometres: float | None
-    """Driven as measured; None where no part ages on kilometres."""
+    clocks: Mapping[str, float]
+    """Since the start: operating and calendar [h], and what the robot's clocks measured (kilometres [km], …)."""
     subjects: tuple[Subject, ...]
     """The robot first, then its modules outer before inner, then its functions."""
     components: tuple[ComponentHealth, ...]
@@ -95,7 +93,7 @@ class HealthReport:
 
     def to_json(self) -> dict[str, Any]:
         """As plain values, schema-versioned; infinite times are null."""
-        names = ("robot", "design_hash", "time", "operating_hours", "calendar_hours", "kilometres")
+        names = ("robot", "design_hash", "time", "clocks")
         return {
             "schema_version": SCHEMA_VERSION,
             **{name: getattr(self, name) for name in names},
@@ -151,15 +149,12 @@ def health_report(
         ComponentHealth(component.path, component.quantity, *(float(column[i]) for column in columns))
         for i, component in enumerate(plant.components)
     )
-    hours = ledger.hours.value
-    driven = [i for i, mode in enumerate(robot.modes) if mode.clock == "kilometres"]
+    clocks = ledger.clocks.value
     return HealthReport(
         robot.name,
         robot.design_hash,
         ledger.integrated_to,
-        float(hours[0]),
-        float(hours[1]),
-        float(ledger.age.value[driven[0]]) if driven else None,
+        {name: float(total) for name, total in zip(("operating", "calendar", *robot.clocks), clocks, strict=True)},
         subjects,
         components,
         task,
