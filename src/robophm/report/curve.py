@@ -72,7 +72,7 @@ def curve_svg(
         y_ticks, y_texts = _log_ticks(*y_range)
         y_power = ""
 
-    left = 12 + max((text_width(text, _SIZE) for text in y_texts), default=0)
+    left = 12 + max((text_width(says, _SIZE) for says in y_texts), default=0)
     right, top, bottom = width - 14, 48, height - 40
     x_at = _scale(x_range, (left, right))
     y_at = _scale(y_range, (bottom, top))

@@ -8,6 +8,7 @@ import unicodedata
 from typing import SupportsIndex
 
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_EMPTY = frozenset({"path", "rect", "circle"})  # the others have a closing tag: HTML takes no <div/>
 _NARROW, _WIDE = frozenset("iIljtfr.,:;'|!()[]{}/\\- "), frozenset("mwMW@%…—–+×<>=")
 
 
@@ -43,14 +44,15 @@ def element(name: str, *content: str, **attributes: str | float | None) -> Html:
         for key, value in attributes.items()
         if value is not None and value != ""
     )
-    if not content:
+    if name in _EMPTY:
         return Html(f"<{name}{written}/>")
     return Html(f"<{name}{written}>{''.join(map(escape, content))}</{name}>")
 
 
 def number(value: float) -> str:
     """A coordinate with at most one decimal: 12, 12.5."""
-    return f"{value:.1f}".removesuffix(".0").replace("-0", "0" if abs(value) < 0.05 else "-0")
+    text = f"{value:.1f}".removesuffix(".0")
+    return "0" if text == "-0" else text
 
 
 def text_width(text: str, size: float, bold: bool = False) -> float:

@@ -30,7 +30,7 @@ figcaption,caption,.tile dt,.tile .note{color:var(--quiet);font-size:.82rem}
 .scroll{overflow-x:auto}
 .tiles,.side{display:grid;gap:14px;margin:1rem 0}
 .tiles{grid-template-columns:repeat(auto-fit,minmax(min(230px,100%),1fr))}
-.side{grid-template-columns:repeat(auto-fit,minmax(min(440px,100%),1fr));gap:20px 28px}
+.side{grid-template-columns:repeat(auto-fit,minmax(min(380px,100%),1fr));gap:20px 28px}
 .side figure{margin:0}
 .tile{background:var(--card);border:1px solid var(--edge);border-left:4px solid;border-radius:6px;
  padding:12px 16px}

@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from robophm.core.errors import UnitError
+from robophm.report.words import duration_text, number_text, probability_text, rate_text
+
+INF, NAN = math.inf, math.nan
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0, "0"),
+        (-0.0, "0"),
+        (1, "1"),
+        (0.5, "0.5"),
+        (1.23456, "1.235"),
+        (10250, "10,250"),
+        (1234567, "1.235e6"),
+        (999_999, "1e6"),
+        (0.001, "0.001"),
+        (5.8e-6, "5.8e-6"),
+        (-0.25, "-0.25"),
+        (NAN, "–"),
+        (INF, "∞"),
+        (-INF, "-∞"),
+        (1e300, "1e300"),
+        (5e-324, "4.941e-324"),
+    ],
+)
+def test_number(value: float, text: str) -> None:
+    assert number_text(value) == text
+
+
+@pytest.mark.parametrize(
+    ("p", "failure", "text"),
+    [
+        (1 - 1 / 4700, 1 / 4700, "99.98 % (fails 1 in 4,700)"),
+        (1.0, 1e-9, "99.9999999 % (fails 1 in 1,000,000,000)"),
+        (1 - 1e-9, None, "99.9999999 % (fails 1 in 1,000,000,000)"),
+        (1.0, 2e-13, "> 99.9999999999 % (fails 1 in 5e12)"),
+        (1.0, 1e-300, "> 99.9999999999 % (fails 1 in 1e300)"),
+        (0.95, None, "95 % (fails 1 in 20)"),
+        (0.9995, 5e-4, "99.95 % (fails 1 in 2,000)"),
+        (1.0, None, "100 %"),
+        (0.5, None, "50 %"),
+        (0.0, None, "0 %"),
+        (1e-9, None, "1e-7 %"),
+        (NAN, None, "–"),
+        (1.0, NAN, "–"),
+    ],
+)
+def test_probability(p: float, failure: float | None, text: str) -> None:
+    assert probability_text(p, failure) == text
+
+
+def test_less_than_certain_never_reads_as_certain() -> None:
+    for i in range(1, 170):
+        failure = 10 ** (-i / 10)
+        assert not probability_text(1 - failure, failure).startswith("100")
+
+
+@pytest.mark.parametrize(
+    ("rate", "unit", "text"),
+    [
+        (5.8e-6, "1/h", "5.8e-6 /h"),
+        (4e-8, "FIT", "40 FIT"),
+        (5.8e-6, "FIT", "5,800 FIT"),
+        (4e-8, "FPMH", "0.04 FPMH"),
+        (0, "1/h", "0 /h"),
+        (NAN, "FIT", "–"),
+        (INF, "1/h", "∞ /h"),
+    ],
+)
+def test_rate(rate: float, unit: str, text: str) -> None:
+    assert rate_text(rate, unit) == text
+
+
+def test_unknown_unit_of_rate() -> None:
+    with pytest.raises(UnitError, match="did you mean 'FIT'"):
+        rate_text(1e-6, "fits")
+
+
+@pytest.mark.parametrize(
+    ("hours", "text"),
+    [
+        (1e6 / 3600, "11.6 days"),
+        (3.2 * 8766, "3.2 years"),
+        (0.75, "45 min"),
+        (24, "24 h"),
+        (48, "2 days"),
+        (30 / 3600, "30 s"),
+        (59.999 / 3600, "1 min"),
+        (59.999 / 60, "1 h"),
+        (47.99, "2 days"),
+        (729.99 * 24, "2 years"),
+        (0, "0 h"),
+        (-0.5, "-30 min"),
+        (INF, "∞"),
+        (-INF, "-∞"),
+        (NAN, "–"),
+        (1e9, "114,000 years"),
+        (1e-9, "3.6e-6 s"),
+    ],
+)
+def test_duration(hours: float, text: str) -> None:
+    assert duration_text(hours) == text
