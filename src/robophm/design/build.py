@@ -311,16 +311,7 @@ class _Builder:
 
     def _task(self) -> Task | None:
         task = self.design.task
-        if task is None:
-            return None
-        distance, speed, duration = task.distance, task.speed, task.duration
-        if duration is None:
-            if distance is None or not speed:
-                raise Fault(("task",), "expected a distance with a speed above zero, or a duration")
-            return Task(distance, distance / speed / 3600)
-        if speed is not None and distance is not None:
-            raise Fault(("task",), "distance, speed and duration are given; expected two of them")
-        return Task(distance if distance is not None else (speed or 0.0) * duration * 3600, duration)
+        return plain_task(task.distance, task.speed, task.duration) if task else None
 
     def _signal_places(self, place: Path, level: Any) -> Iterable[Path]:
         yield from ((*place, "signals", name) for name in level.signals)
@@ -328,6 +319,23 @@ class _Builder:
         for kind in ("modules", "components"):
             for name, child in getattr(level, kind, {}).items():
                 yield from self._signal_places((*place, kind, name), child)
+
+
+def plain_task(distance: float | None, speed: float | None, duration: float | None) -> Task:
+    """A task of a distance [m], a speed [m/s] and a duration [h], two of the three or a duration alone.
+
+    Raises Fault where they say too little, too much, or nothing that can be driven.
+    """
+    for name, value in (("distance", distance), ("speed", speed), ("duration", duration)):
+        if value is not None and not (math.isfinite(value) and value >= 0):
+            raise Fault(("task", name), f"{name} {value:g} is negative; expected at least zero")
+    if duration is None:
+        if distance is None or not speed:
+            raise Fault(("task",), "expected a distance with a speed above zero, or a duration")
+        return Task(distance, distance / speed / 3600)
+    if speed is not None and distance is not None:
+        raise Fault(("task",), "distance, speed and duration are given; expected two of them")
+    return Task(distance if distance is not None else (speed or 0.0) * duration * 3600, duration)
 
 
 class _Expansion:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import io
 import os
-import shutil
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robophm.core.errors import DesignError, nearest
+from robophm.core.files import write_atomically
 from robophm.design.robot import Robot
 
 if TYPE_CHECKING:
@@ -79,42 +78,12 @@ class DesignFile:
         """
         text = self.text()
         robot = parse(text, str(self.path))
-        write_atomically(self.path, text, backup=True)
+        try:
+            write_atomically(self.path.with_name(self.path.name + ".bak"), self.path.read_bytes())
+            write_atomically(self.path, text)
+        except OSError as error:
+            raise DesignError(f"{self.path}: cannot be saved: {error.strerror}; the file is as it was") from None
         return robot
-
-
-def write_atomically(path: Path, text: str, *, backup: bool = False) -> None:
-    """Replace a file's content whole or not at all. Raises DesignError where it cannot be written."""
-    temporary: Path | None = None
-    try:
-        for target, content in ((_backup(path), None), (path, text)):
-            if content is None and not (backup and path.exists()):
-                continue
-            handle, made = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-            temporary = Path(made)
-            with os.fdopen(handle, "wb") as stream:
-                stream.write(path.read_bytes() if content is None else content.encode())
-                stream.flush()
-                os.fsync(stream.fileno())
-            if path.exists():
-                shutil.copymode(path, temporary)
-            else:
-                temporary.chmod(0o666 & ~_umask())
-            temporary.replace(target)
-    except OSError as error:
-        if temporary is not None:
-            temporary.unlink(missing_ok=True)
-        raise DesignError(f"{path}: cannot be saved: {error.strerror}; the file is as it was") from None
-
-
-def _backup(path: Path) -> Path:
-    return path.with_name(path.name + ".bak")
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def _yaml() -> Any:

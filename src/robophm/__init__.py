@@ -1,0 +1,67 @@
+"""The honest health of a robot: from its design and its sensors, nominal and as lived.
+
+>>> import robophm
+>>> robot = robophm.load("robot.yaml")                                  # doctest: +SKIP
+>>> health = robophm.replay(robot, "drive.mcap")                        # doctest: +SKIP
+>>> health.reliability(hours=100), health.remaining_life().median       # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from robophm.blocks.diagram import KOutOfN, Parallel, Series, Unit
+    from robophm.blocks.reliability import Structure
+    from robophm.core.errors import RobophmError
+    from robophm.design.file import load
+    from robophm.design.robot import Robot, Task
+    from robophm.health.report import HealthReport
+    from robophm.life import life_distribution
+    from robophm.monitor import Monitor, replay
+    from robophm.transports.source import open_source
+
+__all__ = [
+    "HealthReport",
+    "KOutOfN",
+    "Monitor",
+    "Parallel",
+    "RobophmError",
+    "Robot",
+    "Series",
+    "Structure",
+    "Task",
+    "Unit",
+    "life_distribution",
+    "load",
+    "open_source",
+    "replay",
+]
+
+# Where each public name lives: it is imported when it is first asked for, so that `import robophm` costs nothing.
+_HOMES = {
+    "blocks.diagram": ("KOutOfN", "Parallel", "Series", "Unit"),
+    "blocks.reliability": ("Structure",),
+    "core.errors": ("RobophmError",),
+    "design.file": ("load",),
+    "design.robot": ("Robot", "Task"),
+    "health.report": ("HealthReport",),
+    "life": ("life_distribution",),
+    "monitor": ("Monitor", "replay"),
+    "transports.source": ("open_source",),
+}
+
+
+def __getattr__(name: str) -> Any:
+    from importlib import import_module
+
+    for home, names in _HOMES.items():
+        if name in names:
+            value = getattr(import_module(f"robophm.{home}"), name)
+            globals()[name] = value
+            return value
+    raise AttributeError(f"module 'robophm' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

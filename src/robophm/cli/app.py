@@ -1,0 +1,308 @@
+"""The commands."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from robophm.cli import BREACHED
+from robophm.cli.output import (
+    console,
+    health_table,
+    percent,
+    print_json,
+    print_report,
+    progress_console,
+    table,
+    warn,
+    write,
+)
+from robophm.core.errors import ModelError, RobophmError, UnitError
+from robophm.report.words import duration_text, number_text, rate_text
+
+app = typer.Typer(
+    help="The honest health of a robot: hazard rate, reliability, remaining life and task completion.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+Design = Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")]
+Json = Annotated[bool, typer.Option("--json", help="print one JSON document on stdout")]
+Unit = Annotated[str, typer.Option(help="of hazard rates: 1/h, FIT or FPMH")]
+
+
+@app.command()
+def check(design: Design, as_json: Json = False) -> None:
+    """Say whether a design is valid, and what in it is odd."""
+    from robophm.design.file import load
+
+    robot = load(design)
+    count = sum(component.quantity for component in robot.all_components())
+    if as_json:
+        print_json({"robot": robot.name, "parts": count, "signals": list(robot.signals), "warnings": list(robot.warnings)})
+        return
+    for warning in robot.warnings:
+        warn(warning)
+    console().print(
+        f"{design}: {robot.name} is valid: {len(list(robot.all_modules()))} modules, {count} parts, "
+        f"{len(robot.signals)} signals, {len(robot.warnings)} warnings", markup=False
+    )  # fmt: skip
+
+
+@app.command()
+def show(
+    design: Design,
+    hours: Annotated[float, typer.Option(help="operating hours at which to state R")] = 1000.0,
+    unit: Unit = "1/h",
+    svg: Annotated[Path | None, typer.Option(help="also draw the diagram into this SVG file")] = None,
+    as_json: Json = False,
+) -> None:
+    """Draw a design and state what it promises when new: hazard rate, reliability, mean time to failure."""
+    import numpy as np
+
+    from robophm.design.file import load
+    from robophm.health.prognosis import Plant, as_designed
+    from robophm.report.diagram_svg import diagram_svg
+    from robophm.report.diagram_text import diagram_text
+    from robophm.report.outline import Label
+
+    robot = load(design)
+    if not hours >= 0:
+        raise UnitError(f"--hours {hours:g}: expected at least 0")
+    new = as_designed(Plant(robot))
+    systems = [("", robot), *((module.path, module) for module in robot.all_modules())]
+    rows, rates = [], {}
+    for path, module in systems:
+        state = new.survival_curve(module.diagram, np.array([hours]))
+        life = new.remaining_life(module.diagram)
+        works, failed, density = (float(values[0]) for values in state)
+        rates[path] = density / works if works > 0 else float("inf")
+        rows.append((path, rates[path], works, failed, life.mean))
+    rates |= {c.path: float(r) for c, r in zip(robot.all_components(), new.component_hazard_rates(), strict=True)}
+    quantity = {component.path: component.quantity for component in robot.all_components()}
+
+    def label(path: str) -> Label:
+        stem = path.partition("[")[0]
+        many = quantity.get(stem, 1) > 1 and stem == path
+        return Label(path.rpartition("/")[2], rate_text(rates[stem], unit), f"×{quantity[stem]}" if many else "")
+
+    if svg:
+        write(svg, diagram_svg(robot.wiring, label, standalone=True))
+    if as_json:
+        keys = ("path", "hazard_rate", "reliability", "unreliability", "mean_time_to_failure")
+        print_json({"robot": robot.name, "hours": hours, "modules": [dict(zip(keys, _finite(row), strict=True)) for row in rows]})
+        return
+    out = console()
+    width = out.width if out.is_terminal else 100
+    out.print(robot.name, style="bold", markup=False)
+    for path, module in systems:
+        if path:
+            out.print(f"\n{path}", style="bold", markup=False)
+        out.print(diagram_text(module.wiring, label, width), markup=False, soft_wrap=True)
+    texts = [
+        ("  " * (path.count("/") + bool(path)) + (path.rpartition("/")[2] or robot.name), rate_text(rate, unit),
+         percent(works, failed), duration_text(mean))
+        for path, rate, works, failed, mean in rows
+    ]  # fmt: skip
+    out.print()
+    columns = ("when new, nominal", f"λ at {number_text(hours)} h", f"R({number_text(hours)} h)", "mean time to failure")
+    out.print(table("", columns, texts))
+
+
+@app.command()
+def rate(
+    model: Annotated[str | None, typer.Argument(help="e.g. mil_hdbk_217f.capacitor; none lists them")] = None,
+    set_: Annotated[list[str] | None, typer.Option("--set", metavar="INPUT=VALUE", help="e.g. temperature='60 degC'")] = None,
+    explain: Annotated[bool, typer.Option("--explain", help="show every factor")] = False,
+    unit: Unit = "1/h",
+    as_json: Json = False,
+) -> None:
+    """The hazard rate that a handbook gives for a part."""
+    import numpy as np
+
+    from robophm.hazard.handbooks import handbook_model, handbook_models
+    from robophm.hazard.model import Choice
+
+    out = console()
+    if model is None:
+        models = [(name, handbook_model(name)) for name in handbook_models()]
+        if as_json:
+            print_json({"models": [{"name": n, "formula": m.formula, "source": str(m.source)} for n, m in models]})
+        else:
+            out.print(table("Hazard models", ("model", "formula", "source"), [(n, m.formula, str(m.source)) for n, m in models]))
+        return
+    chosen = handbook_model(model)
+    given = {}
+    for pair in set_ or []:
+        name, equals, value = pair.partition("=")
+        if not equals:
+            raise ModelError(f"--set {pair}: expected INPUT=VALUE")
+        given[name.strip()] = value.strip()
+    if not given and any(getattr(entry, "required", True) and entry.default is None for entry in chosen.inputs.values()):
+        rows = [
+            (name, chosen.expected(name), "" if e.default is None else str(e.default), e.description)
+            for name, e in chosen.inputs.items()
+        ]
+        out.print(f"{chosen.name}: {chosen.formula}\n{chosen.source}", markup=False)
+        for name, expected, default, description in rows:
+            out.print(f"  {name}: {description}; {expected}" + (f"; default {default}" if default else ""), markup=False)
+        return
+    inputs = chosen.settle(given)
+    result = chosen.explain(inputs)
+    value = float(np.asarray(result.value))
+    factors = [(f.symbol, float(np.asarray(f.value)), f.note) for f in result.leaves()]
+    if as_json:
+        listed = [{"symbol": s, "value": v, "note": n} for s, v, n in factors]
+        units = {n: e.unit for n, e in chosen.inputs.items() if not isinstance(e, Choice)}
+        print_json({"model": chosen.name, "inputs": inputs, "units": units, "hazard_rate": value, "unit": chosen.unit,
+                    "formula": chosen.formula, "source": str(chosen.source), "factors": listed})  # fmt: skip
+        return
+    shown = rate_text(value, unit) if chosen.unit == "1/h" else f"{number_text(value)} {chosen.unit}"
+    out.print(f"{chosen.name}: {shown}", markup=False)
+    if explain:
+        out.print(f"{chosen.formula}\n{chosen.source} ({chosen.source.status})", markup=False)
+        for symbol, number, note in factors:
+            out.print(f"  {symbol:<6} {number:<12.6g} {note}", markup=False)
+
+
+@app.command()
+def predict(
+    design: Design,
+    store: Annotated[Path | None, typer.Option(help="the robot's past, as kept by replay")] = None,
+    distance: Annotated[str | None, typer.Option(help="of the task, e.g. '250 m'")] = None,
+    speed: Annotated[str | None, typer.Option(help="of the task, e.g. '0.3 m/s'")] = None,
+    duration: Annotated[str | None, typer.Option(help="of the task, instead of a speed, e.g. '20 min'")] = None,
+    unit: Unit = "1/h",
+    as_json: Json = False,
+) -> None:
+    """What lies ahead of a robot: remaining life, and whether a task will be completed."""
+    from robophm.core.units import quantity
+    from robophm.design.build import Fault, plain_task
+    from robophm.design.file import load
+    from robophm.health.exposure import Ledger
+    from robophm.monitor import Monitor
+
+    robot = load(design)
+    task = robot.task
+    if distance or speed or duration:
+        try:
+            task = plain_task(
+                quantity(distance, "m") if distance else None,
+                quantity(speed, "m/s") if speed else None,
+                quantity(duration, "h") if duration else None,
+            )
+        except Fault as fault:
+            raise RobophmError(f"task: {fault}") from None
+    monitor = Monitor(robot, _kept(store, robot.name, tuple(m.path for m in robot.modes), Ledger) if store else None)
+    report = monitor.report(task=task)
+    if as_json:
+        print_json(report.to_json())
+    else:
+        print_report(report, unit)
+    if report.breaches:
+        raise typer.Exit(BREACHED)
+
+
+@app.command()
+def replay(
+    design: Design,
+    recordings: Annotated[list[Path], typer.Argument(help=".bag, .db3, .mcap, rosbag2 folders, a .csv or a .journal")],
+    store: Annotated[Path | None, typer.Option(help="keep the robot's past in this SQLite file, and go on from it")] = None,
+    report: Annotated[Path | None, typer.Option(help="write a page about its health, HTML")] = None,
+    skip_missing: Annotated[bool, typer.Option("--skip-missing", help="bound topics that are not recorded stay silent")] = False,
+    unit: Unit = "1/h",
+    as_json: Json = False,
+) -> None:
+    """A robot's health after what it recorded."""
+    from robophm.design.file import load
+    from robophm.monitor import replay as replay_recording
+    from robophm.report.health_page import health_page
+    from robophm.stores.memory import MemoryStore
+    from robophm.stores.sqlite import SqliteStore
+    from robophm.stores.store import Store
+    from robophm.transports.source import open_source
+
+    robot = load(design)
+    for warning in robot.warnings:
+        warn(warning)
+    with open_source(*recordings) as source:
+        kept: Store = SqliteStore(store) if store else MemoryStore()
+        with kept, _progress(source, "replaying") as tick:
+            if store and kept.progress(robot.name, source.fingerprint).complete:
+                warn(f"this recording is already in {store}; it is not counted again")
+            health = replay_recording(robot, source, store=kept, skip_missing=skip_missing, on_tick=tick)
+            notes = tuple(f"{what} ({count} times)" for what, count in sorted(source.notes.items()))
+            health = replace(health, notes=health.notes + notes)
+            history = list(kept.history(robot.name))
+    if report:
+        write(report, health_page(robot, health, history))
+    if as_json:
+        print_json(health.to_json())
+    else:
+        print_report(health, unit)
+        if report:
+            console().print(f"Report: {report}", markup=False)
+    if health.breaches:
+        raise typer.Exit(BREACHED)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of the design file, for an editor's completion."""
+    import json
+
+    from robophm.design.schema import json_schema
+
+    typer.echo(json.dumps(json_schema(), indent=2, ensure_ascii=False))
+
+
+@app.command()
+def demo(
+    output: Annotated[Path, typer.Option(help="folder for the recording, the store and the report")] = Path("robophm-demo"),
+    seed: Annotated[int, typer.Option(help="of the synthetic robot")] = 1,
+) -> None:
+    """A synthetic robot works for a day; watch its health live, and read the report."""
+    from robophm.cli.demo import run
+
+    run(output, seed)
+
+
+@app.command()
+def doctor(as_json: Json = False) -> None:
+    """Say what is installed here and whether robophm works with it."""
+    from robophm.cli.doctor import run
+
+    run(as_json=as_json)
+
+
+def _kept(path: Path, robot: str, modes: tuple[str, ...], ledger: Any) -> Any:
+    from robophm.core.errors import StoreError
+    from robophm.stores.sqlite import SqliteStore
+
+    if not path.exists():
+        raise StoreError(f"{path}: no such store; `robophm replay --store` makes it")
+    with SqliteStore(path) as store:
+        data = store.ledger(robot)
+    if data is None:
+        raise StoreError(f"{path}: knows no robot '{robot}'")
+    return ledger.from_json(data, modes)
+
+
+def _progress(source: Any, what: str) -> Any:
+    from robophm.cli.progress import progress
+
+    return progress(progress_console(), source, what)
+
+
+def _finite(row: tuple[Any, ...]) -> list[Any]:
+    import math
+
+    return [None if isinstance(value, float) and not math.isfinite(value) else value for value in row]
+
+
+__all__ = ["app", "health_table"]

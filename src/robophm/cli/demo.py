@@ -1,0 +1,113 @@
+"""The demonstration: a synthetic robot works for a day, is recorded, and its recording becomes its health."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from pathlib import Path
+
+from rich.console import Group, RenderableType
+from rich.live import Live
+from rich.text import Text
+
+from robophm.cli.output import console, health_table, percent, print_report, write
+from robophm.core.errors import RobophmError
+from robophm.core.signal import HOUR
+from robophm.design.file import load
+from robophm.health.report import HealthReport
+from robophm.monitor import Monitor, replay
+from robophm.report.curve import sparkline
+from robophm.report.health_page import health_page
+from robophm.report.words import rate_text
+from robophm.stores.sqlite import SqliteStore
+from robophm.transports.recording import Recording
+from robophm.transports.synthetic import SyntheticOta
+
+REDRAW = 0.25
+"""Seconds between two looks at the live table."""
+
+
+def example_design() -> Path:
+    """The OTA's design: in the installed package, or beside the sources that it is installed from."""
+    package = Path(__file__).parents[1]
+    for folder in (package / "examples", package.parents[1] / "examples"):
+        if (folder / "ota" / "robot.yaml").is_file():
+            return folder / "ota" / "robot.yaml"
+    raise RobophmError("the example design examples/ota/robot.yaml is not installed")
+
+
+def run(output: Path, seed: int) -> None:
+    """Drive, record, replay, report; all files go into ``output``, which is made."""
+    out = console()
+    robot = load(example_design())
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise RobophmError(f"{output}: cannot be made: {error.strerror}") from None
+    recording, past, page = output / "day.mcap", output / "ota.db", output / "report.html"
+    for old in (recording, past, past.with_name("ota.db-wal"), past.with_name("ota.db-shm")):
+        old.unlink(missing_ok=True)
+
+    begun = time.monotonic()
+    robot_day = SyntheticOta(seed=seed)
+    robot_day.record(recording)
+    hours = (int(robot_day.times[-1]) - int(robot_day.times[0])) / HOUR
+    took = time.monotonic() - begun
+    out.print(
+        f"{robot.name} worked through a day: {hours:.1f} h of driving, waiting and charging in {took:.1f} s, "
+        f"recorded in {recording} ({recording.stat().st_size / 1e6:.1f} MB)", markup=False
+    )  # fmt: skip
+
+    table = _LiveTable()
+    begun = time.monotonic()
+    with Recording(recording) as source, SqliteStore(past) as store:
+        if out.is_terminal:
+            with Live(console=out, auto_refresh=False, transient=True) as live:
+
+                def look(monitor: Monitor) -> None:
+                    if table.due():
+                        live.update(table.look(monitor), refresh=True)
+
+                report = replay(robot, source, store=store, on_tick=look)
+        else:
+            report = replay(robot, source, store=store)
+        history = list(store.history(robot.name))
+        samples = store.progress(robot.name, source.fingerprint).samples
+    took = time.monotonic() - begun
+    out.print(f"Replayed {samples:,} samples in {took:.1f} s, {hours * 3600 / took:,.0f} times as fast as they were lived.\n")
+    print_report(report, "1/h")
+    out.print()
+    for view, name in (("nominal", "nominal     "), ("sensor_based", "sensor-based")):
+        rates = [entry["subjects"][0][view]["hazard_rate"] for entry in history]
+        out.print(f"λ {name} {sparkline(rates, 60)}  {rate_text(min(rates))} … {rate_text(max(rates))}", markup=False)
+    write(page, health_page(robot, report, history))
+    out.print(f"\nReport: {page.resolve()}", markup=False, soft_wrap=True)
+
+
+class _LiveTable:
+    """The health table as the replay goes, with the recent course of each module's hazard rate."""
+
+    def __init__(self) -> None:
+        self.course: dict[str, deque[float]] = {}
+        self.drawn = 0.0
+
+    def due(self) -> bool:
+        return time.monotonic() - self.drawn >= REDRAW
+
+    def look(self, monitor: Monitor) -> RenderableType:
+        report = monitor.report(settled=False)
+        self.drawn = time.monotonic()
+        table = health_table(report, "1/h", self._top(report))
+        table.add_column("λ sensor, recent", no_wrap=True)
+        for i, one in enumerate(self._top(report)):
+            course = self.course.setdefault(one.path, deque(maxlen=24))
+            course.append(one.sensor_based.hazard_rate)
+            table.columns[-1]._cells.append(sparkline(list(course), 24))
+            table.rows[i].style = "bold" if i == 0 else ""
+        system = report.system.sensor_based
+        clock = f"{report.clocks['operating']:.1f} h of operation, R {percent(system.reliability, system.unreliability)}"
+        return Group(table, Text(clock))
+
+    @staticmethod
+    def _top(report: HealthReport) -> list[object]:
+        return [one for one in report.subjects if "/" not in one.path]

@@ -1,0 +1,74 @@
+"""What is installed here, and whether robophm works with it."""
+
+from __future__ import annotations
+
+import platform
+import sys
+import tempfile
+from collections.abc import Callable
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from robophm.cli import INVALID
+from robophm.cli.output import console, print_json
+
+NEEDED = ("robophm", "numpy", "scipy", "pydantic", "ruamel.yaml", "typer", "rich", "pint", "rosbags", "mcap")
+
+
+def run(*, as_json: bool) -> None:
+    """Print versions and checks. Leaves with 3 where a check fails."""
+    versions = {"python": platform.python_version(), "platform": f"{platform.system()} {platform.machine()}"}
+    for name in NEEDED:
+        try:
+            versions[name] = version(name)
+        except PackageNotFoundError:
+            versions[name] = "missing"
+    checks = {name: _try(check) for name, check in CHECKS.items()}
+    failed = [name for name, outcome in checks.items() if outcome != "ok"] + [n for n, v in versions.items() if v == "missing"]
+    if as_json:
+        print_json({"versions": versions, "checks": checks, "ok": not failed})
+    else:
+        out = console()
+        for name, text in (*versions.items(), *checks.items()):
+            out.print(f"{name:<28} {text}", markup=False)
+        out.print("all is well" if not failed else f"not well: {', '.join(failed)}", markup=False)
+    if failed:
+        sys.exit(INVALID)
+
+
+def _try(check: Callable[[], None]) -> str:
+    try:
+        check()
+    except Exception as error:  # whatever it is, it is what the user came to learn
+        return f"{type(error).__name__}: {error}"
+    return "ok"
+
+
+def _design() -> None:
+    from robophm.cli.demo import example_design
+    from robophm.design.file import load
+
+    load(example_design())
+
+
+def _store() -> None:
+    from robophm.stores.sqlite import SqliteStore
+
+    with tempfile.TemporaryDirectory() as folder, SqliteStore(Path(folder) / "doctor.db") as store:
+        store.save("doctor", {"version": 1})
+
+
+def _recording() -> None:
+    from robophm.core.signal import SECOND
+    from robophm.transports.recording import Recording
+    from robophm.transports.synthetic import SyntheticOta
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "doctor.mcap"
+        SyntheticOta(duration=5 * SECOND).record(path)
+        with Recording(path) as recording:
+            next(recording.samples(["/ota/battery.voltage"]))
+
+
+CHECKS = {"reads a design": _design, "keeps a store": _store, "writes and reads recordings": _recording}
+"""Each does the real thing, small."""

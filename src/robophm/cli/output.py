@@ -1,0 +1,106 @@
+"""How commands print: tables for people, JSON for machines on stdout alone, progress on a terminal's stderr alone."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from robophm.core.errors import RobophmError
+from robophm.health.report import HealthReport, Subject
+from robophm.report.words import duration_text, number_text, probability_text, rate_text
+
+SCHEMA_VERSION = 1
+"""Of what ``--json`` prints; each document says it."""
+
+
+def console() -> Console:
+    """For people, on stdout; plain where it is no terminal or NO_COLOR is set."""
+    return Console(highlight=False, soft_wrap=not sys.stdout.isatty())
+
+
+def progress_console() -> Console:
+    """For progress, on stderr."""
+    return Console(stderr=True, highlight=False)
+
+
+def print_json(document: Mapping[str, Any]) -> None:
+    """One JSON document on stdout, with its schema version first."""
+    text = json.dumps({"schema_version": SCHEMA_VERSION, **document}, indent=2, ensure_ascii=False, allow_nan=False)
+    sys.stdout.write(text + "\n")
+
+
+def warn(text: str) -> None:
+    """One line on stderr that does not stop anything."""
+    print(f"warning: {text}", file=sys.stderr)
+
+
+def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
+    """A table whose first column is text and whose others are figures. User text is never markup."""
+    result = Table(title=Text(title), title_justify="left", title_style="bold", header_style="bold", box=None, pad_edge=False)
+    for i, column in enumerate(columns):
+        result.add_column(column, justify="right" if i else "left", no_wrap=i > 0, overflow="fold")
+    for row in rows:
+        result.add_row(*(Text(cell) for cell in row))
+    return result
+
+
+def health_table(report: HealthReport, unit: str, subjects: Iterable[Subject] | None = None) -> Table:
+    """The figures of a report, nominal and sensor-based side by side."""
+    rows = []
+    for one in subjects or report.subjects:
+        name = one.path if one.kind == "robot" else "  " * (1 + one.path.count("/")) + one.path.rpartition("/")[2]
+        life, task = one.sensor_based.remaining_life, one.sensor_based.completion
+        rows.append((
+            name + (" *" if one.flags else ""),
+            rate_text(one.nominal.hazard_rate, unit), rate_text(one.sensor_based.hazard_rate, unit),
+            percent(one.nominal.reliability, one.nominal.unreliability),
+            percent(one.sensor_based.reliability, one.sensor_based.unreliability),
+            duration_text(life.median) if life else "–",
+            percent(task.probability, task.failure) if task else "–",
+        ))  # fmt: skip
+    columns = ("", "λ nominal", "λ sensor", "R nominal", "R sensor", "RUL median", "PoTC")
+    return table(f"Health of {report.robot}", columns, rows)
+
+
+def percent(probability: float, complement: float) -> str:
+    """A probability in percent with as many nines as it has."""
+    return probability_text(probability, complement).partition(" (")[0]
+
+
+def print_report(report: HealthReport, unit: str) -> None:
+    """A report for people: the table, what qualifies it, what is breached."""
+    out = console()
+    out.print(health_table(report, unit))
+    clocks = {"operating": "h of operation", "calendar": "h in all", "kilometres": "km"}
+    out.print("Observed: " + ", ".join(f"{number_text(v)} {clocks.get(n, n)}" for n, v in report.clocks.items()), markup=False)
+    system = report.system.sensor_based
+    if system.remaining_life:
+        life = system.remaining_life
+        out.print(f"Remaining life: median {duration_text(life.median)}, mean {duration_text(life.mean)}, "
+                  f"90 % between {duration_text(life.early)} and {duration_text(life.late)}", markup=False)  # fmt: skip
+    if report.task and system.completion:
+        task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
+        chance = probability_text(system.completion.probability, system.completion.failure)
+        out.print(f"Next task ({task}): completed with {chance}", markup=False)
+    flagged = [f"* {one.path}: {', '.join(one.flags)}" for one in report.subjects if one.flags]
+    for line in (*flagged, *report.notes):
+        out.print(line, style="yellow", markup=False)
+    for breach in report.breaches:
+        out.print(f"threshold breached: {breach}", style="bold red", markup=False)
+
+
+def write(path: Path, text: str) -> None:
+    """Write a file whole or not at all. Raises RobophmError."""
+    from robophm.core.files import write_atomically
+
+    try:
+        write_atomically(path, text)
+    except OSError as error:
+        raise RobophmError(f"{path}: cannot be written: {error.strerror}") from None

@@ -1,0 +1,26 @@
+"""A progress bar for what goes through a recording, on a terminal alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+from robophm.monitor import Monitor
+from robophm.transports.source import SignalSource
+
+
+@contextmanager
+def progress(console: Console, source: SignalSource, what: str) -> Iterator[Callable[[Monitor], None] | None]:
+    """A callback for every tick of a replay that moves a bar along the recording's time; None off a terminal."""
+    spans = [(info.first, info.last) for info in source.topics() if info.first is not None and info.last is not None]
+    if not console.is_terminal or not spans:
+        yield None
+        return
+    first, last = min(begin for begin, _ in spans), max(end for _, end in spans)
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(what, total=max(last - first, 1))
+        yield lambda monitor: bar.update(task, completed=(monitor.ledger.integrated_to or first) - first)

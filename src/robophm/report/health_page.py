@@ -1,0 +1,162 @@
+"""A robot's health on one page: figures, diagram, curves, tables, assumptions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from datetime import UTC, datetime
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from robophm.core.signal import SECOND
+from robophm.design.robot import Robot
+from robophm.health.report import HealthReport, Subject
+from robophm.report.curve import Line, curve_svg
+from robophm.report.diagram_svg import diagram_svg
+from robophm.report.markup import Html
+from robophm.report.outline import Label
+from robophm.report.page import figure, page, section, side_by_side, table_html, tile, tiles
+from robophm.report.style import Tone
+from robophm.report.words import duration_text, number_text, probability_text, rate_text
+
+VIEWS = {"nominal": "nominal", "sensor_based": "sensor-based"}
+"""The two views and what they are called."""
+
+
+def health_page(robot: Robot, report: HealthReport, history: Iterable[Mapping[str, Any]] = ()) -> Html:
+    """The whole page as HTML. ``history`` holds earlier reports as JSON, oldest first, for the curves."""
+    return page(f"Health of {report.robot}", _sections(robot, report, list(history)))
+
+
+def _sections(robot: Robot, report: HealthReport, history: list[Mapping[str, Any]]) -> Iterable[Html | str]:
+    yield _summary(report)
+    yield _tiles(report)
+    yield section("How it is wired", figure(diagram_svg(robot.wiring, _labels(robot, report)), "Modules of the robot", True),
+                  *(figure(diagram_svg(m.wiring, _labels(robot, report)), m.path, True) for m in robot.modules))  # fmt: skip
+    yield section("Curves", side_by_side(*_history_curves(report.robot, history), *_outlook_curves(robot, report)))
+    yield section("Modules", _subject_table(report.subjects))
+    yield section("What contributes most", _contributors(report))
+    yield section("Sensors and data", *(report.notes or ("Every sample was taken, and every signal was there.",)))
+    yield section("Assumptions", *_assumptions(robot, report))
+
+
+def _summary(report: HealthReport) -> str:
+    parts = [f"{number_text(report.clocks['operating'])} h of operation in {number_text(report.clocks['calendar'])} h"]
+    units = {"kilometres": "km", "cycles": "cycles", "starts": "starts"}
+    parts += [f"{number_text(report.clocks[name])} {unit}" for name, unit in units.items() if name in report.clocks]
+    at = f", up to {_clock(report.time)}" if report.time is not None else ""
+    return "Observed: " + ", ".join(parts) + at + "."
+
+
+def _clock(time: int) -> str:
+    return datetime.fromtimestamp(time // SECOND, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+
+
+def _tiles(report: HealthReport) -> Html:
+    system = report.system
+    both = {VIEWS[view]: getattr(system, view) for view in VIEWS}
+    tone: Tone = "error" if report.breaches else "stale" if system.flags else "ok"
+    each = [
+        tile("Hazard rate now", {name: rate_text(f.hazard_rate) for name, f in both.items()}, "per hour of operation", tone),
+        tile("Reliability", {name: probability_text(f.reliability, f.unreliability) for name, f in both.items()},
+             "survival since new", tone),
+    ]  # fmt: skip
+    if system.nominal.remaining_life:
+        lives = {name: duration_text(f.remaining_life.median) for name, f in both.items() if f.remaining_life}
+        late = system.sensor_based.remaining_life
+        note = f"median; 90 % between {duration_text(late.early)} and {duration_text(late.late)}" if late else ""
+        each.append(tile("Remaining life", lives, note, tone))
+    if report.task and system.nominal.completion:
+        texts = {n: probability_text(f.completion.probability, f.completion.failure) for n, f in both.items() if f.completion}
+        what = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
+        each.append(tile("Next task completed", texts, what, tone))
+    warnings = [Html("")] if not report.breaches else [section("Thresholds breached", *report.breaches)]
+    return Html(tiles(*each) + warnings[0])
+
+
+def _labels(robot: Robot, report: HealthReport) -> Any:
+    rates = {subject.path: subject.sensor_based.hazard_rate for subject in report.subjects}
+    rates |= {component.path: component.sensor_based_hazard_rate for component in report.components}
+    quantity = {component.path: component.quantity for component in report.components}
+    flags = {subject.path: bool(subject.flags) for subject in report.subjects}
+
+    def label(path: str) -> Label:
+        stem = path.partition("[")[0]
+        badge = f"×{quantity[stem]}" if stem in quantity and quantity[stem] > 1 and stem == path else ""
+        tone: Tone = "stale" if flags.get(path) else "ok"
+        return Label(path.rpartition("/")[2], rate_text(rates[stem]) if stem in rates else "", badge, tone)
+
+    return label
+
+
+def _history_curves(robot: str, history: list[Mapping[str, Any]]) -> Iterable[Html]:
+    if len(history) < 2:
+        return
+    hours = np.array([entry["time"] for entry in history], dtype=float)
+    hours = (hours - hours[0]) / (3600 * SECOND)
+    for key, title, label in (
+        ("hazard_rate", "Hazard rate", "λ [1/h of operation]"),
+        ("unreliability", "Probability of having failed since new", "1 − R"),
+    ):
+        lines = [
+            Line(name, hours, np.array([np.nan if (v := entry["subjects"][0][view][key]) is None else v for entry in history]),
+                 dashed=view == "sensor_based")
+            for view, name in VIEWS.items()
+        ]  # fmt: skip
+        yield figure(curve_svg(lines, title=title, x_label="time since start [h]", y_label=label), f"{title} of {robot}, as recorded")
+
+
+def _outlook_curves(robot: Robot, report: HealthReport) -> Iterable[Html]:
+    life = report.system.nominal.remaining_life
+    horizon = life.late if life and np.isfinite(life.late) else 10_000.0
+    hours = np.linspace(0, horizon * robot.usage.operating, 241)
+    states = {view: report.outlooks[view].survival_curve(robot.diagram, hours) for view in ("nominal", "sensor_based")}
+    lines = [Line(VIEWS[v], hours, s.works, dashed=v == "sensor_based") for v, s in states.items()]
+    yield figure(
+        curve_svg(lines, title="Reliability ahead", x_label="operating hours from now", y_label="R"),
+        "Survival since new, if use goes on as in the last ten minutes (sensor-based) or as designed (nominal)",
+    )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rates = [Line(VIEWS[v], hours, s.density / s.works, dashed=v == "sensor_based") for v, s in states.items()]
+    yield figure(
+        curve_svg(rates, title="Hazard rate ahead", x_label="operating hours from now", y_label="λ = f/R [1/h of operation]"),
+        "Of survivors since new",
+    )
+
+
+def _subject_table(subjects: Iterable[Subject]) -> Html:
+    columns = ("", "λ nominal [1/h]", "λ sensor-based [1/h]", "R nominal", "R sensor-based", "RUL median", "PoTC", "flags")
+    rows = []
+    for one in subjects:
+        life, task = one.sensor_based.remaining_life, one.sensor_based.completion
+        rows.append((
+            one.path, one.nominal.hazard_rate, one.sensor_based.hazard_rate,
+            probability_text(one.nominal.reliability, one.nominal.unreliability),
+            probability_text(one.sensor_based.reliability, one.sensor_based.unreliability),
+            duration_text(life.median) if life else None,
+            probability_text(task.probability, task.failure) if task else None,
+            ", ".join(one.flags) or None,
+        ))  # fmt: skip
+    return table_html(columns, rows, "RUL and PoTC are sensor-based, given that the module works now", "lrrrrrrl")
+
+
+def _contributors(report: HealthReport) -> Html:
+    worst = sorted(report.components, key=lambda c: -c.sensor_based_hazard_rate)[:10]
+    total = sum(component.sensor_based_hazard_rate for component in report.components) or 1.0
+    rows = [
+        (c.path, c.quantity, c.nominal_hazard_rate, c.sensor_based_hazard_rate, f"{100 * c.sensor_based_hazard_rate / total:.1f} %")
+        for c in worst
+    ]
+    columns = ("component", "quantity", "λ nominal [1/h]", "λ sensor-based [1/h]", "share of all parts")
+    return table_html(columns, rows, "The ten highest hazard rates, all equal parts together", "lrrrr")
+
+
+def _assumptions(robot: Robot, report: HealthReport) -> Iterable[str]:
+    usage = robot.usage
+    yield (
+        f"Nominal: every part at its design stress. Sensor-based: exposure from the signals, the future as the last ten "
+        f"minutes. The robot works {100 * usage.operating:.0f} % of the day; remaining life is in calendar time, without repair."
+    )
+    yield "R is survival since new. Hazard rate, remaining life and task completion are given that the robot works now."
+    yield f"Design {report.design_hash[:16]}, robophm {version('robophm')}."
