@@ -167,7 +167,8 @@ class _Plan:
 
         def lead(node: int) -> int:
             while leader[node] != node:
-                node = leader[node] = leader[leader[node]]
+                leader[node] = leader[leader[node]]
+                node = leader[node]
             return node
 
         user: dict[int, int] = {}
