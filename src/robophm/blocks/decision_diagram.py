@@ -24,7 +24,7 @@ LIMIT = 500_000
 
 _FAILED, _WORKS = 0, 1  # the two leaves
 _NEVER, _ALWAYS = (_FAILED, _FAILED), (_WORKS, _FAILED)  # the pairs that differ never and always
-_T = TypeVar("_T", int, tuple[int, int])
+_T = TypeVar("_T")
 
 
 class DecisionDiagram:

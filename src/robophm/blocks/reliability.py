@@ -28,7 +28,7 @@ Rows = NDArray[np.intp]
 Solve = Callable[[Array, Array, Array, Array, Array], tuple[Array, Array, Array]]
 """(b, c, s, works now, failed at the end) of the inputs, along the first axis → (b, c, s) of the block."""
 
-_AT_ONCE = 4_000_000  # numbers that one array may hold during an evaluation; more columns take turns
+_AT_ONCE = 500_000  # numbers that one array may hold during an evaluation; more columns take turns
 
 
 class State(NamedTuple):
@@ -167,7 +167,8 @@ class _Plan:
 
         def lead(node: int) -> int:
             while leader[node] != node:
-                node = leader[node] = leader[leader[node]]
+                leader[node] = leader[leader[node]]
+                node = leader[node]
             return node
 
         user: dict[int, int] = {}
