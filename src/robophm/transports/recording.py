@@ -248,7 +248,7 @@ class _ForeignMcap:
         formats = {"ros1msg": Format.MSG, "ros2msg": Format.MSG, "ros2idl": Format.IDL, "omgidl": Format.IDL}
         self._file = self._path.open("rb")
         try:
-            self._reader = make_reader(self._file)
+            self._reader = make_reader(self._file, validate_crcs=True)
             summary = self._reader.get_summary()
             if summary is None or summary.statistics is None:
                 raise SourceError(
