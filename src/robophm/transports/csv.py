@@ -117,6 +117,6 @@ def parse_time(text: str) -> int:
         if moment.tzinfo is None:
             moment = moment.replace(tzinfo=UTC)
         seconds = (moment - _EPOCH) // timedelta(seconds=1) + Decimal(f"0.{fraction[1]}" if fraction else 0)
-    if not abs(seconds) < 2**63 // SECOND:
+    if not (seconds.is_finite() and abs(seconds) < 2**63 // SECOND):
         raise ValueError(f"'{text}' is out of range; expected seconds or ISO 8601")
     return round(seconds * SECOND)

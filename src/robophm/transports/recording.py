@@ -248,7 +248,7 @@ class _ForeignMcap:
         formats = {"ros1msg": Format.MSG, "ros2msg": Format.MSG, "ros2idl": Format.IDL, "omgidl": Format.IDL}
         self._file = self._path.open("rb")
         try:
-            self._reader = make_reader(self._file)
+            self._reader = make_reader(self._file, validate_crcs=True)
             summary = self._reader.get_summary()
             if summary is None or summary.statistics is None:
                 raise SourceError(
@@ -314,11 +314,8 @@ def _open_reader(path: Path) -> _Reader:
     from rosbags.rosbag1 import Reader as BagReader
     from rosbags.rosbag2 import Reader as Rosbag2Reader
 
-    for unsaved in path.glob("*.db3-wal") if path.is_dir() else [path.with_name(path.name + "-wal")]:
-        if unsaved.exists() and unsaved.stat().st_size:
-            raise SourceError(
-                f"{unsaved}: holds messages that the recorder did not save; expected a closed one"
-            )
+    for database in path.glob("*.db3") if path.is_dir() else [path] * (path.suffix == ".db3"):
+        _check_whole(database)
     reader: _Reader
     if path.suffix == ".bag" and not path.is_dir():
         reader = cast(_Reader, BagReader(path))
@@ -328,6 +325,19 @@ def _open_reader(path: Path) -> _Reader:
         reader = cast(_Reader, Rosbag2Reader(path))
     reader.open()
     return reader
+
+
+def _check_whole(path: Path) -> None:
+    """SQLite opens a database that was cut or not closed, and passes over what is missing: refuse it here."""
+    unsaved = path.with_name(path.name + "-wal")
+    if unsaved.exists() and unsaved.stat().st_size:
+        raise SourceError(f"{unsaved}: holds messages that the recorder did not save; expected a closed one")
+    with path.open("rb") as file:
+        head = file.read(100)  # page size at byte 16 (1 is 65,536), pages at 28: sqlite.org/fileformat2.html
+    page = int.from_bytes(head[16:18], "big")
+    size = (65536 if page == 1 else page) * int.from_bytes(head[28:32], "big")
+    if path.stat().st_size < size:
+        raise SourceError(f"{path}: is cut short: {path.stat().st_size} bytes; expected {size}")
 
 
 def _profile(path: Path) -> str:

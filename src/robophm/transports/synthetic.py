@@ -254,9 +254,8 @@ class SyntheticOta(SignalSource):
 
     def _samples(self, columns: list[tuple[str, Floats]]) -> Iterator[Sample]:
         names = [signal for signal, _ in columns]
-        for first in range(
-            0, len(self.times), 4096
-        ):  # lists of floats are large: a part of the day at a time
+        # lists of floats are large: a part of the day at a time
+        for first in range(0, len(self.times), 4096):
             rows = zip(*(values[first : first + 4096].tolist() for _, values in columns), strict=True)
             for time, row in zip(self.times[first : first + 4096].tolist(), rows, strict=bool(columns)):
                 yield from map(partial(Sample, time), names, row)

@@ -1,0 +1,162 @@
+"""What every source must do. A source is a function that writes 30 s of the drive and opens them."""
+
+from __future__ import annotations
+
+import shutil
+from collections import defaultdict
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import CLOCK, Sample
+from robophm.transports import SignalSource, open_source
+from robophm.transports.journal import Journal
+from robophm.transports.synthetic import SyntheticOta
+
+from .conftest import SIGNALS
+
+Make = Callable[[SyntheticOta, Path], SignalSource]
+
+
+def recording(suffix: str) -> Make:
+    return lambda drive, folder: open_source(drive.record(folder / f"drive{suffix}"))
+
+
+def table(drive: SyntheticOta, folder: Path) -> SignalSource:
+    rows: dict[int, dict[str, float]] = defaultdict(dict)
+    for time, signal, value in drive.samples(SIGNALS):
+        rows[time][signal] = value
+    lines = [",".join(["time", *SIGNALS])]
+    for time, row in rows.items():
+        lines.append(",".join([f"{time // 10**9}.{time % 10**9:09}", *(repr(row[s]) for s in SIGNALS)]))
+    path = folder / "drive.csv"
+    path.write_text("\n".join(lines))
+    return open_source(path)
+
+
+def journal(drive: SyntheticOta, folder: Path) -> SignalSource:
+    with Journal(folder / "drive.journal", SIGNALS) as run:
+        for sample in drive.samples(SIGNALS):
+            run.write(sample)
+        run.write(Sample(int(drive.times[-1]) + 10**9, CLOCK, 0.0))
+    return open_source(folder / "drive.journal")
+
+
+SOURCES: dict[str, Make] = {
+    "bag": recording(".bag"),
+    "db3": recording(".db3"),
+    "mcap": recording(".mcap"),
+    "csv": table,
+    "journal": journal,
+    "synthetic": lambda drive, _: drive,
+}
+
+
+@pytest.fixture(params=SOURCES)
+def make(request: pytest.FixtureRequest) -> Make:
+    return SOURCES[request.param]
+
+
+def test_yields_exactly_the_wanted_samples_in_time_order(
+    make: Make, drive: SyntheticOta, tmp_path: Path
+) -> None:
+    wanted = SIGNALS[1:4]
+    with make(drive, tmp_path) as source:
+        found = [sample for sample in source.samples(wanted) if sample.signal != CLOCK]
+        assert [sample.time for sample in found] == sorted(sample.time for sample in found)
+        assert sorted(found) == sorted(drive.samples(wanted))
+        assert len(found) == 3 * len(drive.times)
+        assert all(type(value) is float and type(time) is int for time, _, value in found)
+        assert list(source.samples(wanted)) == list(source.samples(reversed(wanted * 2)))
+        assert not source.notes
+
+
+def test_nothing_is_wanted(make: Make, drive: SyntheticOta, tmp_path: Path) -> None:
+    with make(drive, tmp_path) as source:
+        assert [sample for sample in source.samples(()) if sample.signal != CLOCK] == []
+
+
+def test_topics_name_what_can_be_asked_for(make: Make, drive: SyntheticOta, tmp_path: Path) -> None:
+    with make(drive, tmp_path) as source:
+        topics = {info.topic: info for info in source.topics()}
+        assert list(topics) == sorted(topics)
+        for signal in SIGNALS:
+            info = topics[signal.partition(".")[0]]
+            assert signal.partition(".")[2] in info.fields
+            assert info.messages == len(drive.times)
+            assert info.first is not None
+            assert info.last is not None
+            assert 0 <= info.first - drive.times[0] < 10**9
+            assert 0 <= info.last - drive.times[-1] < 10**9
+
+
+@pytest.mark.parametrize(
+    ("signal", "hint"),
+    [
+        ("/ota/batery.voltage", "/ota/battery"),
+        ("/ota/battery.voltag", "voltage"),
+        ("/ota/battery", ""),
+        ("/ota/battery.voltage[0]", ""),
+        ("/ota/battery.header", ""),
+    ],
+)
+def test_unknown_signal_is_an_error_before_the_first_sample(
+    make: Make, drive: SyntheticOta, tmp_path: Path, signal: str, hint: str
+) -> None:
+    with make(drive, tmp_path) as source, pytest.raises(SourceError) as error:
+        source.samples([SIGNALS[0], signal])
+    assert "\n" not in str(error.value)
+    assert hint in str(error.value)
+
+
+def test_fingerprint_is_of_the_content(make: Make, drive: SyntheticOta, tmp_path: Path) -> None:
+    one, other, changed = (tmp_path / name for name in ("one", "other", "changed"))
+    for folder in (one, other, changed):
+        folder.mkdir()
+    with make(drive, one) as first:
+        written = next(one.iterdir(), None)
+        again = first.fingerprint
+        if written is None:
+            again = SyntheticOta(seed=3, duration=30 * 10**9).fingerprint
+        else:
+            copy = other / ("copy" + written.suffix)
+            (shutil.copytree if written.is_dir() else shutil.copy)(written, copy)
+            with open_source(copy) as second:
+                again = second.fingerprint
+        assert again == first.fingerprint
+        with make(SyntheticOta(seed=4, duration=30 * 10**9), changed) as third:
+            assert third.fingerprint != first.fingerprint
+
+
+def test_closing_twice_does_no_harm(make: Make, drive: SyntheticOta, tmp_path: Path) -> None:
+    source = make(drive, tmp_path)
+    next(source.samples(SIGNALS))
+    source.close()
+    source.close()
+
+
+@pytest.mark.parametrize(
+    "name", ["drive.bag", "drive.db3", "drive.mcap", "drive.csv", "drive.journal", "drive"]
+)
+def test_missing_file(name: str, tmp_path: Path) -> None:
+    (tmp_path / "drives.bag").touch()
+    with pytest.raises(SourceError, match=r"drive.*no such file; did you mean 'drives\.bag'"):
+        open_source(tmp_path / name)
+
+
+@pytest.mark.parametrize("content", [b"", b"\0" * 5000, b"time;a\n", bytes(range(256)) * 40], ids=len)
+@pytest.mark.parametrize("suffix", [".bag", ".db3", ".mcap", ".csv", ".journal", ".txt", ""])
+def test_not_a_recording(content: bytes, suffix: str, tmp_path: Path) -> None:
+    path = tmp_path / f"drive{suffix}"
+    path.write_bytes(content)
+    with pytest.raises(SourceError) as error:
+        open_source(path)
+    assert str(error.value).startswith(str(path))
+    assert "\n" not in str(error.value)
+
+
+def test_tables_and_journals_are_read_alone(tmp_path: Path) -> None:
+    with pytest.raises(SourceError, match="alone"):
+        open_source(tmp_path / "a.csv", tmp_path / "b.bag")

@@ -1,0 +1,172 @@
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import HOUR, SECOND
+from robophm.transports.recording import Recording
+from robophm.transports.synthetic import MODULES, STATIONS, SyntheticOta, _first_order
+
+NOON = 1_709_553_600 * SECOND
+DAY = 24 * HOUR
+
+
+@pytest.fixture(scope="module")
+def day() -> SyntheticOta:
+    return SyntheticOta(seed=1)
+
+
+def test_same_seed_same_values(day: SyntheticOta) -> None:
+    again, other = SyntheticOta(seed=1), SyntheticOta(seed=2)
+    assert again.fingerprint == day.fingerprint != other.fingerprint
+    np.testing.assert_array_equal(again.temperature["mobility"], day.temperature["mobility"])
+
+
+def test_the_day_has_its_night(day: SyntheticOta) -> None:
+    hours = (day.times % DAY) / HOUR
+    assert len(day.times) == 16 * 3600
+    assert ((hours >= 6) & (hours < 22)).all()
+    gaps = np.diff(day.times)
+    assert sorted(gaps)[-2:] == [SECOND, 8 * HOUR + SECOND]
+    at = int(gaps.argmax())
+    for module in MODULES:  # it cools to the hall, and the sensors are not there to see it
+        assert abs(day.temperature[module][at + 1] - day.ambient[at + 1]) < 0.5
+
+
+def test_kinematics(day: SyntheticOta) -> None:
+    steps = np.diff(day.times) == SECOND
+    moved = np.hypot(np.diff(day.x), np.diff(day.y))[steps]
+    between = (day.speed[1:] + day.speed[:-1])[steps] / 2
+    # the trapezoid rule is exact but for the seconds in which the acceleration changes, 0.2 m/s² · (1 s)² / 4
+    assert abs(moved - between).max() < 0.05 + 1e-9
+    assert moved.sum() == pytest.approx(between.sum(), rel=1e-3)
+    driving = day.speed > 0.249
+    assert 0.25 <= np.median(day.speed[driving]) <= 0.35
+    assert day.speed.max() <= 0.35
+    turned = np.diff(day.heading)[steps]
+    assert abs(turned).max() <= 0.6 + 1e-9
+    standing = (day.speed == 0) & (day.turn_rate == 0)
+    places = np.column_stack([day.x, day.y])[standing]
+    distances = np.hypot(*(places[:, None, :] - np.array(STATIONS)).transpose(2, 0, 1)).min(axis=1)
+    assert distances.max() < 1e-9
+    assert set(np.unique(day.payload[driving] > 0)) == {False, True}
+
+
+def test_it_drives_the_way_it_looks(day: SyntheticOta) -> None:
+    moving = (day.speed[1:] > 0.1) & (day.speed[:-1] > 0.1)
+    course = np.arctan2(np.diff(day.y), np.diff(day.x))[moving]
+    assert np.cos(course - day.heading[1:][moving]).min() > 1 - 1e-9
+
+
+def test_battery(day: SyntheticOta) -> None:
+    charging = day.current > 0
+    assert charging.any()
+    assert (day.speed[charging] == 0).all()
+    assert day.current[~charging].max() < 0
+    assert 0.2 < day.state_of_charge.min() < 0.4 < 0.9 < day.state_of_charge.max() <= 1
+    drawn = -day.current[1:] / 3600 / 40.0
+    assert np.diff(day.state_of_charge) == pytest.approx(-drawn, abs=1e-12)
+
+
+def test_modules_heat_up_with_their_load(day: SyntheticOta) -> None:
+    for module in MODULES:
+        rise = (day.temperature[module] - day.ambient)[3600:30000]
+        assert 0 < rise.mean() < 30
+    work = np.convolve(day.speed * (1 + 0.1 * day.payload), np.exp(-np.arange(6000) / 1200))[:30000]
+    rise = (day.temperature["mobility"] - day.ambient)[:30000]
+    assert np.corrcoef(work, rise)[0, 1] > 0.9
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=300), st.floats(0.0, 1.0))
+def test_first_order_is_its_recursion(driven: list[float], keep: float) -> None:
+    expected, y = [], 0.0
+    for value in driven:
+        y = keep * y + value
+        expected.append(y)
+    np.testing.assert_allclose(_first_order(np.array(driven), keep), expected, rtol=1e-9, atol=1e-8)
+
+
+def test_first_order_steps_as_the_closed_form() -> None:
+    keep = math.exp(-1 / 600)
+    y = _first_order(np.full(86_400, 1 - keep), keep)
+    np.testing.assert_allclose(y, 1 - keep ** np.arange(1, 86_401), rtol=1e-10)
+
+
+def test_sensors_are_near_the_truth(drive: SyntheticOta) -> None:
+    measured = [s.value for s in drive.samples(["/ota/mobility/temperature.temperature"])]
+    assert 0 < np.abs(measured - drive.temperature["mobility"]).max() < 0.6
+    x = [s.value for s in drive.samples(["/ota/odom.pose.pose.position.x"])]
+    assert x == drive.x.tolist()
+
+
+def test_period_and_hours() -> None:
+    slow = SyntheticOta(duration=60 * SECOND, period=10 * SECOND)
+    assert slow.times.tolist() == [NOON + n * 10 * SECOND for n in range(6)]
+    always = SyntheticOta(duration=2 * DAY, period=60 * SECOND, working_hours=(0, 24))
+    assert len(always.times) == 2 * 24 * 60
+
+
+def test_errors(tmp_path: Path, drive: SyntheticOta) -> None:
+    for bad in ({"duration": 0}, {"start": NOON + 11 * HOUR, "duration": HOUR}, {"period": 0}):
+        with pytest.raises(SourceError):
+            SyntheticOta(**bad)
+    with pytest.raises(SourceError, match=r"expected a name that ends in \.mcap"):
+        drive.record(tmp_path / "drive.txt")
+    for suffix in (".mcap", ".bag", ".db3"):
+        drive.record(tmp_path / f"drive{suffix}")
+        with pytest.raises(SourceError, match="is there already"):
+            drive.record(tmp_path / f"drive{suffix}")
+
+
+def test_missing_elements_are_noted_as_in_a_recording(drive: SyntheticOta, recorded: dict[str, Path]) -> None:
+    wanted = ["/ota/battery.cell_voltage[0]", "/ota/battery.charge", "/ota/odom.twist.covariance[3]"]
+    found = list(drive.samples(wanted))
+    with Recording(recorded[".mcap"]) as recording:
+        assert repr(list(recording.samples(wanted))) == repr(found)
+        assert recording.notes == drive.notes == {"no element for /ota/battery.cell_voltage[0]": 30}
+
+
+def test_other_readers_agree(recorded: dict[str, Path], drive: SyntheticOta) -> None:
+    """Every numeric field, as rosbags and mcap-ros2-support decode it."""
+    from mcap.reader import make_reader
+    from mcap_ros2.decoder import DecoderFactory
+    from rosbags.highlevel import AnyReader
+
+    def numbers(message: Any, path: str) -> float:
+        for step in path.split("."):
+            name, _, index = step.partition("[")
+            message = getattr(message, name)
+            message = message[int(index[:-1])] if index else message
+        return float(message)
+
+    fields = {
+        info.topic: [field.replace("[]", "[7]") for field in info.fields if "cell" not in field]
+        for info in drive.topics()
+    }
+    ours: dict[tuple[str, str], list[float]] = {}
+    for sample in drive.samples([f"{topic}.{field}" for topic in fields for field in fields[topic]]):
+        topic, _, field = sample.signal.partition(".")
+        ours.setdefault((topic, field), []).append(sample.value)
+    with recorded[".mcap"].open("rb") as file:
+        reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
+        theirs: dict[tuple[str, str], list[float]] = {}
+        for _, channel, _, message in reader.iter_decoded_messages():
+            for field in fields[channel.topic]:
+                theirs.setdefault((channel.topic, field), []).append(numbers(message, field))
+    assert repr(sorted(theirs.items())) == repr(sorted(ours.items()))
+    for path in recorded.values():
+        theirs = {}
+        with AnyReader([path]) as any_reader:
+            for connection, _, raw in any_reader.messages():
+                message = any_reader.deserialize(raw, connection.msgtype)
+                for field in fields[connection.topic]:
+                    theirs.setdefault((connection.topic, field), []).append(numbers(message, field))
+        assert repr(sorted(theirs.items())) == repr(sorted(ours.items()))
