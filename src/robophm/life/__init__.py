@@ -1,1 +1,41 @@
-"""How hazard depends on age. One file here is one life distribution; the file's name is its name in a design."""
+"""How hazard depends on age. One file here is one life distribution; the file's name is its name in a design.
+
+A new distribution is one new file with one public class derived from ``LifeDistribution``, or such a module
+in somebody else's package under the entry-point group ``robophm.life``. Files are imported on first use.
+"""
+
+from __future__ import annotations
+
+from robophm.core.errors import PlugError
+from robophm.core.registry import load_plug, plugs
+from robophm.life.distribution import LifeDistribution
+
+__all__ = ["LifeDistribution", "life_distribution", "life_distributions"]
+
+NOT_PLUGS = ("distribution",)  # the interface
+
+
+def life_distributions() -> list[str]:
+    """Names of all life distributions that can be had here, sorted."""
+    return plugs(__name__)
+
+
+def life_distribution(name: str) -> type[LifeDistribution]:
+    """The class of a life distribution by its file's name: ``life_distribution("weibull")`` is Weibull.
+
+    Raises PlugError, with the nearest known name, where there is none.
+    """
+    module = load_plug(__name__, name, "life distribution")
+    classes = [
+        value
+        for key, value in vars(module).items()
+        if isinstance(value, type)
+        and issubclass(value, LifeDistribution)
+        and value.__module__ == module.__name__
+        and not key.startswith("_")
+    ]
+    if len(classes) != 1:
+        raise PlugError(
+            f"life distribution '{name}': {module.__name__} has {len(classes)} public classes, expected one"
+        )
+    return classes[0]

@@ -1,0 +1,65 @@
+"""Plugs: a name in a design or on the command line → one file of a plug folder, or an entry point.
+
+A plug folder is a package in which every file is one plug and the file's name is the plug's name; folders
+inside it give dotted names (``mil_hdbk_217f.capacitor``). Files that begin with ``_`` are not plugs, nor is
+what the package names in ``NOT_PLUGS``: the interface that all its plugs share. Somebody else's package adds
+a plug by an entry point whose group is the plug folder's full name and whose object is a module.
+
+A name may come from a user's file, so it is only ever looked up, never imported as it stands.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterable, Iterator
+from importlib import import_module
+from importlib.metadata import entry_points
+from pathlib import Path
+from pkgutil import iter_modules
+from types import ModuleType
+
+from robophm.core.errors import PlugError, nearest
+
+
+def plugs(package: str) -> list[str]:
+    """Names of all plugs of a plug folder, sorted: its own files and the entry points of that group.
+
+    ``package`` is the folder's full name, ``"robophm.life"``; no plug is imported.
+    """
+    return sorted(_files(package) | {entry.name for entry in entry_points(group=package)})
+
+
+def load_plug(package: str, name: str, kind: str) -> ModuleType:
+    """The module of one plug, imported on first use; a folder's own file goes before an entry point.
+
+    ``kind`` is what errors call it ("life distribution").
+    Raises PlugError where there is no plug of that name or it cannot be imported.
+    """
+    try:
+        if name in _files(package):
+            return import_module(f"{package}.{name}")
+        for entry in entry_points(group=package, name=name):
+            module = entry.load()
+            if not isinstance(module, ModuleType):
+                raise PlugError(f"{kind} '{name}': entry point {entry.value} is not a module")
+            return module
+    except ImportError as error:
+        raise PlugError(f"{kind} '{name}' cannot be imported: {error}") from error
+    raise PlugError(f"no {kind} '{name}'{nearest(name, plugs(package))}")
+
+
+@functools.cache
+def _files(package: str) -> frozenset[str]:
+    folder = import_module(package)
+    return frozenset(_walk(folder.__path__, "")) - frozenset(getattr(folder, "NOT_PLUGS", ()))
+
+
+def _walk(paths: Iterable[str], prefix: str) -> Iterator[str]:
+    for folder in paths:
+        for _, name, is_folder in iter_modules([folder]):
+            if name.startswith("_"):
+                continue
+            if is_folder:
+                yield from _walk([str(Path(folder, name))], f"{prefix}{name}.")
+            else:
+                yield prefix + name

@@ -1,0 +1,51 @@
+"""The Weibull distribution, β < 1 early failures, β > 1 wear.  H = (x/η)^β,  h = (β/η)·(x/η)^(β−1)"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from robophm.life.distribution import Array, LifeDistribution
+
+
+@dataclass(frozen=True)
+class Weibull(LifeDistribution):
+    """Weibull life of ``scale`` η [clock] and ``shape`` β beyond ``location`` [clock]. Raises ModelError."""
+
+    scale: float
+    shape: float
+    location: float = 0.0
+    dimensions: ClassVar = {"scale": 1, "shape": 0, "location": 1}
+    scale_parameter: ClassVar = "scale"
+
+    def _cumulative_hazard(self, x: Array) -> Array:
+        H: Array = (x / self.scale) ** self.shape
+        return H
+
+    def _hazard(self, x: Array) -> Array:
+        h: Array = self.shape / self.scale * (x / self.scale) ** (self.shape - 1)
+        return h
+
+    def _step(self, x: Array, d: Array) -> Array:
+        return self._cumulative_hazard(x) * np.expm1(self.shape * np.log1p(d / x))
+
+    def _age_at(self, H: Array) -> Array:
+        age: Array = self.scale * H ** (1 / self.shape)
+        return age
+
+    def mean(self) -> float:
+        """The mean life, γ + η·Γ(1 + 1/β) [clock]."""
+        return self.location + self.scale * _gamma(1 + 1 / self.shape)
+
+    def standard_deviation(self) -> float:
+        """The standard deviation, η·√(Γ(1 + 2/β) − Γ(1 + 1/β)²) [clock]."""
+        spread = math.lgamma(1 + 2 / self.shape) - 2 * math.lgamma(1 + 1 / self.shape)
+        relative = math.sqrt(math.expm1(spread)) if spread < 700 else math.inf
+        return self.scale * _gamma(1 + 1 / self.shape) * relative
+
+
+def _gamma(x: float) -> float:
+    return math.gamma(x) if x < 171 else math.inf  # where it is beyond a double
