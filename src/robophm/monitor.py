@@ -165,10 +165,10 @@ def _available(robot: Robot, source: SignalSource, *, skip_missing: bool) -> lis
             try:
                 conversion(measured, unit)
             except UnitError:
-                raise SourceError(
-                    f"topic '{topic}' ({info.type}): {field} is in '{measured or 'no unit'}'; the design expects '{unit or 'no unit'}'"
-                ) from None
+                measures = f"{field} is in '{measured or 'no unit'}'; the design expects '{unit or 'no unit'}'"
+                raise SourceError(f"topic '{topic}' ({info.type}): {measures}") from None
         found.append(signal)
     if not found and robot.signals:
-        raise SourceError(f"the recording has none of the design's topics{nearest(split_signal(next(iter(robot.signals)))[0], topics)}")
+        hint = nearest(split_signal(next(iter(robot.signals)))[0], topics)
+        raise SourceError(f"the recording has none of the design's topics{hint}")
     return found

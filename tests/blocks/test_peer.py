@@ -30,11 +30,7 @@ def test_unreliability_of_random_diagrams_of_thirty_units(seed: int) -> None:
 
     def gate(block: Block, at: str) -> str:
         """A fault tree's gate for a block: it fails when n + 1 − k of its inputs have."""
-        inner = (
-            [block.name]
-            if isinstance(block, Unit)
-            else [gate(b, f"{at}.{i}") for i, b in enumerate(block.blocks)]
-        )
+        inner = [block.name] if isinstance(block, Unit) else [gate(b, f"{at}.{i}") for i, b in enumerate(block.blocks)]
         n = len(inner)
         k = block.k if isinstance(block, KOutOfN) else 1 if isinstance(block, Parallel) else n
         gates[at] = ("vote", n + 1 - k, inner)

@@ -75,9 +75,7 @@ def test_a_shared_part_is_one_part():
     apart = Structure(Series("battery", Parallel("left", "right")))
     units = np.array([1e-30, 1e-3, 0.5]), np.array([1e-25, 1e-9, 0.1])
     assert shared.names == apart.names == ("battery", "left", "right")
-    assert_allclose(
-        shared.transition(*units, 1 - sum(units)), apart.transition(*units, 1 - sum(units)), rtol=1e-15
-    )
+    assert_allclose(shared.transition(*units, 1 - sum(units)), apart.transition(*units, 1 - sum(units)), rtol=1e-15)
 
 
 def test_names_are_in_drawing_order():

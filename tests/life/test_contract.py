@@ -222,9 +222,7 @@ def test_what_is_not_a_number_stays_so_and_nonsense_is_refused(name, data):
         life.quantile(1.5)
 
 
-@pytest.mark.parametrize(
-    "name", ["curve", "exponential", "gamma", "loglogistic", "lognormal", "rayleigh", "weibull"]
-)
+@pytest.mark.parametrize("name", ["curve", "exponential", "gamma", "loglogistic", "lognormal", "rayleigh", "weibull"])
 def test_nothing_fails_before_the_location(name):
     cls = life_distribution(name)
     rest = {key: 2.0 for key in cls.dimensions if key != "location"}
@@ -241,9 +239,7 @@ def test_nothing_fails_before_the_location(name):
 
 
 def test_the_room_opens_without_scipy_and_without_its_plugs():
-    code = (
-        "import sys, robophm.life; sys.exit(any(m == 'scipy' or m.endswith('weibull') for m in sys.modules))"
-    )
+    code = "import sys, robophm.life; sys.exit(any(m == 'scipy' or m.endswith('weibull') for m in sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -41,11 +41,7 @@ FIGURES = {
 
 @pytest.mark.parametrize(
     ("case", "figure"),
-    [
-        pytest.param(case, figure, id=f"{case['name']}-{figure}")
-        for case in CASES
-        for figure in case["expected"]
-    ],
+    [pytest.param(case, figure, id=f"{case['name']}-{figure}") for case in CASES for figure in case["expected"]],
 )
 def test_the_package_reliability(case, figure):
     distribution, names = OURS[case["system"]["distribution"]]

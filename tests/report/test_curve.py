@@ -117,9 +117,7 @@ def test_nominal_is_solid_and_sensor_based_dashed() -> None:
 
 def test_legend_stands_where_the_lines_are_not() -> None:
     t = np.linspace(0, 1, 100)
-    falling, rising = (
-        ET.fromstring(drawn(Line("a", t, y), Line("b", t, y))).find("g/rect") for y in (1 - t, t)
-    )
+    falling, rising = (ET.fromstring(drawn(Line("a", t, y), Line("b", t, y))).find("g/rect") for y in (1 - t, t))
     assert falling is not None
     assert rising is not None
     assert float(falling.attrib["x"]) > 230 > float(rising.attrib["x"])
@@ -135,15 +133,11 @@ def test_long_series_is_thinned_and_keeps_its_extremes() -> None:
     assert len(points(path)) <= 2 * 460
     assert path.count("M") == 2
     heights = [at for _, at in points(path)]
-    assert (min(heights), max(heights)) == pytest.approx(
-        (58.3, 229.7), abs=0.2
-    )  # 6 % of the range from 48 and 240
+    assert (min(heights), max(heights)) == pytest.approx((58.3, 229.7), abs=0.2)  # 6 % of the range from 48 and 240
 
 
 def test_names_are_escaped() -> None:
-    svg = curve_svg(
-        [Line("<b>", [0], [1]), Line("&", [0], [1])], title="<script>", x_label="<i>", y_label="<u>"
-    )
+    svg = curve_svg([Line("<b>", [0], [1]), Line("&", [0], [1])], title="<script>", x_label="<i>", y_label="<u>")
     ET.fromstring(svg)
     assert not {"<b>", "<script>", "<i>", "<u>"} & set(re.findall("<[a-z]+>", svg))
 

@@ -195,16 +195,11 @@ def test_description_says_the_structure() -> None:
     root = ET.fromstring(diagram_svg(Series("a", KOutOfN(2, "b", "c", "d"), Parallel("e", "f")), label))
     assert root.attrib["role"] == "img"
     assert root.findtext("title") == "Reliability block diagram"
-    assert (
-        root.findtext("desc")
-        == "Works while all of (a, at least 2 of 3 (b, c, d), at least 1 of 2 (e, f)) work."
-    )
+    assert root.findtext("desc") == "Works while all of (a, at least 2 of 3 (b, c, d), at least 1 of 2 (e, f)) work."
 
 
 def test_file_names_its_namespace_and_inline_svg_has_no_address() -> None:
-    assert (
-        ET.fromstring(diagram_svg(Unit("a"), label, standalone=True)).tag == "{http://www.w3.org/2000/svg}svg"
-    )
+    assert ET.fromstring(diagram_svg(Unit("a"), label, standalone=True)).tag == "{http://www.w3.org/2000/svg}svg"
     assert "http" not in diagram_svg(Unit("a"), label)
 
 

@@ -95,16 +95,11 @@ def test_rows_wrap_inside_a_branch() -> None:
            │                    │
            └─────── four ───────┘
     """
-    assert (
-        drawn(Parallel(Series("one", "two", "three"), "four"), width=34)
-        == dedent(expected).strip("\n").rstrip()
-    )
+    assert drawn(Parallel(Series("one", "two", "three"), "four"), width=34) == dedent(expected).strip("\n").rstrip()
 
 
 def test_symbols_for_state_and_for_units_drawn_twice() -> None:
-    text = diagram_text(
-        Series("A", "B", "A"), lambda n: Label(n, "hidden", "×4", "warn" if n == "A" else "ok")
-    )
+    text = diagram_text(Series("A", "B", "A"), lambda n: Label(n, "hidden", "×4", "warn" if n == "A" else "ok"))
     assert text == "─── ▲ A ×4 ⧉ ── B ×4 ── ▲ A ×4 ⧉ ───"
 
 
@@ -126,9 +121,7 @@ names = st.text(alphabet="abcdefgh ", min_size=1, max_size=12).map(lambda s: Uni
 
 def groups(inner: st.SearchStrategy[Block]) -> st.SearchStrategy[Block]:
     several = st.lists(inner, min_size=1, max_size=12)
-    return st.one_of(
-        several.map(lambda blocks: Series(*blocks)), several.map(lambda blocks: Parallel(*blocks))
-    )
+    return st.one_of(several.map(lambda blocks: Series(*blocks)), several.map(lambda blocks: Parallel(*blocks)))
 
 
 @settings(derandomize=True, deadline=None, max_examples=100)

@@ -27,9 +27,7 @@ def whole() -> Html:
                 tile("Hazard rate", {"nominal": "1e-5 /h", SCRIPT: SCRIPT}, SCRIPT, "warn"),
                 tile(SCRIPT, SCRIPT),
             ),
-            section(
-                "Diagram", figure(diagram_svg(Parallel(SCRIPT, "b"), Label), SCRIPT, diagram=True), SCRIPT
-            ),
+            section("Diagram", figure(diagram_svg(Parallel(SCRIPT, "b"), Label), SCRIPT, diagram=True), SCRIPT),
             section("Curves", side_by_side(figure(curve), figure(curve))),
             section("Parts", table_html(["part", SCRIPT], [["a", SCRIPT]], caption=SCRIPT)),
         ],
@@ -47,9 +45,7 @@ class Reader(HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.seen.append(tag)
-        self.addresses += [
-            value or "" for name, value in attrs if name in ("src", "href", "srcset", "action")
-        ]
+        self.addresses += [value or "" for name, value in attrs if name in ("src", "href", "srcset", "action")]
         if tag != "meta":
             self.open.append(tag)
 
@@ -75,15 +71,11 @@ def test_page_is_well_formed_and_loads_nothing() -> None:
 
 
 def test_table_puts_numbers_right() -> None:
-    html = table_html(
-        ["part", "rate", "note"], [["motor", 8e-6, "a"], ["wheel", None, 5], ["x", float("nan"), "c"]]
-    )
+    html = table_html(["part", "rate", "note"], [["motor", 8e-6, "a"], ["wheel", None, 5], ["x", float("nan"), "c"]])
     assert '<th scope="col" class="number">rate</th>' in html
     assert '<th scope="row">motor</th><td class="number">8e-6</td><td>a</td>' in html
     assert '<td class="number">–</td><td>5</td>' in html
-    assert '<td class="number">8e-6 /h</td>' in table_html(
-        ["part", "rate"], [["motor", "8e-6 /h"]], align="lr"
-    )
+    assert '<td class="number">8e-6 /h</td>' in table_html(["part", "rate"], [["motor", "8e-6 /h"]], align="lr")
 
 
 def test_empty_table() -> None:
@@ -103,9 +95,7 @@ def test_only_html_is_markup() -> None:
     assert section("t", "<i>") == "<section><h2>t</h2>\n<p>&lt;i&gt;</p></section>"
 
 
-@pytest.mark.parametrize(
-    ("value", "text"), [(12.0, "12"), (12.46, "12.5"), (-0.01, "0"), (-0.5, "-0.5"), (0.04, "0")]
-)
+@pytest.mark.parametrize(("value", "text"), [(12.0, "12"), (12.46, "12.5"), (-0.01, "0"), (-0.5, "-0.5"), (0.04, "0")])
 def test_coordinates(value: float, text: str) -> None:
     assert number(value) == text
 

@@ -59,9 +59,7 @@ def make(request: pytest.FixtureRequest) -> Make:
     return SOURCES[request.param]
 
 
-def test_yields_exactly_the_wanted_samples_in_time_order(
-    make: Make, drive: SyntheticOta, tmp_path: Path
-) -> None:
+def test_yields_exactly_the_wanted_samples_in_time_order(make: Make, drive: SyntheticOta, tmp_path: Path) -> None:
     wanted = SIGNALS[1:4]
     with make(drive, tmp_path) as source:
         found = [sample for sample in source.samples(wanted) if sample.signal != CLOCK]
@@ -137,9 +135,7 @@ def test_closing_twice_does_no_harm(make: Make, drive: SyntheticOta, tmp_path: P
     source.close()
 
 
-@pytest.mark.parametrize(
-    "name", ["drive.bag", "drive.db3", "drive.mcap", "drive.csv", "drive.journal", "drive"]
-)
+@pytest.mark.parametrize("name", ["drive.bag", "drive.db3", "drive.mcap", "drive.csv", "drive.journal", "drive"])
 def test_missing_file(name: str, tmp_path: Path) -> None:
     (tmp_path / "drives.bag").touch()
     with pytest.raises(SourceError, match=r"drive.*no such file; did you mean 'drives\.bag'"):

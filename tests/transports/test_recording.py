@@ -61,9 +61,7 @@ def rewrite(source: Path, target: Path, compression: str) -> Path:
         writer.set_compression(CompressionMode[compression], CompressionFormat.ZSTD)
     with AnyReader([source]) as reader, writer:
         new = {
-            connection.id: writer.add_connection(
-                connection.topic, connection.msgtype, typestore=reader.typestore
-            )
+            connection.id: writer.add_connection(connection.topic, connection.msgtype, typestore=reader.typestore)
             for connection in reader.connections
         }
         for connection, time, raw in reader.messages():
@@ -97,9 +95,7 @@ def test_turtlesim_path_length(shared: Path) -> None:
     # 28.3520 m over 21.489 s: summed pose to pose by an independent reader
     with Recording(shared / "recordings" / "turtlesim.bag") as recording:
         x, y = (list(recording.samples([f"/turtle1/pose.{axis}"])) for axis in "xy")
-        assert recording.notes == {
-            "receipt time used for /turtle1/pose": len(y)
-        }  # turtlesim/Pose has no header
+        assert recording.notes == {"receipt time used for /turtle1/pose": len(y)}  # turtlesim/Pose has no header
     length = sum(math.dist(a, b) for a, b in zip(pairs(x, y), pairs(x[1:], y[1:]), strict=False))
     assert length == pytest.approx(28.3520, abs=5e-5)
     assert (x[-1].time - x[0].time) / SECOND == pytest.approx(21.489, abs=5e-4)
@@ -168,9 +164,7 @@ def test_three_formats_read_alike(recorded: dict[str, Path], drive: SyntheticOta
         (".mcap", "new.mcap", "STORAGE"),
     ],
 )
-def test_compressed(
-    suffix: str, target: str, compression: str, recorded: dict[str, Path], tmp_path: Path
-) -> None:
+def test_compressed(suffix: str, target: str, compression: str, recorded: dict[str, Path], tmp_path: Path) -> None:
     assert read(rewrite(recorded[suffix], tmp_path / target, compression)) == read(recorded[suffix])
 
 

@@ -150,9 +150,7 @@ class _Plan:
         rows = [self._row[node] for node in own]
         if shared and gate.k > _ANY:
             return self._decide(gate)
-        return self._fold(
-            gate.k, rows + [self._decide(_Gate(gate.k, group)) for group in self._groups(shared)]
-        )
+        return self._fold(gate.k, rows + [self._decide(_Gate(gate.k, group)) for group in self._groups(shared)])
 
     def _apart(self, gate: _Gate) -> tuple[list[int], list[int]]:
         """The inputs that may be folded apart, and the rest; a k-of-n counts all or none of them apart."""

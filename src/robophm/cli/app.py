@@ -44,7 +44,14 @@ def check(design: Design, as_json: Json = False) -> None:
     robot = load(design)
     count = sum(component.quantity for component in robot.all_components())
     if as_json:
-        print_json({"robot": robot.name, "parts": count, "signals": list(robot.signals), "warnings": list(robot.warnings)})
+        print_json(
+            {
+                "robot": robot.name,
+                "parts": count,
+                "signals": list(robot.signals),
+                "warnings": list(robot.warnings),
+            }
+        )
         return
     for warning in robot.warnings:
         warn(warning)
@@ -95,7 +102,13 @@ def show(
         write(svg, diagram_svg(robot.wiring, label, standalone=True))
     if as_json:
         keys = ("path", "hazard_rate", "reliability", "unreliability", "mean_time_to_failure")
-        print_json({"robot": robot.name, "hours": hours, "modules": [dict(zip(keys, _finite(row), strict=True)) for row in rows]})
+        print_json(
+            {
+                "robot": robot.name,
+                "hours": hours,
+                "modules": [dict(zip(keys, _finite(row), strict=True)) for row in rows],
+            }
+        )
         return
     out = console()
     width = out.width if out.is_terminal else 100
@@ -110,14 +123,21 @@ def show(
         for path, rate, works, failed, mean in rows
     ]  # fmt: skip
     out.print()
-    columns = ("when new, nominal", f"λ at {number_text(hours)} h", f"R({number_text(hours)} h)", "mean time to failure")
-    out.print(table("", columns, texts))
+    columns = (
+        "when new, nominal",
+        f"λ at {number_text(hours)} h",
+        f"R({number_text(hours)} h)",
+        "mean time to failure",
+    )
+    out.print(table("", columns, texts, figures=range(1, 4)))
 
 
 @app.command()
 def rate(
     model: Annotated[str | None, typer.Argument(help="e.g. mil_hdbk_217f.capacitor; none lists them")] = None,
-    set_: Annotated[list[str] | None, typer.Option("--set", metavar="INPUT=VALUE", help="e.g. temperature='60 degC'")] = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="INPUT=VALUE", help="e.g. temperature='60 degC'")
+    ] = None,
     explain: Annotated[bool, typer.Option("--explain", help="show every factor")] = False,
     unit: Unit = "1/h",
     as_json: Json = False,
@@ -134,7 +154,13 @@ def rate(
         if as_json:
             print_json({"models": [{"name": n, "formula": m.formula, "source": str(m.source)} for n, m in models]})
         else:
-            out.print(table("Hazard models", ("model", "formula", "source"), [(n, m.formula, str(m.source)) for n, m in models]))
+            out.print(
+                table(
+                    "Hazard models",
+                    ("model", "formula", "source"),
+                    [(n, m.formula, str(m.source)) for n, m in models],
+                )
+            )
         return
     chosen = handbook_model(model)
     given = {}
@@ -143,26 +169,31 @@ def rate(
         if not equals:
             raise ModelError(f"--set {pair}: expected INPUT=VALUE")
         given[name.strip()] = value.strip()
-    if not given and any(getattr(entry, "required", True) and entry.default is None for entry in chosen.inputs.values()):
+    if not given and any(
+        getattr(entry, "required", True) and entry.default is None for entry in chosen.inputs.values()
+    ):
         rows = [
             (name, chosen.expected(name), "" if e.default is None else str(e.default), e.description)
             for name, e in chosen.inputs.items()
         ]
         out.print(f"{chosen.name}: {chosen.formula}\n{chosen.source}", markup=False)
         for name, expected, default, description in rows:
-            out.print(f"  {name}: {description}; {expected}" + (f"; default {default}" if default else ""), markup=False)
+            out.print(
+                f"  {name}: {description}; {expected}" + (f"; default {default}" if default else ""),
+                markup=False,
+            )
         return
     inputs = chosen.settle(given)
     result = chosen.explain(inputs)
-    value = float(np.asarray(result.value))
+    answer = float(np.asarray(result.value))
     factors = [(f.symbol, float(np.asarray(f.value)), f.note) for f in result.leaves()]
     if as_json:
         listed = [{"symbol": s, "value": v, "note": n} for s, v, n in factors]
         units = {n: e.unit for n, e in chosen.inputs.items() if not isinstance(e, Choice)}
-        print_json({"model": chosen.name, "inputs": inputs, "units": units, "hazard_rate": value, "unit": chosen.unit,
+        print_json({"model": chosen.name, "inputs": inputs, "units": units, "hazard_rate": answer, "unit": chosen.unit,
                     "formula": chosen.formula, "source": str(chosen.source), "factors": listed})  # fmt: skip
         return
-    shown = rate_text(value, unit) if chosen.unit == "1/h" else f"{number_text(value)} {chosen.unit}"
+    shown = rate_text(answer, unit) if chosen.unit == "1/h" else f"{number_text(answer)} {chosen.unit}"
     out.print(f"{chosen.name}: {shown}", markup=False)
     if explain:
         out.print(f"{chosen.formula}\n{chosen.source} ({chosen.source.status})", markup=False)
@@ -212,9 +243,13 @@ def predict(
 def replay(
     design: Design,
     recordings: Annotated[list[Path], typer.Argument(help=".bag, .db3, .mcap, rosbag2 folders, a .csv or a .journal")],
-    store: Annotated[Path | None, typer.Option(help="keep the robot's past in this SQLite file, and go on from it")] = None,
+    store: Annotated[
+        Path | None, typer.Option(help="keep the robot's past in this SQLite file, and go on from it")
+    ] = None,
     report: Annotated[Path | None, typer.Option(help="write a page about its health, HTML")] = None,
-    skip_missing: Annotated[bool, typer.Option("--skip-missing", help="bound topics that are not recorded stay silent")] = False,
+    skip_missing: Annotated[
+        bool, typer.Option("--skip-missing", help="bound topics that are not recorded stay silent")
+    ] = False,
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
@@ -263,7 +298,9 @@ def schema() -> None:
 
 @app.command()
 def demo(
-    output: Annotated[Path, typer.Option(help="folder for the recording, the store and the report")] = Path("robophm-demo"),
+    output: Annotated[Path, typer.Option(help="folder for the recording, the store and the report")] = Path(
+        "robophm-demo"
+    ),
     seed: Annotated[int, typer.Option(help="of the synthetic robot")] = 1,
 ) -> None:
     """A synthetic robot works for a day; watch its health live, and read the report."""

@@ -12,9 +12,8 @@ from rich.text import Text
 
 from robophm.cli.output import console, health_table, percent, print_report, write
 from robophm.core.errors import RobophmError
-from robophm.core.signal import HOUR
 from robophm.design.file import load
-from robophm.health.report import HealthReport
+from robophm.health.report import HealthReport, Subject
 from robophm.monitor import Monitor, replay
 from robophm.report.curve import sparkline
 from robophm.report.health_page import health_page
@@ -51,10 +50,10 @@ def run(output: Path, seed: int) -> None:
     begun = time.monotonic()
     robot_day = SyntheticOta(seed=seed)
     robot_day.record(recording)
-    hours = (int(robot_day.times[-1]) - int(robot_day.times[0])) / HOUR
+    hours = len(robot_day.times) / 3600  # one look a second while it is on
     took = time.monotonic() - begun
     out.print(
-        f"{robot.name} worked through a day: {hours:.1f} h of driving, waiting and charging in {took:.1f} s, "
+        f"{robot.name} worked through a day: {hours:.1f} h of driving, waiting and charging, made in {took:.1f} s and "
         f"recorded in {recording} ({recording.stat().st_size / 1e6:.1f} MB)", markup=False
     )  # fmt: skip
 
@@ -74,12 +73,16 @@ def run(output: Path, seed: int) -> None:
         history = list(store.history(robot.name))
         samples = store.progress(robot.name, source.fingerprint).samples
     took = time.monotonic() - begun
-    out.print(f"Replayed {samples:,} samples in {took:.1f} s, {hours * 3600 / took:,.0f} times as fast as they were lived.\n")
+    out.print(
+        f"Replayed {samples:,} samples in {took:.1f} s, {hours * 3600 / took:,.0f} times as fast as they were lived.\n"
+    )
     print_report(report, "1/h")
     out.print()
-    for view, name in (("nominal", "nominal     "), ("sensor_based", "sensor-based")):
-        rates = [entry["subjects"][0][view]["hazard_rate"] for entry in history]
-        out.print(f"λ {name} {sparkline(rates, 60)}  {rate_text(min(rates))} … {rate_text(max(rates))}", markup=False)
+    rates = [entry["subjects"][0]["sensor_based"]["hazard_rate"] for entry in history]
+    out.print(
+        f"λ sensor-based over the day  {sparkline(rates, 60)}  {rate_text(min(rates))} … {rate_text(max(rates))}",
+        markup=False,
+    )
     write(page, health_page(robot, report, history))
     out.print(f"\nReport: {page.resolve()}", markup=False, soft_wrap=True)
 
@@ -105,9 +108,11 @@ class _LiveTable:
             table.columns[-1]._cells.append(sparkline(list(course), 24))
             table.rows[i].style = "bold" if i == 0 else ""
         system = report.system.sensor_based
-        clock = f"{report.clocks['operating']:.1f} h of operation, R {percent(system.reliability, system.unreliability)}"
+        clock = (
+            f"{report.clocks['operating']:.1f} h of operation, R {percent(system.reliability, system.unreliability)}"
+        )
         return Group(table, Text(clock))
 
     @staticmethod
-    def _top(report: HealthReport) -> list[object]:
+    def _top(report: HealthReport) -> list[Subject]:
         return [one for one in report.subjects if "/" not in one.path]

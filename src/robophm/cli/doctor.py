@@ -24,7 +24,9 @@ def run(*, as_json: bool) -> None:
         except PackageNotFoundError:
             versions[name] = "missing"
     checks = {name: _try(check) for name, check in CHECKS.items()}
-    failed = [name for name, outcome in checks.items() if outcome != "ok"] + [n for n, v in versions.items() if v == "missing"]
+    failed = [name for name, outcome in checks.items() if outcome != "ok"] + [
+        n for n, v in versions.items() if v == "missing"
+    ]
     if as_json:
         print_json({"versions": versions, "checks": checks, "ok": not failed})
     else:

@@ -20,9 +20,13 @@ SCHEMA_VERSION = 1
 """Of what ``--json`` prints; each document says it."""
 
 
+PLAIN_WIDTH = 120
+"""Columns of what is printed into a file or a pipe."""
+
+
 def console() -> Console:
     """For people, on stdout; plain where it is no terminal or NO_COLOR is set."""
-    return Console(highlight=False, soft_wrap=not sys.stdout.isatty())
+    return Console(highlight=False, width=None if sys.stdout.isatty() else PLAIN_WIDTH)
 
 
 def progress_console() -> Console:
@@ -41,11 +45,19 @@ def warn(text: str) -> None:
     print(f"warning: {text}", file=sys.stderr)
 
 
-def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
-    """A table whose first column is text and whose others are figures. User text is never markup."""
-    result = Table(title=Text(title), title_justify="left", title_style="bold", header_style="bold", box=None, pad_edge=False)
+def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], *, figures: Iterable[int] = ()) -> Table:
+    """A table of texts; the columns counted in ``figures`` stand right. User text is never markup."""
+    figures = frozenset(figures)
+    result = Table(
+        title=Text(title) if title else None,
+        title_justify="left",
+        title_style="bold",
+        header_style="bold",
+        box=None,
+        pad_edge=False,
+    )
     for i, column in enumerate(columns):
-        result.add_column(column, justify="right" if i else "left", no_wrap=i > 0, overflow="fold")
+        result.add_column(column, justify="right" if i in figures else "left", no_wrap=True, overflow="ellipsis")
     for row in rows:
         result.add_row(*(Text(cell) for cell in row))
     return result
@@ -66,7 +78,7 @@ def health_table(report: HealthReport, unit: str, subjects: Iterable[Subject] | 
             percent(task.probability, task.failure) if task else "–",
         ))  # fmt: skip
     columns = ("", "λ nominal", "λ sensor", "R nominal", "R sensor", "RUL median", "PoTC")
-    return table(f"Health of {report.robot}", columns, rows)
+    return table(f"Health of {report.robot}", columns, rows, figures=range(1, len(columns)))
 
 
 def percent(probability: float, complement: float) -> str:
@@ -79,7 +91,10 @@ def print_report(report: HealthReport, unit: str) -> None:
     out = console()
     out.print(health_table(report, unit))
     clocks = {"operating": "h of operation", "calendar": "h in all", "kilometres": "km"}
-    out.print("Observed: " + ", ".join(f"{number_text(v)} {clocks.get(n, n)}" for n, v in report.clocks.items()), markup=False)
+    out.print(
+        "Observed: " + ", ".join(f"{number_text(v)} {clocks.get(n, n)}" for n, v in report.clocks.items()),
+        markup=False,
+    )
     system = report.system.sensor_based
     if system.remaining_life:
         life = system.remaining_life

@@ -36,7 +36,9 @@ def signal_name(topic: str, field: str) -> str:
     Raises SourceError where the field is not a path of names with optional indices.
     """
     if not _FIELD.match(field):
-        raise SourceError(f"field '{field}' of topic '{topic}' is not a field path; expected e.g. 'pose.x' or 'effort[2]'")
+        raise SourceError(
+            f"field '{field}' of topic '{topic}' is not a field path; expected e.g. 'pose.x' or 'effort[2]'"
+        )
     return f"{topic}.{field}"
 
 

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import re
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from robophm.core.errors import UnitError, nearest
 
 if TYPE_CHECKING:
-    from pint import Unit, UnitRegistry
+    from pint import UnitRegistry
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)\Z", re.ASCII | re.DOTALL)
 # What may follow the number. pint's own grammar would compute 9**9**9; this one cannot be made to work hard.
@@ -31,10 +31,10 @@ class Conversion(NamedTuple):
 
 
 @lru_cache(maxsize=1)
-def _registry() -> UnitRegistry:
+def _registry() -> UnitRegistry[Any]:
     import pint
 
-    registry: UnitRegistry = pint.UnitRegistry(autoconvert_offset_to_baseunit=True, cache_folder=None)
+    registry: UnitRegistry[Any] = pint.UnitRegistry(autoconvert_offset_to_baseunit=True, cache_folder=None)
     registry.define("FIT = 1e-9 / hour")
     registry.define("FPMH = 1e-6 / hour")
     registry.define("cycle_of_use = [cycle_of_use] = cycle = cycles")  # not pint's 2π radians
@@ -59,7 +59,7 @@ def conversion(written: str, inside: str) -> Conversion:
     return Conversion(float(high - low) / _SPAN * 10.0 ** (power - inside_power), float(low))
 
 
-def _parse(unit: str) -> tuple[int, Unit]:
+def _parse(unit: str) -> tuple[int, Any]:
     """The power of ten and the unit of a text such as '/10^6 h' (all after a leading stroke is below it)."""
     import pint
 

@@ -33,7 +33,8 @@ def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike) -> Arra
         with np.errstate(divide="ignore"):
             below = np.log(failed) - np.log(target_fails[which])
             above = np.log(target_survives[which]) - np.log(survived)
-        return np.clip(np.where(early[which], below, above), -1e300, 1e300)
+        beyond: Array = np.clip(np.where(early[which], below, above), -1e300, 1e300)
+        return beyond
 
     # One pass over decades finds the bracket of every target.
     grid = np.log(10.0) * np.arange(-30, 31)

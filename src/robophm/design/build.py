@@ -7,10 +7,18 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Literal
 
 from robophm.blocks import diagram as blocks
-from robophm.core.errors import DesignError, ModelError, PlugError, RobophmError, StructureError, UnitError, nearest
+from robophm.core.errors import (
+    DesignError,
+    ModelError,
+    PlugError,
+    RobophmError,
+    StructureError,
+    UnitError,
+    nearest,
+)
 from robophm.core.signal import SECOND, signal_name
 from robophm.core.units import conversion, quantity
 from robophm.design import schema
@@ -36,7 +44,7 @@ from robophm.life.distribution import LifeDistribution
 Path = tuple[str, ...]
 
 
-class Fault(DesignError):
+class Fault(DesignError):  # noqa: N818  what geologists and engineers call it
     """A design error at a place in the file, before the file's name and line are known."""
 
     def __init__(self, place: Path, message: str) -> None:
@@ -82,20 +90,19 @@ class _Builder:
         design = self.design
         root = self._module((), (), design, _Scope())
         expand = _Expansion(self)
-        functions = {
-            name: expand.block((), diagram, ("functions", name)) for name, diagram in design.functions.items()
-        }
+        functions = {name: expand.block((), diagram, ("functions", name)) for name, diagram in design.functions.items()}
         whole = expand.module(root)
         used = set(blocks.units(whole.diagram)).union(*(blocks.units(diagram) for diagram in functions.values()))
         drawn = {name.partition("[")[0] for name in used}
-        clocks = {name: self._measured_clock(name, ("clocks", name), b) for name, b in design.clocks.items()}
+        clocks: dict[str, MeasuredClock] = {
+            name: self._measured_clock(name, ("clocks", name), b) for name, b in design.clocks.items()
+        }
         warnings = [f"{path}: used in no diagram" for path in self.components if path not in drawn]
         warnings += [
             f"{'/'.join(place)}: no part below takes this input"
             for place in self._signal_places((), design)
             if place not in self.used_signals
         ]
-        warnings += [f"{mode.path}: rate is zero, it never fails" for c in self.components.values() for mode in c.modes if mode.rate == 0]
         content = json.dumps(design.model_dump(mode="json"), sort_keys=True, ensure_ascii=False)
         return Robot(
             **{key: getattr(whole, key) for key in ("modules", "components", "wiring", "diagram", "description")},
@@ -135,11 +142,24 @@ class _Builder:
         scope = replace(above.within(place, part), acceleration=above.acceleration)
         required = part.quantity if part.required is None else part.required
         if required > part.quantity:
-            raise Fault((*place, "required"), f"required {required} of quantity {part.quantity}; expected at most that")
+            raise Fault(
+                (*place, "required"),
+                f"required {required} of quantity {part.quantity}; expected at most that",
+            )
         if part.failure_modes:
-            inline = part.model_fields_set & {"rate", "hazard", "life", "clock", "scaling", "initial_exposure"}
+            inline = part.model_fields_set & {
+                "rate",
+                "hazard",
+                "life",
+                "clock",
+                "scaling",
+                "initial_exposure",
+            }
             if inline or own_acceleration is not None:
-                raise Fault(place, f"has failure_modes and its own {min(inline or {'acceleration'})}; expected one of the two")
+                raise Fault(
+                    place,
+                    f"has failure_modes and its own {min(inline or {'acceleration'})}; expected one of the two",
+                )
             modes = tuple(
                 self._mode((*path, name), (*place, "failure_modes", name), mode, part, scope)
                 for name, mode in part.failure_modes.items()
@@ -148,7 +168,10 @@ class _Builder:
             modes = (self._mode(path, place, part, part, scope),)
         for name in part.offsets:
             if name not in scope.signals:
-                raise Fault((*place, "offsets", name), f"no signal '{name}' is bound here or above{nearest(name, scope.signals)}")
+                raise Fault(
+                    (*place, "offsets", name),
+                    f"no signal '{name}' is bound here or above{nearest(name, scope.signals)}",
+                )
         name = "/".join(path)
         apart = part.quantity > 1 and (required < part.quantity or path[-1] in self.told_apart)
         names = tuple(f"{name}[{i}]" for i in range(1, part.quantity + 1)) if apart else (name,)
@@ -165,12 +188,18 @@ class _Builder:
             raise Fault((*place, "rate"), "both 'rate' and 'hazard' are given; expected one of the two")
         hazard = self._hazard(place, mode.hazard, part, scope) if mode.hazard else None
         if hazard and hazard.model.unit != f"1/{clock_unit}":
-            raise Fault(place, f"{hazard.model.name} gives a rate in {hazard.model.unit}, its clock '{mode.clock}' counts {clock_unit}")
+            raise Fault(
+                place,
+                f"{hazard.model.name} gives {hazard.model.unit}, but its clock '{mode.clock}' counts {clock_unit}",
+            )
         rate: float | None = None
         if mode.rate is not None:
             rate = _written((*place, "rate"), mode.rate, f"1/{clock_unit}")
-            if not rate >= 0:
-                raise Fault((*place, "rate"), f"hazard rate {mode.rate} is negative; expected at least zero")
+            if not rate > 0:
+                raise Fault(
+                    (*place, "rate"),
+                    f"hazard rate {mode.rate}; expected above zero: a part that never fails is no part",
+                )
         elif hazard:
             rate = hazard.reference
         life, rate = self._life((*place, "life"), mode.life, rate, clock_unit, place)
@@ -179,14 +208,18 @@ class _Builder:
             stresses = (hazard, *stresses)
         if mode.clock in ("kilometres", "cycles", "starts") and getattr(self.design.usage, mode.clock) is None:
             raise Fault(
-                ("usage",), f"says nothing of '{mode.clock}', on which {'/'.join(path)} ages; expected e.g. "
-                f"{mode.clock}: 1 {clock_unit}/h"
+                ("usage",),
+                f"says nothing of '{mode.clock}', on which {'/'.join(path)} ages; expected e.g. "
+                f"{mode.clock}: 1 {clock_unit}/h",
             )
         initial = 0.0
         if mode.initial_exposure is not None:
             initial = _written((*place, "initial_exposure"), mode.initial_exposure, clock_unit)
             if not initial >= 0:
-                raise Fault((*place, "initial_exposure"), f"{mode.initial_exposure} is negative; expected at least zero")
+                raise Fault(
+                    (*place, "initial_exposure"),
+                    f"{mode.initial_exposure} is negative; expected at least zero",
+                )
         measured = scope.clocks.get(mode.clock)
         return FailureMode(
             "/".join(path), rate, life, mode.clock, self._measured_clock(mode.clock, *measured) if measured else None,
@@ -202,24 +235,35 @@ class _Builder:
         return self._stress((*place, "inputs"), model, inputs, part, scope)
 
     def _accelerations(
-        self, place: Path, mode: schema.FailureMode, part: schema.Component, hazard: Stress | None, scope: _Scope
+        self,
+        place: Path,
+        mode: schema.FailureMode,
+        part: schema.Component,
+        hazard: Stress | None,
+        scope: _Scope,
     ) -> tuple[Stress, ...]:
         chosen = mode.acceleration
         if chosen is None and not hazard:
             chosen = scope.acceleration  # inherited: of constant-rate parts alone
         if chosen is None or chosen == "none":
             return ()
-        stresses = []
+        stresses: list[Stress] = []
         for written in chosen if isinstance(chosen, list) else [chosen]:
             at = (*place, "acceleration")
             model = _plug((*at, "model"), acceleration_model, written.model)
             parameters = dict(written.model_extra or {})
             stress_input = next(iter(model.inputs))
             if stress_input in parameters:
-                raise Fault((*at, stress_input), f"'{stress_input}' is what is measured; expected reference_{stress_input} here")
+                raise Fault(
+                    (*at, stress_input),
+                    f"'{stress_input}' is what is measured; expected reference_{stress_input} here",
+                )
             parameters[stress_input] = parameters.get(f"reference_{stress_input}", _default(model, stress_input))
             if hazard and (hazard.channels or stress_input in hazard.model.inputs):
-                raise Fault(at, f"double acceleration: {hazard.model.name} answers to '{stress_input}' itself; expected one of the two")
+                raise Fault(
+                    at,
+                    f"double acceleration: {hazard.model.name} answers to '{stress_input}' itself; expected one of them",
+                )
             if any(stress_input in earlier.design for earlier in stresses):
                 raise Fault(at, f"double acceleration: two factors of '{stress_input}'")
             stress = self._stress(at, model, parameters, part, scope)
@@ -242,9 +286,7 @@ class _Builder:
                 channels[name] = self._channel(at, binding, entry.unit, part.offsets.get(name))
         return Stress(model, design, channels)
 
-    def _channel(
-        self, place: Path, binding: schema.SignalBinding, unit: str, more: str | float | None
-    ) -> Channel:
+    def _channel(self, place: Path, binding: schema.SignalBinding, unit: str, more: str | float | None) -> Channel:
         self.used_signals.add(place)
         try:
             written = unit if binding.unit is None else binding.unit
@@ -266,10 +308,13 @@ class _Builder:
         self.used_signals.add(place)
         if clock in ("operating", "calendar"):
             raise Fault(place, f"the {clock} clock is time itself and takes no signal")
-        kind, fields = next(
-            (kind, value) for kind in ("position", "speed", "edge") if (value := getattr(binding, kind)) is not None
-        )
-        fields = (fields,) if isinstance(fields, str) else fields
+        kind: Literal["position", "speed", "edge"]
+        if binding.position is not None:
+            kind, fields = "position", binding.position
+        elif binding.speed is not None:
+            kind, fields = "speed", (binding.speed,)
+        else:
+            kind, fields = "edge", (str(binding.edge),)
         if (kind == "edge") != (clock in ("cycles", "starts")):
             wanted = "edge" if clock in ("cycles", "starts") else "position or speed"
             raise Fault(place, f"the {clock} clock is driven by {wanted}, not by {kind}")
@@ -280,16 +325,19 @@ class _Builder:
             signals = tuple(signal_name(binding.topic, name) for name in fields)
         except RobophmError as error:
             raise Fault(place, str(error)) from None
-        return MeasuredClock(clock, kind, signals, written, scale, binding.threshold, round(binding.max_age * SECOND))  # type: ignore[arg-type]
+        return MeasuredClock(clock, kind, signals, written, scale, binding.threshold, round(binding.max_age * SECOND))
 
     def _life(
         self, place: Path, life: schema.Life, rate: float | None, unit: str, mode_place: Path
     ) -> tuple[LifeDistribution, float]:
         distribution: type[LifeDistribution] = _plug((*place, "distribution"), life_distribution, life.distribution)
-        parameters = {}
+        parameters: dict[str, Any] = {}
         for name, value in (life.model_extra or {}).items():
             if name not in distribution.dimensions:
-                raise Fault((*place, name), f"{life.distribution} has no parameter '{name}'{nearest(name, distribution.dimensions)}")
+                raise Fault(
+                    (*place, name),
+                    f"{life.distribution} has no parameter '{name}'{nearest(name, distribution.dimensions)}",
+                )
             power = distribution.dimensions[name]
             inside = {1: unit, 0: "", -1: f"1/{unit}"}[power]
             listed = isinstance(value, list)
@@ -298,7 +346,10 @@ class _Builder:
         try:
             if rate is None:
                 if not parameters:
-                    raise Fault(mode_place, "has no rate; expected rate, hazard, failure_modes, or a life with its scale")
+                    raise Fault(
+                        mode_place,
+                        "has no rate; expected rate, hazard, failure_modes, or a life with its scale",
+                    )
                 whole = distribution(**parameters)
                 return whole, 1 / whole.mean()
             return distribution.with_rate(rate, **parameters), rate
@@ -376,15 +427,20 @@ class _Expansion:
     def _resolve(self, level: str, name: str, place: Path) -> str:
         """A name in a diagram: of this level, below it by path, or from the robot down after a leading '/'."""
         path = name[1:] if name.startswith("/") else _join(level, name)
-        stem, bracket, member = path.partition("[")
+        stem, bracket, _ = path.partition("[")
         component = self.builder.components.get(stem)
         if component and bracket:
             if path in component.units:
                 return path
-            raise Fault(place, f"'{name}': {stem} has quantity {component.quantity}; expected [1] … [{component.quantity}]")
+            raise Fault(
+                place,
+                f"'{name}': {stem} has quantity {component.quantity}; expected [1] … [{component.quantity}]",
+            )
         if path in self.builder.modules or component:
             return path
-        known = [p.removeprefix(f"{level}/") if level else p for p in (*self.builder.components, *self.builder.modules) if p]
+        known = [
+            p.removeprefix(f"{level}/") if level else p for p in (*self.builder.components, *self.builder.modules) if p
+        ]
         raise Fault(place, f"unknown part '{name}'{nearest(name, known)}")
 
     def block(self, path: Path, diagram: Any, place: Path) -> blocks.Block:
@@ -398,7 +454,7 @@ class _Expansion:
                 return blocks.Unit(path)
             return blocks.KOutOfN(component.required, *component.units)
         if path in self.under_way:
-            circle = " → ".join(self.under_way[self.under_way.index(path) :] + [path])
+            circle = " → ".join([*self.under_way[self.under_way.index(path) :], path])
             raise Fault(place, f"cycle: {circle or 'the robot'} contains itself")
         if path not in self.expanded:
             self.under_way.append(path)

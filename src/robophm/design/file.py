@@ -12,6 +12,7 @@ from robophm.core.files import write_atomically
 from robophm.design.robot import Robot
 
 if TYPE_CHECKING:
+    from pydantic import BaseModel
     from pydantic_core import ErrorDetails
 
 MAX_BYTES = 20_000_000
@@ -39,7 +40,9 @@ def parse(text: str, name: str = "design") -> Robot:
     from robophm.design.schema import SCHEMA_VERSION, RobotFile
 
     if not isinstance(data, dict):
-        raise DesignError(f"{name}: holds no design; expected a mapping that starts with 'schema_version: {SCHEMA_VERSION}'")
+        raise DesignError(
+            f"{name}: holds no design; expected a mapping that starts with 'schema_version: {SCHEMA_VERSION}'"
+        )
     if data.get("schema_version") != SCHEMA_VERSION:
         found = data.get("schema_version", "none")
         line = lines.get(("schema_version",), 1)
@@ -102,7 +105,9 @@ def _read(path: Path) -> str:
             hint = nearest(path.name, [name for name in beside if name.endswith((".yaml", ".yml"))])
             raise DesignError(f"{path}: no such file{hint}")
         if path.stat().st_size > MAX_BYTES:
-            raise DesignError(f"{path}: {path.stat().st_size / 1e6:.0f} MB; a design is at most {MAX_BYTES / 1e6:.0f} MB")
+            raise DesignError(
+                f"{path}: {path.stat().st_size / 1e6:.0f} MB; a design is at most {MAX_BYTES / 1e6:.0f} MB"
+            )
         return path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise DesignError(f"{path}: cannot be read: {error.strerror}") from None
@@ -197,18 +202,19 @@ def _first_fault(detail: ErrorDetails, lines: Lines) -> tuple[tuple[str, ...], s
         return place, f"{detail['input']!r:.60} is not a name; expected text without / [ ] and line breaks"
     message = detail["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
     given = detail["input"]
-    return place, message if isinstance(given, dict | list) or detail["type"] == "value_error" else f"{message}, not {given!r:.60}"
+    says_it = isinstance(given, dict | list) or detail["type"] == "value_error"
+    return place, message if says_it else f"{message}, not {given!r:.60}"
 
 
 def _keys(place: tuple[str, ...]) -> list[str]:
     """The keys that a mapping at this place of a design may have."""
     from robophm.design import schema
 
-    inside = {"modules": schema.Module, "components": schema.Component, "failure_modes": schema.FailureMode,
+    inside: dict[str, type[BaseModel]] = {"modules": schema.Module, "components": schema.Component, "failure_modes": schema.FailureMode,
               "signals": schema.SignalBinding, "clocks": schema.ClockBinding}  # fmt: skip
-    itself = {"life": schema.Life, "hazard": schema.Hazard, "usage": schema.Usage, "task": schema.Task,
+    itself: dict[str, type[BaseModel]] = {"life": schema.Life, "hazard": schema.Hazard, "usage": schema.Usage, "task": schema.Task,
               "thresholds": schema.Thresholds, "powered": schema.PowerBinding, "k_of_n": schema.KOutOfNGroup}  # fmt: skip
     if not place:
         return list(schema.RobotFile.model_fields)
-    model = inside.get(place[-2]) if len(place) > 1 and place[-2] in inside else itself.get(place[-1])
+    model = inside[place[-2]] if len(place) > 1 and place[-2] in inside else itself.get(place[-1])
     return list(model.model_fields) if model else ["series", "parallel", "k_of_n"]

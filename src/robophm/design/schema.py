@@ -7,7 +7,16 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    WithJsonSchema,
+    model_validator,
+)
 
 from robophm.core.errors import UnitError
 from robophm.core.units import quantity
@@ -33,7 +42,9 @@ def _quantity(unit: str, description: str, example: str, low: float = float("-in
 
     kind = {"type": ["string", "number"] if not unit else "string"}
     return Annotated[
-        float, BeforeValidator(read), WithJsonSchema({**kind, "description": description, "examples": [example]})
+        float,
+        BeforeValidator(read),
+        WithJsonSchema({**kind, "description": description, "examples": [example]}),
     ]
 
 

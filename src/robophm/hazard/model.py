@@ -126,7 +126,7 @@ class Model:
                     raise ModelError(f"{self.name}: {name} '{value}' is not one of its choices{hint}")
                 settled[name] = str(value)
             else:
-                number = float(value) if value is entry.default else quantity(value, entry.unit)
+                number = value if isinstance(value, float) and value is entry.default else quantity(value, entry.unit)
                 if not entry.low <= number <= entry.high:
                     raise ModelError(f"{self.name}: {name} {number:g} {entry.unit} is outside {self.expected(name)}")
                 settled[name] = number

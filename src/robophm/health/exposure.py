@@ -100,7 +100,13 @@ class Ledger:
     def new(cls, robot: Robot) -> Ledger:
         """The ledger of a robot that has not lived yet."""
         n = len(robot.modes)
-        return cls(tuple(m.path for m in robot.modes), Total.zeros(n), Total.zeros(n), Total.zeros(n), Total.zeros(2 + len(robot.clocks)))
+        return cls(
+            tuple(m.path for m in robot.modes),
+            Total.zeros(n),
+            Total.zeros(n),
+            Total.zeros(n),
+            Total.zeros(2 + len(robot.clocks)),
+        )
 
     def copy(self) -> Ledger:
         """An independent copy, to look ahead without consequence."""
@@ -140,11 +146,19 @@ class Ledger:
             totals[name] = Total(totals[name].high[order], totals[name].low[order])
         return cls(
             modes,
-            **totals,
-            **{name: data[name] for name in ("started", "integrated_to", "newest", "heard")},
+            totals["age"],
+            totals["effective"],
+            totals["hazard"],
+            totals["clocks"],
+            started=data["started"],
+            integrated_to=data["integrated_to"],
+            newest=data["newest"],
+            heard=data["heard"],
             last={key: (time, tuple(values)) for key, (time, values) in data["last"].items()},
             pending=[Sample(*sample) for sample in data["pending"]],
-            **{name: Counter(data[name]) for name in ("counts", "stale", "extrapolated")},
+            counts=Counter(data["counts"]),
+            stale=Counter(data["stale"]),
+            extrapolated=Counter(data["extrapolated"]),
             recent=[Recent(end, on, np.array(a)[order], np.array(u)[order]) for end, on, a, u in data["recent"]],
         )
 
@@ -248,7 +262,8 @@ class Exposure:
         """The mean stress factor of every mode over the last ten minutes; NaN where its clock did not run."""
         age = sum((step.age for step in ledger.recent), np.zeros(len(self.modes)))
         effective = sum((step.effective for step in ledger.recent), np.zeros(len(self.modes)))
-        return np.divide(effective, age, out=np.full(age.shape, np.nan), where=age > 0)
+        mean: Array = np.divide(effective, age, out=np.full(age.shape, np.nan), where=age > 0)
+        return mean
 
     def recent_usage(self, ledger: Ledger) -> Array:
         """How far each mode's clock went per operating hour in the last ten minutes; NaN where it was off."""
@@ -346,7 +361,9 @@ class _Block:
     def _operating(self) -> _Elapsed:
         """Nanoseconds that the robot was on: it has been heard within max_gap, and says it is powered."""
         gap = self.robot.max_gap
-        heard = np.unique(np.concatenate([times for times, _ in self.raw.values()])) if self.raw else np.empty(0, np.int64)
+        heard = (
+            np.unique(np.concatenate([times for times, _ in self.raw.values()])) if self.raw else np.empty(0, np.int64)
+        )
         if self.ledger.heard is not None:
             heard = np.append(min(self.ledger.heard - self.start, heard[0] if len(heard) else self.length), heard)
         self.heard = int(heard[-1]) + self.start if len(heard) else None
@@ -404,7 +421,9 @@ class _Clock:
             return _Elapsed(block.ends, block.ends / HOUR)
         if self.measured is None:
             return block.operating.scaled(self.usage / HOUR)
-        return {"position": self._path, "speed": self._speed, "edge": self._edges}[self.measured.kind](block, self.measured)
+        return {"position": self._path, "speed": self._speed, "edge": self._edges}[self.measured.kind](
+            block, self.measured
+        )
 
     def _path(self, block: _Block, measured: MeasuredClock) -> _Elapsed:
         coordinates = [block.signal(signal, f"position {signal}") for signal in measured.signals]

@@ -108,13 +108,23 @@ class HealthReport:
         """A table, for a notebook."""
         from html import escape
 
-        head = "".join(f"<th>{h}</th>" for h in ("", "λ nominal [1/h]", "λ sensor", "R nominal", "R sensor", "RUL median [h]", "PoTC"))
+        head = "".join(
+            f"<th>{h}</th>"
+            for h in ("", "λ nominal [1/h]", "λ sensor", "R nominal", "R sensor", "RUL median [h]", "PoTC")
+        )
         rows = []
         for one in self.subjects:
             n, s = one.nominal, one.sensor_based
             life = f"{s.remaining_life.median:.4g}" if s.remaining_life else "–"
             task = f"{s.completion.probability:.6g}" if s.completion else "–"
-            cells = (f"{n.hazard_rate:.4g}", f"{s.hazard_rate:.4g}", f"{n.reliability:.6g}", f"{s.reliability:.6g}", life, task)
+            cells = (
+                f"{n.hazard_rate:.4g}",
+                f"{s.hazard_rate:.4g}",
+                f"{n.reliability:.6g}",
+                f"{s.reliability:.6g}",
+                life,
+                task,
+            )
             rows.append(f"<tr><th>{escape(one.path)}</th>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
         return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, fields
 from numbers import Real
 from typing import ClassVar, Self, TypeAlias
@@ -40,6 +40,7 @@ class LifeDistribution(ABC):
     dimensions: ClassVar[Mapping[str, int]]
     scale_parameter: ClassVar[str | None]
     any_sign: ClassVar[frozenset[str]] = frozenset({"location", "centre", "log_mean"})  # others are > 0
+    closed_form: ClassVar[bool] = True  # H and h take arrays as parameters
     lowest: ClassVar[float] = 0.0  # −inf where lives reach below the location
 
     # What a distribution writes, of x = age − location.
@@ -168,7 +169,7 @@ class LifeDistribution(ABC):
     def mean(self) -> float:
         """The mean life [clock]; inf where it does not exist."""
         with limits():
-            return self._origin + float(self._mean_residual_life(np.zeros(())))
+            return float(self._origin + self._mean_residual_life(np.zeros(())))
 
     def standard_deviation(self) -> float:
         """The standard deviation of the life [clock]; inf where it does not exist."""
@@ -185,8 +186,9 @@ class LifeDistribution(ABC):
             return _plain(wait + self._mean_residual_life(x))
 
     @property
-    def _origin(self) -> float:
-        return float(getattr(self, "location", 0.0))
+    def _origin(self) -> float | Array:
+        origin: float | Array = getattr(self, "location", 0.0)
+        return origin
 
     def _since_location(self, age: ArrayLike) -> Array:
         return np.maximum(np.asarray(age, dtype=float) - self._origin, self.lowest)
@@ -265,3 +267,23 @@ def _plain(values: ArrayLike) -> Array:
     """Scalars for scalars."""
     plain: Array = np.asarray(values)[()]
     return plain
+
+
+def side_by_side(lives: Sequence[LifeDistribution]) -> list[tuple[NDArray[np.intp], LifeDistribution]]:
+    """Many distributions as few: which lives, and one whose functions of age take them along the last axis.
+
+    Equal ones become one. Those of a class in closed form become one whose parameters are arrays; of it only the
+    functions of age can be asked, not ``mean``.
+    """
+    groups: dict[object, list[int]] = {}
+    for i, life in enumerate(lives):
+        groups.setdefault(type(life) if life.closed_form else life, []).append(i)
+    found = []
+    for members in groups.values():
+        together = lives[members[0]]
+        if any(lives[i] != together for i in members):
+            together = object.__new__(type(lives[members[0]]))
+            for name in together.dimensions:
+                object.__setattr__(together, name, np.array([getattr(lives[i], name) for i in members]))
+        found.append((np.array(members), together))
+    return found

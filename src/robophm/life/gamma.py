@@ -20,6 +20,7 @@ class Gamma(LifeDistribution):
     scale: float
     shape: float
     location: float = 0.0
+    closed_form: ClassVar = False
     dimensions: ClassVar = {"scale": 1, "shape": 0, "location": 1}
     scale_parameter: ClassVar = "scale"
 

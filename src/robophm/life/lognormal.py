@@ -25,6 +25,7 @@ class Lognormal(LifeDistribution):
     log_mean: float
     log_deviation: float
     location: float = 0.0
+    closed_form: ClassVar = False
     dimensions: ClassVar = {"log_mean": 0, "log_deviation": 0, "location": 1}
     scale_parameter: ClassVar = "log_mean"
 

@@ -23,6 +23,7 @@ class Normal(LifeDistribution):
 
     centre: float
     deviation: float
+    closed_form: ClassVar = False
     dimensions: ClassVar = {"centre": 1, "deviation": 1}
     scale_parameter: ClassVar = "centre"
     lowest: ClassVar = -math.inf

@@ -22,6 +22,7 @@ class Piecewise(LifeDistribution):
 
     ages: tuple[float, ...]
     hazard_rates: tuple[float, ...]
+    closed_form: ClassVar = False
     dimensions: ClassVar = {"ages": 1, "hazard_rates": -1}
     scale_parameter: ClassVar = None
 

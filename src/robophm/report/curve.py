@@ -89,11 +89,7 @@ def curve_svg(
         *(text(left - 6, y + 4, says, "right") for y, says in zip(y_at(y_ticks), y_texts, strict=True)),
         *(text(x, bottom + 17, says, "middle") for x, says in zip(x_at(x_ticks), x_texts, strict=True)),
         text((left + right) / 2, height - 6, shorten(x_name, right - left, _SIZE), "middle"),
-        *(
-            _stroke(i, line, path)
-            for i, (line, (path, _)) in enumerate(zip(lines, paths, strict=True))
-            if path
-        ),
+        *(_stroke(i, line, path) for i, (line, (path, _)) in enumerate(zip(lines, paths, strict=True)) if path),
         text((left + right) / 2, (top + bottom) / 2, "no data", "middle") if empty else Html(),
         _legend(lines, [spots for _, spots in paths], (left, right, top, bottom)),
     ]
@@ -113,10 +109,7 @@ def sparkline(values: ArrayLike, width: int = 20) -> str:
     y = np.asarray(values, dtype=float).ravel()
     y = np.where(np.isfinite(y), y, np.nan)
     shares = np.array_split(y, min(width, y.size)) if y.size and width > 0 else []
-    means = [
-        float(np.mean(share[np.isfinite(share)])) if np.isfinite(share).any() else math.nan
-        for share in shares
-    ]
+    means = [float(np.mean(share[np.isfinite(share)])) if np.isfinite(share).any() else math.nan for share in shares]
     seen = [mean for mean in means if not math.isnan(mean)]
     low, high = min(seen, default=0.0), max(seen, default=0.0)
 
@@ -255,9 +248,7 @@ def _legend(lines: Sequence[Line], spots: list[Array], frame: tuple[float, float
     return element("g", element("rect", class_="back", x=x, y=y, width=wide, height=high, rx=3), *rows)
 
 
-def _words(
-    lines: Sequence[Line], data: Sequence[tuple[Array, Array]], x_label: str, y_label: str, log_y: bool
-) -> str:
+def _words(lines: Sequence[Line], data: Sequence[tuple[Array, Array]], x_label: str, y_label: str, log_y: bool) -> str:
     says = [f"{y_label} over {x_label}."]
     for line, (x, y) in zip(lines, data, strict=True):
         seen = np.flatnonzero(~np.isnan(y))

@@ -53,9 +53,7 @@ def diagram_svg(
         _wires("wire dashed", [wire for wire in drawn.wires if wire.dashed]),
         *(element("circle", class_="end", cx=x, cy=y, r=3) for x, y in drawn.ends),
         *(
-            _more(box, box.part)
-            if isinstance(box.part, More)
-            else _unit(box, labels[box.part], places[box.part])
+            _more(box, box.part) if isinstance(box.part, More) else _unit(box, labels[box.part], places[box.part])
             for box in drawn.boxes
         ),
         *map(_gate, drawn.gates),
@@ -113,9 +111,7 @@ def _unit(box: Box, label: Label, places: int) -> Html:
     if places > 1:
         hint.append(f"drawn in {places} places, one part")
         place = f"translate({number(end - 10)} 7.5)"
-        symbols.append(
-            element("path", class_="shared", d="M0 0h6.5v6.5H0ZM3.5 3.5H10V10H3.5Z", transform=place)
-        )
+        symbols.append(element("path", class_="shared", d="M0 0h6.5v6.5H0ZM3.5 3.5H10V10H3.5Z", transform=place))
         end -= _SYMBOL
     badge = shorten(label.badge, box.width / 2, _DETAIL)
     room = edge - _INDENT - text_width(badge, _DETAIL) - _EDGE * bool(badge)

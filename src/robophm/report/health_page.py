@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
+from robophm.health.prognosis import Figures
 from robophm.health.report import HealthReport, Subject
 from robophm.report.curve import Line, curve_svg
 from robophm.report.diagram_svg import diagram_svg
@@ -32,8 +33,9 @@ def health_page(robot: Robot, report: HealthReport, history: Iterable[Mapping[st
 def _sections(robot: Robot, report: HealthReport, history: list[Mapping[str, Any]]) -> Iterable[Html | str]:
     yield _summary(report)
     yield _tiles(report)
-    yield section("How it is wired", figure(diagram_svg(robot.wiring, _labels(robot, report)), "Modules of the robot", True),
-                  *(figure(diagram_svg(m.wiring, _labels(robot, report)), m.path, True) for m in robot.modules))  # fmt: skip
+    label = _labels(robot, report)
+    levels = [("Modules of the robot", robot), *((module.path, module) for module in robot.modules)]
+    yield section("How it is wired", *(figure(diagram_svg(level.wiring, label), name, True) for name, level in levels))
     yield section("Curves", side_by_side(*_history_curves(report.robot, history), *_outlook_curves(robot, report)))
     yield section("Modules", _subject_table(report.subjects))
     yield section("What contributes most", _contributors(report))
@@ -58,21 +60,26 @@ def _tiles(report: HealthReport) -> Html:
     both = {VIEWS[view]: getattr(system, view) for view in VIEWS}
     tone: Tone = "error" if report.breaches else "stale" if system.flags else "ok"
     each = [
-        tile("Hazard rate now", {name: rate_text(f.hazard_rate) for name, f in both.items()}, "per hour of operation", tone),
-        tile("Reliability", {name: probability_text(f.reliability, f.unreliability) for name, f in both.items()},
-             "survival since new", tone),
-    ]  # fmt: skip
+        tile("Hazard rate now", _each(both, lambda f: rate_text(f.hazard_rate)), "per hour of operation", tone),
+        tile("Reliability", _each(both, lambda f: probability_text(f.reliability, f.unreliability)), "since new", tone),
+    ]
     if system.nominal.remaining_life:
         lives = {name: duration_text(f.remaining_life.median) for name, f in both.items() if f.remaining_life}
         late = system.sensor_based.remaining_life
         note = f"median; 90 % between {duration_text(late.early)} and {duration_text(late.late)}" if late else ""
         each.append(tile("Remaining life", lives, note, tone))
     if report.task and system.nominal.completion:
-        texts = {n: probability_text(f.completion.probability, f.completion.failure) for n, f in both.items() if f.completion}
+        texts = {
+            n: probability_text(f.completion.probability, f.completion.failure) for n, f in both.items() if f.completion
+        }
         what = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
         each.append(tile("Next task completed", texts, what, tone))
     warnings = [Html("")] if not report.breaches else [section("Thresholds breached", *report.breaches)]
     return Html(tiles(*each) + warnings[0])
+
+
+def _each(figures: Mapping[str, Figures], text: Callable[[Figures], str]) -> dict[str, str]:
+    return {name: text(figures_) for name, figures_ in figures.items()}
 
 
 def _labels(robot: Robot, report: HealthReport) -> Any:
@@ -99,12 +106,15 @@ def _history_curves(robot: str, history: list[Mapping[str, Any]]) -> Iterable[Ht
         ("hazard_rate", "Hazard rate", "λ [1/h of operation]"),
         ("unreliability", "Probability of having failed since new", "1 − R"),
     ):
-        lines = [
-            Line(name, hours, np.array([np.nan if (v := entry["subjects"][0][view][key]) is None else v for entry in history]),
-                 dashed=view == "sensor_based")
-            for view, name in VIEWS.items()
-        ]  # fmt: skip
-        yield figure(curve_svg(lines, title=title, x_label="time since start [h]", y_label=label), f"{title} of {robot}, as recorded")
+        lines = []
+        for view, name in VIEWS.items():
+            values = [entry["subjects"][0][view][key] for entry in history]
+            course = np.array([np.nan if value is None else value for value in values])
+            lines.append(Line(name, hours, course, dashed=view == "sensor_based"))
+        yield figure(
+            curve_svg(lines, title=title, x_label="time since start [h]", y_label=label),
+            f"{title} of {robot}, as recorded",
+        )
 
 
 def _outlook_curves(robot: Robot, report: HealthReport) -> Iterable[Html]:
@@ -120,13 +130,27 @@ def _outlook_curves(robot: Robot, report: HealthReport) -> Iterable[Html]:
     with np.errstate(divide="ignore", invalid="ignore"):
         rates = [Line(VIEWS[v], hours, s.density / s.works, dashed=v == "sensor_based") for v, s in states.items()]
     yield figure(
-        curve_svg(rates, title="Hazard rate ahead", x_label="operating hours from now", y_label="λ = f/R [1/h of operation]"),
+        curve_svg(
+            rates,
+            title="Hazard rate ahead",
+            x_label="operating hours from now",
+            y_label="λ = f/R [1/h of operation]",
+        ),
         "Of survivors since new",
     )
 
 
 def _subject_table(subjects: Iterable[Subject]) -> Html:
-    columns = ("", "λ nominal [1/h]", "λ sensor-based [1/h]", "R nominal", "R sensor-based", "RUL median", "PoTC", "flags")
+    columns = (
+        "",
+        "λ nominal [1/h]",
+        "λ sensor-based [1/h]",
+        "R nominal",
+        "R sensor-based",
+        "RUL median",
+        "PoTC",
+        "flags",
+    )
     rows = []
     for one in subjects:
         life, task = one.sensor_based.remaining_life, one.sensor_based.completion
@@ -145,7 +169,13 @@ def _contributors(report: HealthReport) -> Html:
     worst = sorted(report.components, key=lambda c: -c.sensor_based_hazard_rate)[:10]
     total = sum(component.sensor_based_hazard_rate for component in report.components) or 1.0
     rows = [
-        (c.path, c.quantity, c.nominal_hazard_rate, c.sensor_based_hazard_rate, f"{100 * c.sensor_based_hazard_rate / total:.1f} %")
+        (
+            c.path,
+            c.quantity,
+            c.nominal_hazard_rate,
+            c.sensor_based_hazard_rate,
+            f"{100 * c.sensor_based_hazard_rate / total:.1f} %",
+        )
         for c in worst
     ]
     columns = ("component", "quantity", "λ nominal [1/h]", "λ sensor-based [1/h]", "share of all parts")
@@ -155,8 +185,9 @@ def _contributors(report: HealthReport) -> Html:
 def _assumptions(robot: Robot, report: HealthReport) -> Iterable[str]:
     usage = robot.usage
     yield (
-        f"Nominal: every part at its design stress. Sensor-based: exposure from the signals, the future as the last ten "
-        f"minutes. The robot works {100 * usage.operating:.0f} % of the day; remaining life is in calendar time, without repair."
+        "Nominal: every part at its design stress. Sensor-based: exposure from the signals, the future as the last "
+        f"ten minutes. The robot works {100 * usage.operating:.0f} % of the day; remaining life is in calendar time, "
+        "without repair."
     )
     yield "R is survival since new. Hazard rate, remaining life and task completion are given that the robot works now."
     yield f"Design {report.design_hash[:16]}, robophm {version('robophm')}."

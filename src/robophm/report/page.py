@@ -56,10 +56,7 @@ tbody tr:nth-child(even){background:var(--shade)}
  .tiles,.side{grid-template-columns:1fr 1fr}
  *{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
 """
-    + "".join(
-        f".tile.{tone}{{border-left-color:var(--{tone})}}.{tone} .tone{{fill:var(--{tone})}}"
-        for tone in MARKS
-    )
+    + "".join(f".tile.{tone}{{border-left-color:var(--{tone})}}.{tone} .tone{{fill:var(--{tone})}}" for tone in MARKS)
 )
 
 
@@ -108,9 +105,7 @@ def figure(svg: Html, caption: str = "", diagram: bool = False) -> Html:
     return element("figure", drawing, *([element("figcaption", caption)] if caption else []))
 
 
-def table_html(
-    columns: Sequence[str], rows: Iterable[Sequence[object]], caption: str = "", align: str = ""
-) -> Html:
+def table_html(columns: Sequence[str], rows: Iterable[Sequence[object]], caption: str = "", align: str = "") -> Html:
     """A table whose first column names its rows; None reads "–", numbers have 4 significant digits.
 
     ``align`` has "l" or "r" for each column; without it, columns of numbers stand right.

@@ -1,4 +1,4 @@
-"""A store in one SQLite file, in WAL mode: one writer, readers beside it, and a crash at any moment loses nothing kept."""
+"""A store in one SQLite file, in WAL mode: one writer, readers beside it, nothing kept is lost in a crash."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ class Store(ABC):
     ) -> None:
         """Keep all of it, or none. A report replaces the one of the same time. Raises StoreError."""
 
-    def close(self) -> None:
+    def close(self) -> None:  # noqa: B027  a store in memory holds nothing open
         """Let go of what is open."""
 
     def __enter__(self) -> Self:

@@ -37,9 +37,7 @@ class CsvRecording(TextSource):
     def _signals(self) -> frozenset[str]:
         _, header = next(self._rows(), (1, [""]))
         if header[0] != "time":
-            raise SourceError(
-                f"{self.path}, line 1: first column is '{header[0]}'; expected 'time' and commas"
-            )
+            raise SourceError(f"{self.path}, line 1: first column is '{header[0]}'; expected 'time' and commas")
         if len(header) > MOST_COLUMNS:
             raise SourceError(f"{self.path}, line 1: {len(header)} columns; at most {MOST_COLUMNS} are read")
         self._columns = header[1:]
@@ -78,17 +76,13 @@ class CsvRecording(TextSource):
         previous: int | None = None
         for line, cells in rows:
             if len(cells) != len(columns) + 1:
-                raise SourceError(
-                    f"{self.path}, line {line}: {len(cells)} cells; expected {len(columns) + 1}"
-                )
+                raise SourceError(f"{self.path}, line {line}: {len(cells)} cells; expected {len(columns) + 1}")
             try:
                 time = parse_time(cells[0])
             except ValueError as error:
                 raise SourceError(f"{self.path}, line {line}, column 1 (time): {error}") from None
             if previous is not None and time < previous:
-                raise SourceError(
-                    f"{self.path}, line {line}: time goes backwards; expected rows in time order"
-                )
+                raise SourceError(f"{self.path}, line {line}: time goes backwards; expected rows in time order")
             previous = time
             for signal, index in columns:
                 if cell := cells[index]:

@@ -110,9 +110,7 @@ class JournalRecording(TextSource):
         if next(self._lines(), (1, b""))[1] != _TITLE.encode():
             raise SourceError(f"{self.path}: not a journal; expected '{_TITLE.strip()}' as its first line")
         mark = _SIGNAL.encode()
-        names = (
-            line[len(mark) :] for _, line in self._lines() if line.startswith(mark) and line.endswith(b"\n")
-        )
+        names = (line[len(mark) :] for _, line in self._lines() if line.startswith(mark) and line.endswith(b"\n"))
         return frozenset(name.decode(errors="replace").rstrip("\n") for name in names)
 
     def _samples(self) -> Iterator[Sample]:
@@ -124,9 +122,7 @@ class JournalRecording(TextSource):
                     time, value, signal = line.decode().rstrip("\n").split(" ", 2)
                     sample = Sample(int(time), signal, float(value))
                 except ValueError:
-                    raise SourceError(
-                        f"{self.path}, line {number}: damaged; expected 'time value signal'"
-                    ) from None
+                    raise SourceError(f"{self.path}, line {number}: damaged; expected 'time value signal'") from None
                 yield sample
 
 

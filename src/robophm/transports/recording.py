@@ -87,9 +87,7 @@ class Recording(SignalSource):
                     fields = tuple(numeric_fields(type_.definitions, type_.name))
                 except SourceError:
                     fields = ()
-                info = TopicInfo(
-                    connection.topic, connection.msgtype, connection.msgcount, first, last, fields
-                )
+                info = TopicInfo(connection.topic, connection.msgtype, connection.msgcount, first, last, fields)
                 before = found.get(info.topic)
                 found[info.topic] = _joined(before, info) if before else info
         return [found[topic] for topic in sorted(found)]
@@ -180,9 +178,7 @@ class _File:
     def close(self) -> None:
         self.reader.close()
 
-    def readings(
-        self, wanted: Mapping[str, list[tuple[str, str]]], notes: Counter[str]
-    ) -> dict[int, _Reading]:
+    def readings(self, wanted: Mapping[str, list[tuple[str, str]]], notes: Counter[str]) -> dict[int, _Reading]:
         """What to read of each connection that carries a wanted topic."""
         readings = {}
         for connection in self.connections:
@@ -251,9 +247,7 @@ class _ForeignMcap:
             self._reader = make_reader(self._file, validate_crcs=True)
             summary = self._reader.get_summary()
             if summary is None or summary.statistics is None:
-                raise SourceError(
-                    f"{self._path}: has no summary section; expected one, as `mcap recover` writes"
-                )
+                raise SourceError(f"{self._path}: has no summary section; expected one, as `mcap recover` writes")
             statistics = summary.statistics
             self.message_count = statistics.message_count
             self.start_time = statistics.message_start_time
@@ -296,17 +290,13 @@ def _parts(path: Path) -> list[Path]:
     """The files to open: a rosbag2 folder is opened as one, a folder without its metadata file by file."""
     if not path.is_dir():
         if path.suffix not in SUFFIXES:
-            raise SourceError(
-                f"{path}: not a recording; expected {', '.join(SUFFIXES)} or a folder with metadata.yaml"
-            )
+            raise SourceError(f"{path}: not a recording; expected {', '.join(SUFFIXES)} or a folder with metadata.yaml")
         return [path]
     if (path / "metadata.yaml").exists():
         return [path]
     parts = sorted(part for part in path.iterdir() if part.suffix in SUFFIXES and part.is_file())
     if not parts:
-        raise SourceError(
-            f"{path}: holds no recording; expected metadata.yaml or {', '.join(SUFFIXES)} files"
-        )
+        raise SourceError(f"{path}: holds no recording; expected metadata.yaml or {', '.join(SUFFIXES)} files")
     return parts
 
 
@@ -465,9 +455,7 @@ def field_getter(definitions: Typesdict, type_: str, field: str) -> Callable[[An
         if match[2]:
             index = int(match[2])
             if array and index >= array:
-                raise SourceError(
-                    f"({type_}) has {array} elements in '{walked}', 0 to {array - 1}; no [{index}]"
-                )
+                raise SourceError(f"({type_}) has {array} elements in '{walked}', 0 to {array - 1}; no [{index}]")
             steps += [attrgetter(".".join(names)), itemgetter(index)]
             names.clear()
             walked += f"[{index}]"

@@ -110,9 +110,7 @@ class SyntheticOta(SignalSource):
         for begin, end in shifts:
             on |= (grid >= begin) & (grid < end)
         if not on.any():
-            raise SourceError(
-                f"the robot is switched off for all of the {duration / HOUR:g} h from its start"
-            )
+            raise SourceError(f"the robot is switched off for all of the {duration / HOUR:g} h from its start")
         plan = _plan(rng, [((begin - start) / SECOND, (end - start) / SECOND) for begin, end in shifts])
         self._simulate(rng, grid, on, plan, period / SECOND)
         self._measure(rng)
@@ -302,9 +300,7 @@ class SyntheticOta(SignalSource):
 
         store = _typestore(2)
         with Writer(path, version=9) as writer:
-            connections = [
-                writer.add_connection(topic, type_, typestore=store) for topic, type_ in _TYPES.items()
-            ]
+            connections = [writer.add_connection(topic, type_, typestore=store) for topic, type_ in _TYPES.items()]
             for place, _, receipt, _, payload in self._payloads(2):
                 writer.write(connections[place], receipt, payload)
 
@@ -313,9 +309,7 @@ class SyntheticOta(SignalSource):
 
         store = _typestore(1)
         with Writer(path) as writer:
-            connections = [
-                writer.add_connection(topic, type_, typestore=store) for topic, type_ in _TYPES.items()
-            ]
+            connections = [writer.add_connection(topic, type_, typestore=store) for topic, type_ in _TYPES.items()]
             for place, _, receipt, _, payload in self._payloads(1):
                 writer.write(connections[place], receipt, payload)
 
@@ -374,11 +368,7 @@ def _plan(rng: np.random.Generator, shifts: list[tuple[float, float]]) -> Floats
     for begin, end in shifts:
         now = begin
         while True:
-            there = (
-                0
-                if charge < 0.3 and here
-                else int(rng.choice([s for s in range(len(STATIONS)) if s != here]))
-            )
+            there = 0 if charge < 0.3 and here else int(rng.choice([s for s in range(len(STATIONS)) if s != here]))
             dx, dy = np.subtract(STATIONS[there], STATIONS[here])
             distance = math.hypot(dx, dy)
             turn = math.remainder(math.atan2(dy, dx) - heading, math.tau)
@@ -391,10 +381,7 @@ def _plan(rng: np.random.Generator, shifts: list[tuple[float, float]]) -> Floats
             if arrived + stay > end:
                 break
             share = cruise * ramp / 2 / distance  # of the way, in each ramp
-            way = [
-                tuple(np.add(STATIONS[here], np.multiply(part, (dx, dy))))
-                for part in (0, share, 1 - share, 1)
-            ]
+            way = [tuple(np.add(STATIONS[here], np.multiply(part, (dx, dy)))) for part in (0, share, 1 - share, 1)]
             payload = rng.uniform(5.0, 30.0) if rng.random() < 0.7 and not charging else 0.0
             rows += [
                 (now, 0.0, heading, *STATIONS[here], payload, 0.0),

@@ -92,7 +92,12 @@ SERIES_RESISTANCE = (0.1, 0.2, 0.4, 0.6, 0.8, np.inf), (3.3, 2.7, 2.0, 1.3, 1.0,
         "ac_voltage": Range(0.0, 1e5, "V", "applied AC voltage, rms", default=0.0, monotone=1),
         "rated_voltage": Range(1e-3, 1e5, "V", "rated voltage", monotone=-1),
         "series_resistance": Range(
-            0.0, 1e9, "ohm/V", "circuit resistance by applied voltage; CSR and CWR need it", required=False, monotone=-1
+            0.0,
+            1e9,
+            "ohm/V",
+            "circuit resistance by applied voltage; CSR and CWR need it",
+            required=False,
+            monotone=-1,
         ),
         "quality": Choice(QUALITY, "quality level", default="commercial"),
         "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
