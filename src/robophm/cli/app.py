@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,8 +11,7 @@ import typer
 from robophm.cli import BREACHED
 from robophm.cli.output import (
     console,
-    health_table,
-    percent,
+    plain,
     print_json,
     print_report,
     progress_console,
@@ -21,7 +20,7 @@ from robophm.cli.output import (
     write,
 )
 from robophm.core.errors import ModelError, RobophmError, UnitError
-from robophm.report.words import duration_text, number_text, rate_text
+from robophm.report.words import number_text, rate_text
 
 app = typer.Typer(
     help="The honest health of a robot: hazard rate, reliability, remaining life and task completion.",
@@ -64,72 +63,28 @@ def check(design: Design, as_json: Json = False) -> None:
 @app.command()
 def show(
     design: Design,
-    hours: Annotated[float, typer.Option(help="operating hours at which to state R")] = 1000.0,
+    hours: Annotated[float, typer.Option(help="operating hours at which to state λ and R")] = 1000.0,
     unit: Unit = "1/h",
     svg: Annotated[Path | None, typer.Option(help="also draw the diagram into this SVG file")] = None,
+    legacy: Annotated[bool, typer.Option("--legacy", help="beside the figures of the 2020 tool")] = False,
     as_json: Json = False,
 ) -> None:
     """Draw a design and state what it promises when new: hazard rate, reliability, mean time to failure."""
-    import numpy as np
-
+    from robophm.cli.show import draw, promises, promises_table, svg_diagram
     from robophm.design.file import load
-    from robophm.health.prognosis import Plant, as_designed
-    from robophm.report.diagram_svg import diagram_svg
-    from robophm.report.diagram_text import diagram_text
-    from robophm.report.outline import Label
 
+    if not 0 <= hours < float("inf"):
+        raise UnitError(f"--hours {hours:g}: expected a number of at least 0")
     robot = load(design)
-    if not hours >= 0:
-        raise UnitError(f"--hours {hours:g}: expected at least 0")
-    new = as_designed(Plant(robot))
-    systems = [("", robot), *((module.path, module) for module in robot.all_modules())]
-    rows, rates = [], {}
-    for path, module in systems:
-        state = new.survival_curve(module.diagram, np.array([hours]))
-        life = new.remaining_life(module.diagram)
-        works, failed, density = (float(values[0]) for values in state)
-        rates[path] = density / works if works > 0 else float("inf")
-        rows.append((path, rates[path], works, failed, life.mean))
-    rates |= {c.path: float(r) for c, r in zip(robot.all_components(), new.component_hazard_rates(), strict=True)}
-    quantity = {component.path: component.quantity for component in robot.all_components()}
-
-    def label(path: str) -> Label:
-        stem = path.partition("[")[0]
-        many = quantity.get(stem, 1) > 1 and stem == path
-        return Label(path.rpartition("/")[2], rate_text(rates[stem], unit), f"×{quantity[stem]}" if many else "")
-
+    found = promises(robot, hours, legacy=legacy)
     if svg:
-        write(svg, diagram_svg(robot.wiring, label, standalone=True))
+        write(svg, svg_diagram(robot, unit))
     if as_json:
-        keys = ("path", "hazard_rate", "reliability", "unreliability", "mean_time_to_failure")
-        print_json(
-            {
-                "robot": robot.name,
-                "hours": hours,
-                "modules": [dict(zip(keys, _finite(row), strict=True)) for row in rows],
-            }
-        )
+        print_json({"robot": robot.name, "hours": hours, "modules": [plain(asdict(one)) for one in found]})
         return
     out = console()
-    width = out.width if out.is_terminal else 100
-    out.print(robot.name, style="bold", markup=False)
-    for path, module in systems:
-        if path:
-            out.print(f"\n{path}", style="bold", markup=False)
-        out.print(diagram_text(module.wiring, label, width), markup=False, soft_wrap=True)
-    texts = [
-        ("  " * (path.count("/") + bool(path)) + (path.rpartition("/")[2] or robot.name), rate_text(rate, unit),
-         percent(works, failed), duration_text(mean))
-        for path, rate, works, failed, mean in rows
-    ]  # fmt: skip
-    out.print()
-    columns = (
-        "when new, nominal",
-        f"λ at {number_text(hours)} h",
-        f"R({number_text(hours)} h)",
-        "mean time to failure",
-    )
-    out.print(table("", columns, texts, figures=range(1, 4)))
+    draw(out, robot, unit)
+    out.print(promises_table(robot, found, hours, unit))
 
 
 @app.command()
@@ -334,12 +289,3 @@ def _progress(source: Any, what: str) -> Any:
     from robophm.cli.progress import progress
 
     return progress(progress_console(), source, what)
-
-
-def _finite(row: tuple[Any, ...]) -> list[Any]:
-    import math
-
-    return [None if isinstance(value, float) and not math.isfinite(value) else value for value in row]
-
-
-__all__ = ["app", "health_table"]

@@ -10,10 +10,9 @@ from rich.console import Group, RenderableType
 from rich.live import Live
 from rich.text import Text
 
-from robophm.cli.output import console, health_table, percent, print_report, write
+from robophm.cli.output import console, health_table, print_report, write
 from robophm.core.errors import RobophmError
 from robophm.design.file import load
-from robophm.health.report import HealthReport, Subject
 from robophm.monitor import Monitor, replay
 from robophm.report.curve import sparkline
 from robophm.report.health_page import health_page
@@ -100,19 +99,8 @@ class _LiveTable:
     def look(self, monitor: Monitor) -> RenderableType:
         report = monitor.report(settled=False)
         self.drawn = time.monotonic()
-        table = health_table(report, "1/h", self._top(report))
-        table.add_column("λ sensor, recent", no_wrap=True)
-        for i, one in enumerate(self._top(report)):
-            course = self.course.setdefault(one.path, deque(maxlen=24))
-            course.append(one.sensor_based.hazard_rate)
-            table.columns[-1]._cells.append(sparkline(list(course), 24))
-            table.rows[i].style = "bold" if i == 0 else ""
-        system = report.system.sensor_based
-        clock = (
-            f"{report.clocks['operating']:.1f} h of operation, R {percent(system.reliability, system.unreliability)}"
-        )
-        return Group(table, Text(clock))
-
-    @staticmethod
-    def _top(report: HealthReport) -> list[Subject]:
-        return [one for one in report.subjects if "/" not in one.path]
+        for one in report.subjects:
+            if "/" not in one.path:
+                self.course.setdefault(one.path, deque(maxlen=24)).append(one.sensor_based.hazard_rate)
+        table = health_table(report, "1/h", course={path: sparkline(list(c), 24) for path, c in self.course.items()})
+        return Group(table, Text(f"{report.clocks['operating']:.1f} h of operation"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -13,8 +14,8 @@ from rich.table import Table
 from rich.text import Text
 
 from robophm.core.errors import RobophmError
-from robophm.health.report import HealthReport, Subject
-from robophm.report.words import duration_text, number_text, probability_text, rate_text
+from robophm.health.report import HealthReport
+from robophm.report.words import duration_text, number_text, percent_text, probability_text, rate_text
 
 SCHEMA_VERSION = 1
 """Of what ``--json`` prints; each document says it."""
@@ -40,6 +41,13 @@ def print_json(document: Mapping[str, Any]) -> None:
     sys.stdout.write(text + "\n")
 
 
+def plain(value: Any) -> Any:
+    """Values that JSON can say: what is infinite or not a number becomes null."""
+    if isinstance(value, dict):
+        return {key: plain(inner) for key, inner in value.items()}
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
 def warn(text: str) -> None:
     """One line on stderr that does not stop anything."""
     print(f"warning: {text}", file=sys.stderr)
@@ -63,27 +71,28 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], *, 
     return result
 
 
-def health_table(report: HealthReport, unit: str, subjects: Iterable[Subject] | None = None) -> Table:
-    """The figures of a report, nominal and sensor-based side by side."""
+def health_table(report: HealthReport, unit: str, *, course: Mapping[str, str] | None = None) -> Table:
+    """The figures of a report, nominal and sensor-based side by side; of ``course``'s subjects alone, with it."""
+    columns = ["", "λ nominal", "λ sensor", "R nominal", "R sensor", "RUL median", "PoTC"]
     rows = []
-    for one in subjects or report.subjects:
+    for one in report.subjects:
+        if course is not None and one.path not in course:
+            continue
         name = one.path if one.kind == "robot" else "  " * (1 + one.path.count("/")) + one.path.rpartition("/")[2]
         life, task = one.sensor_based.remaining_life, one.sensor_based.completion
-        rows.append((
+        rows.append([
             name + (" *" if one.flags else ""),
-            rate_text(one.nominal.hazard_rate, unit), rate_text(one.sensor_based.hazard_rate, unit),
-            percent(one.nominal.reliability, one.nominal.unreliability),
-            percent(one.sensor_based.reliability, one.sensor_based.unreliability),
+            rate_text(one.nominal.hazard_rate, unit),
+            rate_text(one.sensor_based.hazard_rate, unit),
+            percent_text(one.nominal.reliability, one.nominal.unreliability),
+            percent_text(one.sensor_based.reliability, one.sensor_based.unreliability),
             duration_text(life.median) if life else "–",
-            percent(task.probability, task.failure) if task else "–",
-        ))  # fmt: skip
-    columns = ("", "λ nominal", "λ sensor", "R nominal", "R sensor", "RUL median", "PoTC")
-    return table(f"Health of {report.robot}", columns, rows, figures=range(1, len(columns)))
-
-
-def percent(probability: float, complement: float) -> str:
-    """A probability in percent with as many nines as it has."""
-    return probability_text(probability, complement).partition(" (")[0]
+            percent_text(task.probability, task.failure) if task else "–",
+            *([course[one.path]] if course is not None else []),
+        ])  # fmt: skip
+    title = f"Health of {report.robot}"
+    figures = range(1, len(columns))
+    return table(title, [*columns, *(["λ sensor, recent"] if course is not None else [])], rows, figures=figures)
 
 
 def print_report(report: HealthReport, unit: str) -> None:

@@ -262,7 +262,7 @@ class _Builder:
             if hazard and (hazard.channels or stress_input in hazard.model.inputs):
                 raise Fault(
                     at,
-                    f"double acceleration: {hazard.model.name} answers to '{stress_input}' itself; expected one of them",
+                    f"double acceleration: {hazard.model.name} answers to '{stress_input}' itself; expected one",
                 )
             if any(stress_input in earlier.design for earlier in stresses):
                 raise Fault(at, f"double acceleration: two factors of '{stress_input}'")

@@ -210,10 +210,22 @@ def _keys(place: tuple[str, ...]) -> list[str]:
     """The keys that a mapping at this place of a design may have."""
     from robophm.design import schema
 
-    inside: dict[str, type[BaseModel]] = {"modules": schema.Module, "components": schema.Component, "failure_modes": schema.FailureMode,
-              "signals": schema.SignalBinding, "clocks": schema.ClockBinding}  # fmt: skip
-    itself: dict[str, type[BaseModel]] = {"life": schema.Life, "hazard": schema.Hazard, "usage": schema.Usage, "task": schema.Task,
-              "thresholds": schema.Thresholds, "powered": schema.PowerBinding, "k_of_n": schema.KOutOfNGroup}  # fmt: skip
+    inside: dict[str, type[BaseModel]] = {
+        "modules": schema.Module,
+        "components": schema.Component,
+        "failure_modes": schema.FailureMode,
+        "signals": schema.SignalBinding,
+        "clocks": schema.ClockBinding,
+    }
+    itself: dict[str, type[BaseModel]] = {
+        "life": schema.Life,
+        "hazard": schema.Hazard,
+        "usage": schema.Usage,
+        "task": schema.Task,
+        "thresholds": schema.Thresholds,
+        "powered": schema.PowerBinding,
+        "k_of_n": schema.KOutOfNGroup,
+    }
     if not place:
         return list(schema.RobotFile.model_fields)
     model = inside[place[-2]] if len(place) > 1 and place[-2] in inside else itself.get(place[-1])

@@ -15,11 +15,12 @@ from robophm.health.prognosis import Figures
 from robophm.health.report import HealthReport, Subject
 from robophm.report.curve import Line, curve_svg
 from robophm.report.diagram_svg import diagram_svg
+from robophm.report.labels import part_labels
 from robophm.report.markup import Html
 from robophm.report.outline import Label
 from robophm.report.page import figure, page, section, side_by_side, table_html, tile, tiles
 from robophm.report.style import Tone
-from robophm.report.words import duration_text, number_text, probability_text, rate_text
+from robophm.report.words import duration_text, number_text, odds_text, percent_text, rate_text
 
 VIEWS = {"nominal": "nominal", "sensor_based": "sensor-based"}
 """The two views and what they are called."""
@@ -61,7 +62,12 @@ def _tiles(report: HealthReport) -> Html:
     tone: Tone = "error" if report.breaches else "stale" if system.flags else "ok"
     each = [
         tile("Hazard rate now", _each(both, lambda f: rate_text(f.hazard_rate)), "per hour of operation", tone),
-        tile("Reliability", _each(both, lambda f: probability_text(f.reliability, f.unreliability)), "since new", tone),
+        tile(
+            "Reliability",
+            _each(both, lambda f: percent_text(f.reliability, f.unreliability)),
+            _odds("survival since new", system.sensor_based.unreliability),
+            tone,
+        ),
     ]
     if system.nominal.remaining_life:
         lives = {name: duration_text(f.remaining_life.median) for name, f in both.items() if f.remaining_life}
@@ -70,31 +76,28 @@ def _tiles(report: HealthReport) -> Html:
         each.append(tile("Remaining life", lives, note, tone))
     if report.task and system.nominal.completion:
         texts = {
-            n: probability_text(f.completion.probability, f.completion.failure) for n, f in both.items() if f.completion
+            n: percent_text(f.completion.probability, f.completion.failure) for n, f in both.items() if f.completion
         }
-        what = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
+        task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
+        after = system.sensor_based.completion
+        what = _odds(task, after.failure if after else 0.0)
         each.append(tile("Next task completed", texts, what, tone))
     warnings = [Html("")] if not report.breaches else [section("Thresholds breached", *report.breaches)]
     return Html(tiles(*each) + warnings[0])
+
+
+def _odds(what: str, failure: float) -> str:
+    return ", ".join(filter(None, (what, odds_text(failure))))
 
 
 def _each(figures: Mapping[str, Figures], text: Callable[[Figures], str]) -> dict[str, str]:
     return {name: text(figures_) for name, figures_ in figures.items()}
 
 
-def _labels(robot: Robot, report: HealthReport) -> Any:
+def _labels(robot: Robot, report: HealthReport) -> Callable[[str], Label]:
     rates = {subject.path: subject.sensor_based.hazard_rate for subject in report.subjects}
     rates |= {component.path: component.sensor_based_hazard_rate for component in report.components}
-    quantity = {component.path: component.quantity for component in report.components}
-    flags = {subject.path: bool(subject.flags) for subject in report.subjects}
-
-    def label(path: str) -> Label:
-        stem = path.partition("[")[0]
-        badge = f"×{quantity[stem]}" if stem in quantity and quantity[stem] > 1 and stem == path else ""
-        tone: Tone = "stale" if flags.get(path) else "ok"
-        return Label(path.rpartition("/")[2], rate_text(rates[stem]) if stem in rates else "", badge, tone)
-
-    return label
+    return part_labels(robot, rates, stale=[subject.path for subject in report.subjects if subject.flags])
 
 
 def _history_curves(robot: str, history: list[Mapping[str, Any]]) -> Iterable[Html]:
@@ -156,10 +159,10 @@ def _subject_table(subjects: Iterable[Subject]) -> Html:
         life, task = one.sensor_based.remaining_life, one.sensor_based.completion
         rows.append((
             one.path, one.nominal.hazard_rate, one.sensor_based.hazard_rate,
-            probability_text(one.nominal.reliability, one.nominal.unreliability),
-            probability_text(one.sensor_based.reliability, one.sensor_based.unreliability),
+            percent_text(one.nominal.reliability, one.nominal.unreliability),
+            percent_text(one.sensor_based.reliability, one.sensor_based.unreliability),
             duration_text(life.median) if life else None,
-            probability_text(task.probability, task.failure) if task else None,
+            percent_text(task.probability, task.failure) if task else None,
             ", ".join(one.flags) or None,
         ))  # fmt: skip
     return table_html(columns, rows, "RUL and PoTC are sensor-based, given that the module works now", "lrrrrrrl")

@@ -33,8 +33,8 @@ def number_text(value: float, digits: int = 4) -> str:
     return f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}"
 
 
-def probability_text(p: float, failure: float | None = None) -> str:
-    """A probability in percent, and the odds of failing where those say more: "99.98 % (fails 1 in 4,700)".
+def percent_text(p: float, failure: float | None = None) -> str:
+    """A probability in percent with as many nines as it has: "99.98 %", "> 99.9999999999 %".
 
     ``failure`` is the complement 1 − p; give it where it is known better than by subtraction.
     """
@@ -43,13 +43,25 @@ def probability_text(p: float, failure: float | None = None) -> str:
         return "–"
     if q <= 0 or q > 0.1:
         return f"{number_text(100 * p)} %"
-    odds = float(f"{1 / q:.1e}")
-    fails = f"(fails 1 in {f'{odds:,.0f}' if odds < 1e12 else number_text(odds)})"
     if q < 1e-12:
-        return f"> 99.9999999999 % {fails}"
+        return "> 99.9999999999 %"
     # as many decimals as keep a failure that can happen from reading as 100 %
     percent = f"{100 - 100 * q:.{max(2, math.ceil(-2 - math.log10(q)))}f}"
-    return f"{percent.rstrip('0').rstrip('.')} % {fails}"
+    return f"{percent.rstrip('0').rstrip('.')} %"
+
+
+def odds_text(failure: float) -> str:
+    """The odds of failing: "fails 1 in 4,700"; "" where a percentage says more, above a tenth and at zero."""
+    if not 0 < failure <= 0.1:
+        return ""
+    odds = float(f"{1 / failure:.1e}")
+    return f"fails 1 in {f'{odds:,.0f}' if odds < 1e12 else number_text(odds)}"
+
+
+def probability_text(p: float, failure: float | None = None) -> str:
+    """A probability in percent, and the odds of failing: "99.98 % (fails 1 in 4,700)"; as ``percent_text``."""
+    odds = "" if math.isnan(p) else odds_text(1 - p if failure is None else failure)
+    return percent_text(p, failure) + (f" ({odds})" if odds else "")
 
 
 def rate_text(rate_per_hour: float, unit: str = "1/h") -> str:

@@ -1,0 +1,94 @@
+"""What a design promises when new, drawn and tabulated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from robophm.cli.output import table
+from robophm.design.legacy import legacy_rate, legacy_reliability
+from robophm.design.robot import Module, Robot
+from robophm.health.prognosis import Plant, as_designed
+from robophm.report.diagram_svg import diagram_svg
+from robophm.report.diagram_text import diagram_text
+from robophm.report.labels import part_labels
+from robophm.report.outline import Label
+from robophm.report.words import duration_text, number_text, percent_text, rate_text
+
+
+@dataclass(frozen=True)
+class Promise:
+    """Nominal figures of a new robot or module at a number of operating hours; infinite means read as never."""
+
+    path: str
+    """Empty for the robot."""
+    hazard_rate: float
+    """f/R then [1/h of operation]."""
+    reliability: float
+    unreliability: float
+    mean_time_to_failure: float
+    """[h of calendar time]"""
+    legacy_hazard_rate: float | None = None
+    """What the 2020 tool says [1/h]."""
+    legacy_reliability: float | None = None
+
+
+def promises(robot: Robot, hours: float, *, legacy: bool) -> list[Promise]:
+    """Of the robot, then of its modules, outer before inner. Raises StructureError for what legacy cannot say."""
+    new = as_designed(Plant(robot))
+    found = []
+    for path, module in levels(robot):
+        works, failed, density = (float(values[0]) for values in new.survival_curve(module.diagram, np.array([hours])))
+        old = (legacy_rate(module), legacy_reliability(module, hours)) if legacy else (None, None)
+        rate = density / works if works > 0 else float("inf")
+        found.append(Promise(path, rate, works, failed, new.remaining_life(module.diagram).mean, *old))
+    return found
+
+
+def levels(robot: Robot) -> list[tuple[str, Module]]:
+    """The robot under an empty path, then its modules by path."""
+    return [("", robot), *((module.path, module) for module in robot.all_modules())]
+
+
+def draw(out: Console, robot: Robot, unit: str) -> None:
+    """Every level's diagram as text."""
+    label = _labels(robot, unit)
+    out.print(robot.name, style="bold", markup=False)
+    for path, module in levels(robot):
+        if path:
+            out.print(f"\n{path}", style="bold", markup=False)
+        out.print(diagram_text(module.wiring, label, out.width), markup=False, soft_wrap=True)
+    out.print()
+
+
+def svg_diagram(robot: Robot, unit: str) -> str:
+    """The whole robot down to its components as one stand-alone SVG."""
+    return diagram_svg(robot.diagram, _labels(robot, unit), standalone=True)
+
+
+def promises_table(robot: Robot, found: Sequence[Promise], hours: float, unit: str) -> Table:
+    """For people."""
+    at = f"{number_text(hours)} h"
+    columns = ["when new, nominal", f"λ at {at}", f"R({at})", "mean time to failure"]
+    if found[0].legacy_hazard_rate is not None:
+        columns += ["λ, 2020 tool", f"R({at}), 2020 tool"]
+    rows = []
+    for one in found:
+        indent = "  " * (one.path.count("/") + bool(one.path))
+        row = [indent + (one.path.rpartition("/")[2] or robot.name), rate_text(one.hazard_rate, unit)]
+        row += [percent_text(one.reliability, one.unreliability), duration_text(one.mean_time_to_failure)]
+        if one.legacy_hazard_rate is not None and one.legacy_reliability is not None:
+            row += [rate_text(one.legacy_hazard_rate, unit), percent_text(one.legacy_reliability)]
+        rows.append(row)
+    return table("", columns, rows, figures=range(1, len(columns)))
+
+
+def _labels(robot: Robot, unit: str) -> Callable[[str], Label]:
+    new = as_designed(Plant(robot))
+    rates = {path: new.hazard_rate(module.diagram) for path, module in levels(robot)}
+    components = zip(robot.all_components(), new.component_hazard_rates(), strict=True)
+    return part_labels(robot, rates | {part.path: float(rate) for part, rate in components}, unit)
