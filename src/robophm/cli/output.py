@@ -100,10 +100,8 @@ def print_report(report: HealthReport, unit: str) -> None:
     out = console()
     out.print(health_table(report, unit))
     clocks = {"operating": "h of operation", "calendar": "h in all", "kilometres": "km"}
-    out.print(
-        "Observed: " + ", ".join(f"{number_text(v)} {clocks.get(n, n)}" for n, v in report.clocks.items()),
-        markup=False,
-    )
+    lived = ", ".join(f"{number_text(v)} {clocks.get(n, n)}" for n, v in report.clocks.items())
+    out.print(f"Observed: {lived if report.time is not None else 'nothing yet; sensor-based is nominal'}", markup=False)
     system = report.system.sensor_based
     if system.remaining_life:
         life = system.remaining_life

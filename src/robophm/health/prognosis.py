@@ -166,13 +166,15 @@ class Outlook:
 
     def _all_parts(self, of_components: Array) -> Array:
         """Of components whose parts are told apart in diagrams, all parts together."""
-        result: Array = of_components * [part.quantity / part.multiplicity for part in self.plant.components]
-        return result
+        shares = np.array([part.quantity / part.multiplicity for part in self.plant.components])
+        together: Array = of_components * shares
+        return together
 
     def _mode_hazard(self, system: System) -> Array:
         """Of each mode of a system, per operating hour."""
         m = system.modes
-        return system.lifewise("hazard", self.age[m]) * self.factor_now[m] * self.usage_now[m]
+        hazard: Array = system.lifewise("hazard", self.age[m]) * self.factor_now[m] * self.usage_now[m]
+        return hazard
 
     def _known(self, system: System) -> Array:
         """Cumulative hazard of each unit, less what is known not to have happened."""

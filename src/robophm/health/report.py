@@ -136,7 +136,7 @@ def health_report(
     robot = plant.robot
     task = task or robot.task
     views = outlooks(plant, exposure, ledger)
-    silent = set(exposure.silent(ledger))
+    silent = set(exposure.silent(ledger)) if ledger.integrated_to is not None else set()  # a mere look ahead
     systems: list[tuple[str, str, Block, frozenset[str]]] = [("robot", robot.name, robot.diagram, _signals(robot, ""))]
     systems += [("module", m.path, m.diagram, _signals(robot, m.path + "/")) for m in robot.all_modules()]
     systems += [("function", name, diagram, frozenset()) for name, diagram in robot.functions.items()]
