@@ -148,6 +148,8 @@ SAVE_EVERY = 2.0
 
 def _available(robot: Robot, source: SignalSource, *, skip_missing: bool) -> list[str]:
     """The bound signals that a source has. Raises SourceError as ``replay``."""
+    if not robot.signals:
+        raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
     topics = {info.topic: info for info in source.topics()}
     found = []
     for signal, unit in robot.signals.items():
@@ -168,7 +170,7 @@ def _available(robot: Robot, source: SignalSource, *, skip_missing: bool) -> lis
                 measures = f"{field} is in '{measured or 'no unit'}'; the design expects '{unit or 'no unit'}'"
                 raise SourceError(f"topic '{topic}' ({info.type}): {measures}") from None
         found.append(signal)
-    if not found and robot.signals:
+    if not found:
         hint = nearest(split_signal(next(iter(robot.signals)))[0], topics)
         raise SourceError(f"the recording has none of the design's topics{hint}")
     return found

@@ -37,7 +37,7 @@ from robophm.design.robot import (
 )
 from robophm.hazard.acceleration import acceleration_model
 from robophm.hazard.handbooks import handbook_model
-from robophm.hazard.model import Choice, Model
+from robophm.hazard.model import Model
 from robophm.life import life_distribution
 from robophm.life.distribution import LifeDistribution
 
@@ -258,7 +258,9 @@ class _Builder:
                     (*at, stress_input),
                     f"'{stress_input}' is what is measured; expected reference_{stress_input} here",
                 )
-            parameters[stress_input] = parameters.get(f"reference_{stress_input}", _default(model, stress_input))
+            reference = model.numbers[f"reference_{stress_input}"]
+            default = None if reference.default is None else f"{reference.default!r} {reference.unit}"
+            parameters[stress_input] = parameters.get(f"reference_{stress_input}", default)
             if hazard and (hazard.channels or stress_input in hazard.model.inputs):
                 raise Fault(
                     at,
@@ -503,8 +505,3 @@ def _plug(place: Path, find: Any, name: str) -> Any:
         return find(name)
     except PlugError as error:
         raise Fault(place, str(error)) from None
-
-
-def _default(model: Model, name: str) -> float | None:
-    entry = model.inputs[f"reference_{name}"]
-    return None if isinstance(entry, Choice) else entry.default

@@ -272,19 +272,30 @@ class Exposure:
         return age / hours if hours > 0 else np.full(age.shape, np.nan)
 
     def silent(self, ledger: Ledger) -> list[str]:
-        """The signals that are bound and have no valid value at the integrated-to time."""
+        """The signals that are bound and have no valid value at the integrated-to time; edges may be silent."""
         now = ledger.integrated_to
-        old = (
-            channel.signal
-            for key, channel in self.channels.items()
-            if now is None or key not in ledger.last or now >= ledger.last[key][0] + channel.max_age
-        )
-        return sorted(set(old))
+        bound = [(key, channel.signal, channel.max_age) for key, channel in self.channels.items()]
+        for clock in self.clocks:
+            if clock.measured and clock.measured.kind != "edge":
+                bound += [
+                    (_key(clock.measured, signal), signal, clock.measured.max_age) for signal in clock.measured.signals
+                ]
+        old = {
+            signal
+            for key, signal, age in bound
+            if now is None or key not in ledger.last or now >= ledger.last[key][0] + age
+        }
+        return sorted(old)
 
 
 def channel_key(channel: Channel) -> str:
     """What a channel's last value is kept under: a signal, and what of it is valid."""
     return f"{channel.signal} {channel.scale!r} {channel.offset!r} {channel.low!r} {channel.high!r}"
+
+
+def _key(clock: MeasuredClock, signal: str) -> str:
+    """What a clock signal's last value is kept under."""
+    return f"{clock.kind} {signal}"
 
 
 class _Series:
@@ -426,9 +437,9 @@ class _Clock:
         )
 
     def _path(self, block: _Block, measured: MeasuredClock) -> _Elapsed:
-        coordinates = [block.signal(signal, f"position {signal}") for signal in measured.signals]
+        coordinates = [block.signal(signal, _key(measured, signal)) for signal in measured.signals]
         for signal, (times, values) in zip(measured.signals, coordinates, strict=True):
-            block.carry(f"position {signal}", times, values)
+            block.carry(_key(measured, signal), times, values)
         when = np.unique(np.concatenate([times for times, _ in coordinates]))
         first = max((int(times[0]) if len(times) else block.length + 1 for times, _ in coordinates), default=0)
         when = when[when >= first]
@@ -440,7 +451,7 @@ class _Clock:
         return _Elapsed(when[1:], np.append(0.0, np.cumsum(kilometres)), steps=True)
 
     def _speed(self, block: _Block, measured: MeasuredClock) -> _Elapsed:
-        key = f"speed {measured.signals[0]}"
+        key = _key(measured, measured.signals[0])
         times, values = block.signal(measured.signals[0], key)
         block.carry(key, times, values)
         series = _Series(times, np.abs(values), measured.max_age)
@@ -455,7 +466,7 @@ class _Clock:
         return _Elapsed(edges, np.append(0.0, np.cumsum(rate * operating)))
 
     def _edges(self, block: _Block, measured: MeasuredClock) -> _Elapsed:
-        key = f"edge {measured.signals[0]}"
+        key = _key(measured, measured.signals[0])
         times, values = block.signal(measured.signals[0], key)
         block.carry(key, times, values)
         above = values > measured.threshold

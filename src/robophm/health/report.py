@@ -175,12 +175,18 @@ def health_report(
 
 
 def _signals(robot: Robot, prefix: str) -> frozenset[str]:
+    odometers = () if prefix else tuple(robot.clocks.values())
     return frozenset(
         channel.signal
         for mode in robot.modes
         if mode.path.startswith(prefix)
         for stress in mode.stresses
         for channel in stress.channels.values()
+    ) | frozenset(
+        signal
+        for clock in (*(mode.measured_clock for mode in robot.modes if mode.path.startswith(prefix)), *odometers)
+        if clock
+        for signal in clock.signals
     )
 
 
