@@ -128,7 +128,8 @@ class Model:
             else:
                 number = value if isinstance(value, float) and value is entry.default else quantity(value, entry.unit)
                 if not entry.low <= number <= entry.high:
-                    raise ModelError(f"{self.name}: {name} {number:g} {entry.unit} is outside {self.expected(name)}")
+                    given_as = f"{number:g} {entry.unit}".rstrip()
+                    raise ModelError(f"{self.name}: {name} {given_as} is outside {self.expected(name)}")
                 settled[name] = number
         # A combination that the handbook has no answer for is an error now, not a flag on the robot.
         for factor in self.explain(settled).leaves():
@@ -168,18 +169,23 @@ def hazard_model(
     *, source: Source, inputs: Mapping[str, Input], unit: str = "1/h"
 ) -> Callable[[Callable[..., Factor]], Model]:
     """Declare a function as a hazard model; its result is in ``unit``. The first docstring line is the formula."""
-    return lambda function: _declare(function, source, inputs, unit)
+    return lambda function: _declare(_plug_name(function), function, source, inputs, unit)
 
 
 def acceleration(*, source: Source, inputs: Mapping[str, Input]) -> Callable[[Callable[..., Factor]], Model]:
     """Declare a function as an acceleration: a factor of the hazard rate that is 1 at the reference stress."""
-    return lambda function: _declare(function, source, inputs, "")
+    return lambda function: _declare(function.__name__, function, source, inputs, "")
 
 
-def _declare(function: Callable[..., Factor], source: Source, inputs: Mapping[str, Input], unit: str) -> Model:
+def _plug_name(function: Callable[..., Factor]) -> str:
+    return function.__module__.removeprefix("robophm.hazard.handbooks.")
+
+
+def _declare(
+    name: str, function: Callable[..., Factor], source: Source, inputs: Mapping[str, Input], unit: str
+) -> Model:
     taken = inspect.signature(function).parameters
     if set(taken) != set(inputs):
         raise TypeError(f"{function.__module__}.{function.__qualname__}: declared {set(inputs)}, takes {set(taken)}")
     formula = (inspect.getdoc(function) or "").splitlines()[0]
-    name = function.__module__.removeprefix("robophm.hazard.").removeprefix("handbooks.")
     return Model(name, formula, source, unit, inputs, function)

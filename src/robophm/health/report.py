@@ -212,11 +212,15 @@ def _breaches(robot: Robot, figures: Figures) -> tuple[str, ...]:
 
 def _notes(ledger: Ledger) -> tuple[str, ...]:
     dropped = [f"{count} samples not taken: {reason}" for reason, count in sorted(ledger.counts.items())]
-    silent = [
-        f"{key.split(' ')[0]} had no valid value for {time / SECOND:.6g} s of operation"
-        for key, time in sorted(ledger.stale.items())
-    ]
-    return tuple(dict.fromkeys(dropped + silent))
+    silent: dict[int, list[str]] = {}
+    for key, nanoseconds in sorted(ledger.stale.items()):
+        signal = key.partition(" ")[0]
+        if signal not in silent.setdefault(nanoseconds, []):
+            silent[nanoseconds].append(signal)
+    return (
+        *dropped,
+        *(f"no valid value for {t / SECOND:.6g} s of operation: {', '.join(signals)}" for t, signals in silent.items()),
+    )
 
 
 def _finite(value: Any) -> Any:
