@@ -11,7 +11,6 @@ import typer
 from robophm.cli import BREACHED
 from robophm.cli.output import (
     console,
-    plain,
     print_json,
     print_report,
     progress_console,
@@ -72,6 +71,7 @@ def show(
     """Draw a design and state what it promises when new: hazard rate, reliability, mean time to failure."""
     from robophm.cli.show import draw, promises, promises_table, svg_diagram
     from robophm.design.file import load
+    from robophm.health.report import plain
 
     if not 0 <= hours < float("inf"):
         raise UnitError(f"--hours {hours:g}: expected a number of at least 0")

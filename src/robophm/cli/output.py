@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -39,13 +38,6 @@ def print_json(document: Mapping[str, Any]) -> None:
     """One JSON document on stdout, with its schema version first."""
     text = json.dumps({"schema_version": SCHEMA_VERSION, **document}, indent=2, ensure_ascii=False, allow_nan=False)
     sys.stdout.write(text + "\n")
-
-
-def plain(value: Any) -> Any:
-    """Values that JSON can say: what is infinite or not a number becomes null."""
-    if isinstance(value, dict):
-        return {key: plain(inner) for key, inner in value.items()}
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def warn(text: str) -> None:

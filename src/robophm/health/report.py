@@ -97,8 +97,8 @@ class HealthReport:
         return {
             "schema_version": SCHEMA_VERSION,
             **{name: getattr(self, name) for name in names},
-            "subjects": [_finite(asdict(subject)) for subject in self.subjects],
-            "components": [_finite(asdict(component)) for component in self.components],
+            "subjects": [plain(asdict(subject)) for subject in self.subjects],
+            "components": [plain(asdict(component)) for component in self.components],
             "task": asdict(self.task) if self.task else None,
             "breaches": list(self.breaches),
             "notes": list(self.notes),
@@ -223,8 +223,8 @@ def _notes(ledger: Ledger) -> tuple[str, ...]:
     )
 
 
-def _finite(value: Any) -> Any:
-    """JSON has no infinity: what never happens has no time."""
+def plain(value: Any) -> Any:
+    """Values that JSON can say: what is infinite or not a number becomes None."""
     if isinstance(value, dict):
-        return {key: _finite(inner) for key, inner in value.items()}
+        return {key: plain(inner) for key, inner in value.items()}
     return None if isinstance(value, float) and not math.isfinite(value) else value
