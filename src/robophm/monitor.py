@@ -13,6 +13,7 @@ import re
 import time
 from bisect import bisect_right
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from robophm.core.errors import SourceError, UnitError, nearest
@@ -139,7 +140,9 @@ def replay(
             monitor.observe(sample)
         if store:
             store.save(robot.name, monitor.ledger.to_json(), Progress(source.fingerprint, consumed, True), reports)
-    return monitor.report()
+    report = monitor.report()
+    decided = tuple(f"{what} ({count} times)" for what, count in sorted(source.notes.items()))
+    return replace(report, notes=report.notes + decided)
 
 
 SAVE_EVERY = 2.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -226,8 +226,6 @@ def replay(
             if store and kept.progress(robot.name, source.fingerprint).complete:
                 warn(f"this recording is already in {store}; it is not counted again")
             health = replay_recording(robot, source, store=kept, skip_missing=skip_missing, on_tick=tick)
-            notes = tuple(f"{what} ({count} times)" for what, count in sorted(source.notes.items()))
-            health = replace(health, notes=health.notes + notes)
             history = list(kept.history(robot.name))
     if report:
         write(report, health_page(robot, health, history))

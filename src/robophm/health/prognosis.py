@@ -35,6 +35,8 @@ class RemainingLife:
     """5 % of robots in this state have failed by then."""
     late: float
     """95 % have."""
+    threshold: float | None = None
+    """When the chance to still work falls to the design's ``thresholds.survival``."""
 
 
 @dataclass(frozen=True)
@@ -206,9 +208,10 @@ class Outlook:
             works = fails + survives
             return fails / works, survives / works
 
-        fails = np.array([0.05, 0.5, 0.95])
-        early, median, late = time_at(curve, fails, fails[::-1])
-        return RemainingLife(mean_time(curve), float(median), float(early), float(late))
+        wanted = self.plant.robot.thresholds.survival
+        survives = np.array([0.95, 0.5, 0.05, *([wanted] if wanted else [])])
+        early, median, late, *threshold = (float(time) for time in time_at(curve, 1 - survives, survives))
+        return RemainingLife(mean_time(curve), median, early, late, *threshold)
 
     def completion(self, diagram: Block, task: Task) -> Completion:
         """P(the system works to the end of the task | what is known now)."""
