@@ -323,6 +323,9 @@ class _Series:
         return np.concatenate((self.times, ends[gone]))
 
 
+_NOTHING: tuple[Times, Array] = np.empty(0, dtype=np.int64), np.empty(0)
+
+
 class _Block:
     """The samples of one stretch of time, in nanoseconds from its start."""
 
@@ -339,11 +342,15 @@ class _Block:
             values.append(value)
         self.raw = {s: (np.array(t, dtype=np.int64), np.array(v)) for s, (t, v) in own.items() if s != CLOCK}
         self.last: dict[str, tuple[int, tuple[float, ...]]] = {}
+        self.rejected: dict[str, npt.NDArray[np.bool_]] = {}
+        """Of each signal's samples, whether a channel did not take it."""
         self.operating = self._operating()
 
     def signal(self, name: str, key: str) -> tuple[Times, Array]:
         """Times and values of one signal, the value carried in first, each time once with its last value."""
-        times, values = self.raw.get(name, (np.empty(0, dtype=np.int64), np.empty(0)))
+        return self._held(key, *self.raw.get(name, _NOTHING))
+
+    def _held(self, key: str, times: Times, values: Array) -> tuple[Times, Array]:
         if key in self.ledger.last:
             time, (value,) = self.ledger.last[key]
             times, values = np.append(time - self.start, times), np.append(value, values)
@@ -356,13 +363,13 @@ class _Block:
             self.last[key] = (int(times[-1]) + self.start, (float(values[-1]),))
 
     def series(self, key: str, channel: Channel) -> _Series:
-        times, values = self.signal(channel.signal, key)
+        times, values = self.raw.get(channel.signal, _NOTHING)
         inside = channel.scale * values + channel.offset
         valid = (inside >= channel.low) & (inside <= channel.high)
-        if rejected := int(np.count_nonzero(~valid)):
-            self.ledger.counts[f"out of range: {channel.signal}"] += rejected
-        self.carry(key, times[valid], values[valid])
-        return _Series(times[valid], inside[valid], channel.max_age)
+        self.rejected[channel.signal] = self.rejected.get(channel.signal, False) | ~valid
+        times, values = self._held(key, times[valid], values[valid])
+        self.carry(key, times, values)
+        return _Series(times, channel.scale * values + channel.offset, channel.max_age)
 
     def edges(self, series: Iterable[_Series]) -> Times:
         """Both ends, and every change in between, ascending."""
@@ -398,6 +405,8 @@ class _Block:
     def close(self, ledger: Ledger) -> None:
         """Leave in the ledger what the next block starts from."""
         ledger.last |= self.last
+        rejected = {f"out of range: {signal}": int(outside.sum()) for signal, outside in self.rejected.items()}
+        ledger.counts.update({reason: count for reason, count in rejected.items() if count})
         ledger.heard = self.heard if self.heard is not None else ledger.heard
         ledger.integrated_to = self.start + self.length
 
@@ -522,7 +531,7 @@ class _Group:
         """ψ at the given times, None where nothing is measured; and where a model's range is left."""
         product: Array | None = None
         outside = np.zeros(len(at), dtype=bool)
-        for stress, inputs in self.stresses:
+        for stress, inputs in self.stresses if len(at) else ():  # no model is asked about no time at all
             value, beyond = stress.factor({one.name: one.observed(series[one.key], at) for one in inputs})
             product = value if product is None else product * value
             outside = outside | beyond
