@@ -15,13 +15,14 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Curve = Callable[[Array], tuple[Array, Array]]
 
+_DECADES = np.concatenate((np.arange(-250, -30, 10), np.arange(-30, 30), np.arange(30, 251, 10)))
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 
 def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike, *, tolerance: float = 4e-16) -> Array:
     """The times by which the failure probability reaches given ones; shape of ``fails``, in the curve's unit.
 
-    ``survives`` is 1 − ``fails`` with its own digits. Infinite where it is never reached within 1e30, 0 where it
+    ``survives`` is 1 − ``fails`` with its own digits. Infinite where it is never reached within 1e250, 0 where it
     is passed at once. ``tolerance`` is of ln time; where rough times do, a wide one is faster.
     """
     target_fails, target_survives = (np.atleast_1d(np.asarray(p, dtype=float)) for p in (fails, survives))
@@ -35,7 +36,7 @@ def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike, *, tole
         return clipped
 
     # One pass over decades brackets the logarithm of every time.
-    grid = np.log(10.0) * np.arange(-30, 31)
+    grid = np.log(10.0) * _DECADES
     every = np.arange(len(target_fails))
     table = np.array([excess(f, s, every) for f, s in zip(*curve(np.exp(grid)), strict=True)])
     first = np.argmax(table >= 0, axis=0)
