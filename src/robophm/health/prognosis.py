@@ -271,7 +271,7 @@ def outlooks(plant: Plant, exposure: Exposure, ledger: Ledger) -> Mapping[View, 
             lived,
             exposure.current_factor(ledger),
             np.where(np.isnan(recent), 1.0, recent),
-            np.where(np.isnan(usage), plant.usage, usage),
+            np.where(np.isnan(usage) | plant.calendar, plant.usage, usage),  # an hour of operation is an hour
         ),
     }
 
