@@ -6,9 +6,11 @@ holds, until it is stale; every interval is split exactly where something change
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -194,6 +196,10 @@ class Exposure:
         """Carry the ledger on to ``until`` [ns] with samples that are sorted and not later than it."""
         if ledger.integrated_to is None:
             ledger.integrated_to = ledger.started if ledger.started is not None else until
+        if ledger.integrated_to < until - RECENT:  # a long silence: only its end is recent
+            split = bisect_right(samples, until - RECENT, key=attrgetter("time"))
+            self.integrate(ledger, samples[:split], until - RECENT)
+            samples = samples[split:]
         block = _Block(ledger, samples, until, self.robot)
         n = len(self.modes)
         age, effective, hazard = np.zeros(n), np.zeros(n), np.zeros(n)
