@@ -25,7 +25,6 @@ from robophm.health.exposure import Exposure, Ledger, Total
 from robophm.health.prognosis import Outlook, Plant, outlooks
 from robophm.monitor import WINDOW, Monitor
 
-mp.dps = 40
 START = 1_700_000_000 * SECOND
 Figures = dict[str, tuple[mpf, mpf, mpf]]
 
