@@ -27,9 +27,8 @@ def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike) -> Arra
     target_fails, target_survives = (np.atleast_1d(np.asarray(p, dtype=float)) for p in (fails, survives))
     early = target_fails <= target_survives
 
-    def excess(x: Array, which: npt.NDArray[np.intp]) -> Array:
-        """How far beyond the target, on the logarithm of the smaller probability; rises with x = ln time."""
-        failed, survived = curve(np.exp(x))
+    def excess(failed: Array, survived: Array, which: npt.NDArray[np.intp]) -> Array:
+        """How far beyond the target, on the logarithm of the smaller probability; rises with time."""
         with np.errstate(divide="ignore"):
             below = np.log(failed) - np.log(target_fails[which])
             above = np.log(target_survives[which]) - np.log(survived)
@@ -39,14 +38,14 @@ def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike) -> Arra
     # One pass over decades finds the bracket of every target.
     grid = np.log(10.0) * np.arange(-30, 31)
     n = len(target_fails)
-    table = excess(np.tile(grid, n), np.repeat(np.arange(n), len(grid))).reshape(n, -1)
+    table = excess(*curve(np.exp(grid)), np.arange(n)[:, None])
     first = np.argmax(table >= 0, axis=1)
     result = np.where(table[:, 0] >= 0, 0.0, math.inf)
     todo = np.flatnonzero((table[:, 0] < 0) & (table[:, -1] >= 0))
     if len(todo):
         low, high = grid[first[todo] - 1], grid[first[todo]]
         ends = table[todo, first[todo] - 1], table[todo, first[todo]]
-        result[todo] = np.exp(_roots(lambda x: excess(x, todo), low, high, *ends))
+        result[todo] = np.exp(_roots(lambda x: excess(*curve(np.exp(x)), todo), low, high, *ends))
     return result.reshape(np.shape(fails))
 
 
