@@ -76,14 +76,17 @@ class Plant:
         self.usage = np.array([robot.usage.per_operating_hour(mode.clock) for mode in robot.modes])
         self.calendar = np.array([mode.clock == "calendar" for mode in robot.modes])
         self.lives = side_by_side([mode.life for mode in robot.modes])
-        self._structures: dict[Block, tuple[Structure, npt.NDArray[np.intp]]] = {}
+        # By id: a diagram's own hash would walk all of it at every look. Kept beside, so that the id stays its own.
+        self._structures: dict[int, tuple[Block, Structure, npt.NDArray[np.intp]]] = {}
 
     def structure(self, diagram: Block) -> tuple[Structure, npt.NDArray[np.intp]]:
         """A diagram prepared, and the component row of each of its units."""
-        if diagram not in self._structures:
+        known = self._structures.get(id(diagram))
+        if known is None or known[0] is not diagram:
             structure = Structure(diagram)
-            self._structures[diagram] = structure, np.array([self.row[unit] for unit in structure.names])
-        return self._structures[diagram]
+            known = diagram, structure, np.array([self.row[unit] for unit in structure.names])
+            self._structures[id(diagram)] = known
+        return known[1:]
 
     def of_components(self, of_modes: Array) -> Array:
         """Sums over the failure modes of each component (they are in series), times its multiplicity."""
