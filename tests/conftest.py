@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 
-
 NO_SHARED = "no shared/ folder beside the project"
 
 
