@@ -198,8 +198,11 @@ class Exposure:
             ledger.integrated_to = ledger.started if ledger.started is not None else until
         if ledger.integrated_to < until - RECENT:  # a long silence: only its end is recent
             split = bisect_right(samples, until - RECENT, key=attrgetter("time"))
-            self.integrate(ledger, samples[:split], until - RECENT)
+            self._integrate(ledger, samples[:split], until - RECENT)
             samples = samples[split:]
+        self._integrate(ledger, samples, until)
+
+    def _integrate(self, ledger: Ledger, samples: Sequence[Sample], until: int) -> None:
         block = _Block(ledger, samples, until, self.robot)
         n = len(self.modes)
         age, effective, hazard = np.zeros(n), np.zeros(n), np.zeros(n)
