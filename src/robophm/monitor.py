@@ -112,7 +112,8 @@ def replay(
             )  # fmt: skip
     signals = _available(robot, source, skip_missing=skip_missing)
     kept = store.ledger(robot.name) if store else None
-    ledger = Ledger.from_json(kept, tuple(mode.path for mode in robot.modes)) if kept else None
+    modes = tuple(mode.path for mode in robot.modes)
+    ledger = Ledger.from_json(kept, modes, tuple(robot.clocks)) if kept else None
     progress = store.progress(robot.name, source.fingerprint) if store else Progress(source.fingerprint, 0, False)
     consumed = progress.samples
     reported = ledger.integrated_to if ledger else None

@@ -184,7 +184,7 @@ def predict(
             )
         except Fault as fault:
             raise RobophmError(f"task: {fault}") from None
-    monitor = Monitor(robot, _kept(store, robot.name, tuple(m.path for m in robot.modes), Ledger) if store else None)
+    monitor = Monitor(robot, _kept(store, robot, Ledger) if store else None)
     report = monitor.report(task=task)
     if as_json:
         print_json(report.to_json())
@@ -270,17 +270,17 @@ def doctor(as_json: Json = False) -> None:
     run(as_json=as_json)
 
 
-def _kept(path: Path, robot: str, modes: tuple[str, ...], ledger: Any) -> Any:
+def _kept(path: Path, robot: Any, ledger: Any) -> Any:
     from robophm.core.errors import StoreError
     from robophm.stores.sqlite import SqliteStore
 
     if not path.exists():
         raise StoreError(f"{path}: no such store; `robophm replay --store` makes it")
     with SqliteStore(path) as store:
-        data = store.ledger(robot)
+        data = store.ledger(robot.name)
     if data is None:
-        raise StoreError(f"{path}: knows no robot '{robot}'")
-    return ledger.from_json(data, modes)
+        raise StoreError(f"{path}: knows no robot '{robot.name}'")
+    return ledger.from_json(data, tuple(mode.path for mode in robot.modes), tuple(robot.clocks))
 
 
 def _progress(source: Any, what: str) -> Any:

@@ -81,6 +81,8 @@ class Ledger:
     """∫ψ·h₀(a)da, for the modes whose stress scales the hazard; zero for the others."""
     clocks: Total
     """Since the start: operating hours, calendar hours, and the robot's own measured clocks in design order."""
+    odometers: tuple[str, ...] = ()
+    """Names of the robot's own measured clocks."""
     started: int | None = None
     integrated_to: int | None = None
     newest: int | None = None
@@ -108,11 +110,12 @@ class Ledger:
             Total.zeros(n),
             Total.zeros(n),
             Total.zeros(2 + len(robot.clocks)),
+            tuple(robot.clocks),
         )
 
     def copy(self) -> Ledger:
         """An independent copy, to look ahead without consequence."""
-        return Ledger.from_json(self.to_json(), self.modes)
+        return Ledger.from_json(self.to_json(), self.modes, self.odometers)
 
     def to_json(self) -> dict[str, Any]:
         """As plain values; floats come back bit for bit."""
@@ -120,6 +123,7 @@ class Ledger:
         return {
             "version": 1,
             "modes": list(self.modes),
+            "odometers": list(self.odometers),
             "totals": {name: [total.high.tolist(), total.low.tolist()] for name, total in totals.items()},
             **{name: getattr(self, name) for name in ("started", "integrated_to", "newest", "heard")},
             "last": {key: [time, list(values)] for key, (time, values) in self.last.items()},
@@ -129,8 +133,11 @@ class Ledger:
         }
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any], modes: tuple[str, ...]) -> Ledger:
-        """A ledger read back. Raises StoreError where it was kept for other failure modes or another version."""
+    def from_json(cls, data: Mapping[str, Any], modes: tuple[str, ...], odometers: tuple[str, ...]) -> Ledger:
+        """A ledger read back; an odometer that it has not begins at zero.
+
+        Raises StoreError where it was kept for other failure modes or another version.
+        """
         if data.get("version") != 1:
             raise StoreError(f"ledger version {data.get('version')}; expected 1")
         kept = tuple(data["modes"])
@@ -146,12 +153,18 @@ class Ledger:
         }
         for name in ("age", "effective", "hazard"):
             totals[name] = Total(totals[name].high[order], totals[name].low[order])
+        clocks, counted = Total.zeros(2 + len(odometers)), totals["clocks"]
+        names = ["operating", "calendar", *data["odometers"]]
+        for i, name in enumerate(("operating", "calendar", *odometers)):
+            if name in names:
+                clocks.high[i], clocks.low[i] = counted.high[names.index(name)], counted.low[names.index(name)]
         return cls(
             modes,
             totals["age"],
             totals["effective"],
             totals["hazard"],
-            totals["clocks"],
+            clocks,
+            odometers,
             started=data["started"],
             integrated_to=data["integrated_to"],
             newest=data["newest"],
