@@ -72,10 +72,11 @@ def test_three_formats_are_one_drive(ota: Robot, recorded: dict[str, Path]) -> N
 
 def test_a_recording_is_counted_once_in_whatever_pieces(ota: Robot, recorded: dict[str, Path]) -> None:
     store = MemoryStore()
-    first = replay(ota, recorded[".mcap"], store=store, report_every=60)
+    first = replay(ota, recorded[".mcap"], store=store, period=20, report_every=60)
     kept, history = store.ledger(ota.name), list(store.history(ota.name))
-    assert len(history) == 3  # at every whole minute, the last still being open
-    again = replay(ota, recorded[".mcap"], store=store, report_every=60)
+    start = SyntheticOta(duration=SECOND).times[0]
+    assert [(one["time"] - start) / SECOND for one in history] == [20, 60, 120, 180]  # the first, and every minute
+    again = replay(ota, recorded[".mcap"], store=store, period=20, report_every=60)
     assert (again.to_json(), store.ledger(ota.name), list(store.history(ota.name))) == (first.to_json(), kept, history)
 
 

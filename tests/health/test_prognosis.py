@@ -299,6 +299,21 @@ def test_the_last_ten_minutes_drive_the_future_and_the_present_the_hazard_now() 
     assert report.system.flags == ()
 
 
+@pytest.mark.parametrize("scaling", ["age", "hazard"])
+def test_stress_ahead_ages_or_weighs_as_it_did(scaling: str) -> None:
+    """A Weibull part of shape 2 at twice its rate: (u + 2m)² − u² or 2·((a + m)² − a²)."""
+    wear = {"distribution": "weibull", "scale": "10 h", "shape": 2}
+    part = {"life": wear, "scaling": scaling, "acceleration": Q10, "initial_exposure": "3 h"}
+    report = looked_at(watched({"part": part}, [(3600, 35.0)], 3600, task={"duration": "2 h"}))
+    lived, ahead = (5**2, 9**2 - 5**2) if scaling == "age" else (3**2 + 2 * (4**2 - 3**2), 2 * (6**2 - 4**2))
+    figures = report.system.sensor_based
+    assert figures.reliability == exact(mp.exp(-mpf(lived) / 100))
+    assert task(figures).probability == exact(mp.exp(-mpf(ahead) / 100))
+    assert report.reliability(hours=2) == exact(mp.exp(-mpf(lived + ahead) / 100))
+    assert figures.hazard_rate == exact(mpf(2 * 2 * (5 if scaling == "age" else 4)) / 100)
+    assert report.system.nominal.hazard_rate == exact(mpf(2 * 4) / 100)
+
+
 def test_without_a_past_the_future_is_nominal() -> None:
     design = robot(PART, signals=HOT)
     views = outlooks(Plant(design), Exposure(design), Ledger.new(design))
