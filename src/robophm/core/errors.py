@@ -14,11 +14,23 @@ The text of every error is one line: what is wrong, where, what was expected, th
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
+
+LONGEST_TEXT = 1000
+"""Characters of an error's text; of a longer one the middle is left out."""
+
+_UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029]+")
 
 
 class RobophmError(Exception):
     """Root of all errors raised on purpose; its text is fit to be shown to a user as it is."""
+
+    def __str__(self) -> str:
+        """One line, whatever line breaks, terminal codes or megabytes the names in it have."""
+        text = _UNPRINTABLE.sub(" ", super().__str__())
+        half = LONGEST_TEXT // 2
+        return text if len(text) <= LONGEST_TEXT else f"{text[:half]} … {text[-half:]}"
 
 
 class DesignError(RobophmError):

@@ -9,8 +9,15 @@ from pathlib import Path
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
-    """Replace a file's content in one step; text as UTF-8. Raises OSError, the file then being as it was."""
-    handle, made = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    """Replace a file's content in one step; text as UTF-8. Raises OSError, the file then being as it was.
+
+    A link goes on pointing where it did; a device or pipe, which cannot be replaced, is written to.
+    """
+    path = Path(os.path.realpath(path))
+    if path.exists() and not path.is_file():
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        return
+    handle, made = tempfile.mkstemp(dir=path.parent, prefix=".robophm.")
     temporary = Path(made)
     try:
         with os.fdopen(handle, "wb") as stream:

@@ -16,6 +16,7 @@ HOUR = 3600 * SECOND
 CLOCK = "clock"
 """The signal by which a live source says that time went on although the robot said nothing."""
 
+_TOPIC = re.compile(r"[^.\s\x00-\x1f]+\Z")
 _FIELD = re.compile(r"[A-Za-z_]\w*(\[\d+\])?(\.[A-Za-z_]\w*(\[\d+\])?)*\Z", re.ASCII)
 
 
@@ -33,8 +34,10 @@ class Sample(NamedTuple):
 def signal_name(topic: str, field: str) -> str:
     """The name of a signal, ``/topic.field[2]``.
 
-    Raises SourceError where the field is not a path of names with optional indices.
+    Raises SourceError where the field is not a path of names with optional indices, or the topic has a dot or blank.
     """
+    if not _TOPIC.match(topic):
+        raise SourceError(f"'{topic}' is not a topic; expected e.g. '/power/temperature', without dots and blanks")
     if not _FIELD.match(field):
         raise SourceError(
             f"field '{field}' of topic '{topic}' is not a field path; expected e.g. 'pose.x' or 'effort[2]'"

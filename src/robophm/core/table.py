@@ -57,6 +57,9 @@ class Table(Mapping[str, float]):
     def __getitem__(self, key: str) -> float:
         return self.cell(key, self.columns[0])
 
+    def __contains__(self, key: object) -> bool:
+        return key in self.rows
+
     def cell(self, key: str, column: str) -> float:
         """One number. Raises ModelError for a row that the table does not have."""
         if key not in self.rows:

@@ -6,6 +6,7 @@ a text with a unit is read.
 
 from __future__ import annotations
 
+import math
 import re
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)\Z", re.ASCII | re.DOTALL)
 # What may follow the number. pint's own grammar would compute 9**9**9; this one cannot be made to work hard.
 _FACTOR = re.compile(r"\s*([*·/]?)\s*(?:(10\^-?\d{1,2}|1(?!\d))|([^\W\d]+|[%°Ω]\w?)(?:(?:\^|\*\*)(-?\d))?)")
+_DIFFERENCES = {"delta_degC": "K", "delta_degF": "delta_degF"}
+"""What a user writes for a difference of temperatures, whose 0 is no melting ice."""
 _SPAN = 2.0**20  # wide, so that the 273.15 of a temperature costs the scale no digits
 _NAMES = ("h", "s", "min", "day", "FIT", "FPMH", "degC", "degF", "K", "V", "A", "W", "ohm", "uF", "m", "km",
           "m/s", "km/h", "cycle", "start", "percent", "eV", "Pa", "N", "rpm")  # fmt: skip
@@ -55,7 +58,8 @@ def conversion(written: str, inside: str) -> Conversion:
         low = _registry().Quantity(0.0, source).to(target).magnitude
         high = _registry().Quantity(_SPAN, source).to(target).magnitude
     except pint.PintError:
-        raise UnitError(f"unit '{written or 'none'}' does not measure what '{inside or 'none'}' does") from None
+        hint = f"; a difference of temperatures is in '{_DIFFERENCES[inside]}'" if inside in _DIFFERENCES else ""
+        raise UnitError(f"unit '{written or 'none'}' does not measure what '{inside or 'none'}' does{hint}") from None
     return Conversion(float(high - low) / _SPAN * 10.0 ** (power - inside_power), float(low))
 
 
@@ -88,21 +92,31 @@ def quantity(text: object, inside: str) -> float:
     """A written quantity ('12 FIT', '0.3 FPMH', '5.8e-6 /h', '0.3 /10^6 h', '25 degC') in the unit used inside.
 
     A bare number is taken only where the inside unit is none. Raises UnitError otherwise, and for text that is
-    not a number with a unit.
+    not a finite number with a unit.
     """
     if isinstance(text, bool) or not isinstance(text, int | float | str):
         raise UnitError(f"{text!r:.60} is not a quantity; expected a number with the unit of '{inside or 'none'}'")
     if isinstance(text, int | float):
-        if inside:
-            raise UnitError(f"{text} has no unit; expected e.g. '{text} {inside}'")
-        return float(text)
-    match = _NUMBER.match(text)
-    if not match:
-        raise UnitError(f"'{text[:60]}' is not a number with a unit; expected e.g. '1.5 {inside}'".rstrip(" '") + "'")
-    value, unit = float(match[1]), match[2].strip()
+        value, unit = _finite(text), ""
+    else:
+        match = _NUMBER.match(text)
+        if not match:
+            example = f"1.5 {inside}".rstrip()
+            raise UnitError(f"'{text[:60]}' is not a number with a unit; expected e.g. '{example}'")
+        value, unit = _finite(match[1]), match[2].strip()
     if not unit and inside:
-        raise UnitError(f"'{text[:60]}' has no unit; expected e.g. '{text.strip()} {inside}'")
+        raise UnitError(f"'{text!s:.60}' has no unit; expected e.g. '{text!s:.60} {_DIFFERENCES.get(inside, inside)}'")
     scale, offset = conversion(unit, inside)
     whole = round(1 / scale)  # 12 FIT is 12 / 10⁹, which rounds once; 12 · 1e-9 rounds twice
     exact = scale < 1 and abs(whole * scale - 1) < 1e-15
-    return (value / whole if exact else value * scale) + offset
+    return _finite((value / whole if exact else value * scale) + offset)
+
+
+def _finite(number: float | str) -> float:
+    try:
+        value = float(number)
+    except OverflowError:  # an integer of hundreds of digits
+        value = math.inf
+    if not math.isfinite(value):
+        raise UnitError(f"{number if isinstance(number, str) else value:.60} is not a finite number")
+    return value

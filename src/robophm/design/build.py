@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
@@ -110,7 +111,7 @@ class _Builder:
             functions=functions,
             usage=self._usage(),
             clocks=clocks,
-            powered=signal_name(design.powered.topic, design.powered.field) if design.powered else None,
+            powered=self._powered(),
             max_gap=round(design.max_gap * SECOND),
             task=self._task(),
             thresholds=Thresholds(**design.thresholds.model_dump()),
@@ -195,13 +196,11 @@ class _Builder:
         rate: float | None = None
         if mode.rate is not None:
             rate = _written((*place, "rate"), mode.rate, f"1/{clock_unit}")
-            if not rate > 0:
-                raise Fault(
-                    (*place, "rate"),
-                    f"hazard rate {mode.rate}; expected above zero: a part that never fails is no part",
-                )
         elif hazard:
             rate = hazard.reference
+        if rate is not None and not rate > 0:
+            at, said = ("hazard", f"{rate:g}") if hazard else ("rate", mode.rate)
+            raise Fault((*place, at), f"hazard rate {said}; expected above zero: a part that never fails is no part")
         life, rate = self._life((*place, "life"), mode.life, rate, clock_unit, place)
         stresses = self._accelerations(place, mode, part, hazard, scope)
         if hazard and hazard.channels:
@@ -258,9 +257,8 @@ class _Builder:
                     (*at, stress_input),
                     f"'{stress_input}' is what is measured; expected reference_{stress_input} here",
                 )
-            reference = model.numbers[f"reference_{stress_input}"]
-            default = None if reference.default is None else f"{reference.default!r} {reference.unit}"
-            parameters[stress_input] = parameters.get(f"reference_{stress_input}", default)
+            reference = f"reference_{stress_input}"
+            parameters[stress_input] = parameters.get(reference, _default(model, reference))
             if hazard and (hazard.channels or stress_input in hazard.model.inputs):
                 raise Fault(
                     at,
@@ -268,10 +266,8 @@ class _Builder:
                 )
             if any(stress_input in earlier.design for earlier in stresses):
                 raise Fault(at, f"double acceleration: two factors of '{stress_input}'")
-            stress = self._stress(at, model, parameters, part, scope)
-            if stress.channels:
-                stresses.append(stress)
-        return tuple(stresses)
+            stresses.append(self._stress(at, model, parameters, part, scope))
+        return tuple(stress for stress in stresses if stress.channels)
 
     def _stress(
         self, place: Path, model: Model, inputs: Mapping[str, object], part: schema.Component, scope: _Scope
@@ -279,7 +275,7 @@ class _Builder:
         try:
             design = model.settle(inputs)
         except (ModelError, UnitError) as error:
-            named = next((name for name in inputs if name in str(error)), None)
+            named = next((name for name in inputs if re.search(rf"\b{re.escape(name)}\b", str(error))), None)
             raise Fault((*place, named) if named else place, str(error)) from None
         channels = {}
         for name, entry in model.numbers.items():
@@ -354,9 +350,21 @@ class _Builder:
                     )
                 whole = distribution(**parameters)
                 return whole, 1 / whole.mean()
+            if distribution.scale_parameter in parameters:
+                raise Fault(
+                    (*place, str(distribution.scale_parameter)),
+                    f"a rate and the life's own {distribution.scale_parameter} are given; expected one of the two",
+                )
             return distribution.with_rate(rate, **parameters), rate
         except (ModelError, TypeError) as error:
             raise Fault(place, str(error)) from None
+
+    def _powered(self) -> str | None:
+        powered = self.design.powered
+        try:
+            return signal_name(powered.topic, powered.field) if powered else None
+        except RobophmError as error:
+            raise Fault(("powered",), str(error)) from None
 
     def _usage(self) -> Usage:
         usage = self.design.usage
@@ -385,7 +393,10 @@ def plain_task(distance: float | None, speed: float | None, duration: float | No
     if duration is None:
         if distance is None or not speed:
             raise Fault(("task",), "expected a distance with a speed above zero, or a duration")
-        return Task(distance, distance / speed / 3600)
+        duration = distance / speed / 3600
+        if not math.isfinite(duration):
+            raise Fault(("task",), f"{distance:g} m at {speed:g} m/s is not a finite duration")
+        return Task(distance, duration)
     if speed is not None and distance is not None:
         raise Fault(("task",), "distance, speed and duration are given; expected two of them")
     return Task(distance if distance is not None else (speed or 0.0) * duration * 3600, duration)
@@ -456,8 +467,8 @@ class _Expansion:
                 return blocks.Unit(path)
             return blocks.KOutOfN(component.required, *component.units)
         if path in self.under_way:
-            circle = " → ".join([*self.under_way[self.under_way.index(path) :], path])
-            raise Fault(place, f"cycle: {circle or 'the robot'} contains itself")
+            circle = [*self.under_way[self.under_way.index(path) :], path]
+            raise Fault(place, f"cycle: {' → '.join(step or 'the robot' for step in circle)} contains itself")
         if path not in self.expanded:
             self.under_way.append(path)
             self.expanded[path] = self._expand(self._wiring(path), (*self.builder.places[path], "diagram"))
@@ -505,3 +516,9 @@ def _plug(place: Path, find: Any, name: str) -> Any:
         return find(name)
     except PlugError as error:
         raise Fault(place, str(error)) from None
+
+
+def _default(model: Model, name: str) -> str | None:
+    """The default of a number as a user would write it."""
+    entry = model.numbers[name]
+    return None if entry.default is None else f"{entry.default!r} {entry.unit}"

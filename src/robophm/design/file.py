@@ -43,14 +43,15 @@ def parse(text: str, name: str = "design") -> Robot:
         raise DesignError(
             f"{name}: holds no design; expected a mapping that starts with 'schema_version: {SCHEMA_VERSION}'"
         )
-    if data.get("schema_version") != SCHEMA_VERSION:
-        found = data.get("schema_version", "none")
+    found = data.get("schema_version")
+    if type(found) is not int or found != SCHEMA_VERSION:
         line = lines.get(("schema_version",), 1)
-        raise DesignError(f"{name}:{line}: schema_version {found}; expected {SCHEMA_VERSION}")
+        raise DesignError(f"{name}:{line}: schema_version: {found!r:.60}; expected {SCHEMA_VERSION}")
     try:
         return build(RobotFile.model_validate(data))
     except ValidationError as error:
         details = error.errors(include_url=False)
+        details.sort(key=lambda detail: detail["type"] != "extra_forbidden")  # a misspelt key explains a missing one
         place, message = _first_fault(details[0], lines)
         more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
         raise DesignError(_located(name, lines, place, message) + more) from None
@@ -95,6 +96,7 @@ def _yaml() -> Any:
     yaml = YAML(typ="rt")
     yaml.preserve_quotes = True
     yaml.width = 110
+    yaml.indent(mapping=2, sequence=4, offset=2)
     return yaml
 
 
@@ -104,11 +106,11 @@ def _read(path: Path) -> str:
             beside = [other.name for other in path.parent.iterdir()] if path.parent.is_dir() else []
             hint = nearest(path.name, [name for name in beside if name.endswith((".yaml", ".yml"))])
             raise DesignError(f"{path}: no such file{hint}")
-        if path.stat().st_size > MAX_BYTES:
-            raise DesignError(
-                f"{path}: {path.stat().st_size / 1e6:.0f} MB; a design is at most {MAX_BYTES / 1e6:.0f} MB"
-            )
-        return path.read_text(encoding="utf-8-sig")
+        with path.open("rb") as stream:
+            content = stream.read(MAX_BYTES + 1)  # a device never ends, whatever size it says
+        if len(content) > MAX_BYTES:
+            raise DesignError(f"{path}: is more than {MAX_BYTES / 1e6:.0f} MB; a design is at most that")
+        return content.decode("utf-8-sig")
     except OSError as error:
         raise DesignError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
@@ -148,19 +150,23 @@ class _Reader:
             raise DesignError(f"{self.name}:{line}: unfolds to more than {MAX_VALUES:,} values")
         if len(place) > MAX_DEPTH:
             raise DesignError(f"{self.name}:{line}: is nested too deeply; expected at most {MAX_DEPTH} levels")
+        kind = str(node.tag).removeprefix("tag:yaml.org,2002:")
+        if kind != {"mapping": "map", "sequence": "seq"}.get(node.id, kind):
+            raise DesignError(f"{self.name}:{line}: {_text(place)}tag '{node.tag}' is not taken; expected plain values")
         if node.id == "mapping":
             result: dict[str, Any] = {}
             for key_node, value_node in node.value:
-                key = str(key_node.value) if key_node.id == "scalar" else "?"
+                at = f"{self.name}:{key_node.start_mark.line + 1}"
+                if key_node.id != "scalar":
+                    raise DesignError(f"{at}: {_text(place)}a key is a list or mapping; expected a name")
+                key = str(key_node.value)
                 if key in result:
-                    at = f"{self.name}:{key_node.start_mark.line + 1}"
                     raise DesignError(f"{at}: {_text(place)}duplicate name '{key}'; names of one level must differ")
                 result[key] = self.value(value_node, (*place, key))
                 self.lines[(*place, key)] = key_node.start_mark.line + 1
             return result
         if node.id == "sequence":
             return [self.value(item, (*place, str(i))) for i, item in enumerate(node.value)]
-        kind = str(node.tag).rpartition(":")[2]
         try:
             if kind == "null":
                 return None
@@ -194,12 +200,16 @@ def _first_fault(detail: ErrorDetails, lines: Lines) -> tuple[tuple[str, ...], s
         if (*place, str(step)) in lines or (last and detail["type"] in ("missing", "extra_forbidden")):
             place = (*place, str(step))
     if detail["type"] == "extra_forbidden":
-        key = place[-1]
-        return place, f"unknown key '{key}'{nearest(key, _keys(place[:-1]))}"
+        key, known = place[-1], _keys(place[:-1])
+        if key in known:  # of a block, which is of one kind
+            return place, f"'{key}' stands beside another kind of block; expected one of {', '.join(known)}"
+        return place, f"unknown key '{key}'{nearest(key, known)}"
     if detail["type"] == "missing":
         return place[:-1], f"needs '{place[-1]}'"
     if detail["type"] == "string_pattern_mismatch":
         return place, f"{detail['input']!r:.60} is not a name; expected text without / [ ] and line breaks"
+    if detail["type"] in ("model_type", "dict_type", "model_attributes_type"):
+        return place, f"expected keys with values, not {detail['input']!r:.60}"
     message = detail["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
     given = detail["input"]
     says_it = isinstance(given, dict | list) or detail["type"] == "value_error"

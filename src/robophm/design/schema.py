@@ -5,6 +5,7 @@ This is the only place that loads pydantic; the rest of robophm sees the resolve
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -24,11 +25,14 @@ from robophm.core.units import quantity
 SCHEMA_VERSION = 1
 """Of the design file; a file that says another number is refused."""
 
+LONGEST = 1e9
+"""Seconds, some thirty years: what a time in a design may be, so that its nanoseconds can be counted."""
+
 Clock = Literal["operating", "calendar", "kilometres", "cycles", "starts"]
 """What a failure mode ages on."""
 
 
-def _quantity(unit: str, description: str, example: str, low: float = float("-inf")) -> Any:
+def _quantity(unit: str, description: str, example: str, low: float = float("-inf"), high: float = float("inf")) -> Any:
     """A field that takes a written quantity and holds the number in ``unit``."""
 
     def read(value: object) -> float:
@@ -38,6 +42,8 @@ def _quantity(unit: str, description: str, example: str, low: float = float("-in
             raise ValueError(str(error)) from None
         if not number >= low:
             raise ValueError(f"{value} is too small; expected at least {low:g} {unit}".rstrip())
+        if not number <= high:
+            raise ValueError(f"{value} is too large; expected at most {high:g} {unit}".rstrip())
         return number
 
     kind = {"type": ["string", "number"] if not unit else "string"}
@@ -48,17 +54,28 @@ def _quantity(unit: str, description: str, example: str, low: float = float("-in
     ]
 
 
-Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^/\[\]\x00-\x1f]+$")]
+Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^/\[\]\x00-\x1f\x7f-\x9f\u2028\u2029]+$")]
 """Of a module, component, mode or function: any text without / [ ] and control characters."""
 
+
+def _written(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise ValueError("expected a quantity with its unit, e.g. '12 FIT', or a word where the input is a choice")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError(f"{value} is not a finite number")
+    return value
+
+
 Written = Annotated[
-    str | float, WithJsonSchema({"type": ["string", "number"], "description": "a quantity with its unit"})
+    str | int | float,
+    BeforeValidator(_written),
+    WithJsonSchema({"type": ["string", "number"], "description": "a quantity with its unit"}),
 ]
 """A quantity whose unit depends on its neighbours; it is converted when the robot is put together."""
 
 
 class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True, allow_inf_nan=False)
 
 
 class SignalBinding(_Strict):
@@ -69,8 +86,14 @@ class SignalBinding(_Strict):
     unit: str | None = Field(None, description="unit of the field; default: the unit that the model input has")
     range: tuple[float, float] | None = Field(None, description="what is outside, in that unit, is no sample")
     offset: Written | None = Field(None, description="added to the value, e.g. 15 K for a part hotter than its module")
-    max_age: _quantity("s", "how long the last value holds", "5 s", 0.0) = 5.0  # type: ignore[valid-type]
+    max_age: _quantity("s", "how long the last value holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
     stale: Literal["nominal", "hold", "worst"] = Field("nominal", description="what applies when there is no value")
+
+    @model_validator(mode="after")
+    def _range_ascends(self) -> SignalBinding:
+        if self.range and not self.range[0] < self.range[1]:
+            raise ValueError(f"range {list(self.range)} does not ascend; expected the lower end first")
+        return self
 
 
 class ClockBinding(_Strict):
@@ -82,7 +105,7 @@ class ClockBinding(_Strict):
     edge: str | None = Field(None, description="field whose rise through the threshold counts one")
     unit: str | None = Field(None, description="unit of the field; default m or m/s")
     threshold: float = Field(0.5, description="of an edge, in the field's unit")
-    max_age: _quantity("s", "how long the last speed holds", "5 s", 0.0) = 5.0  # type: ignore[valid-type]
+    max_age: _quantity("s", "how long the last speed holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
 
     @model_validator(mode="after")
     def _one_kind(self) -> ClockBinding:
@@ -139,8 +162,8 @@ class Component(FailureMode):
     """A part, with its only failure mode written inline or several under failure_modes."""
 
     description: str | None = None
-    quantity: int = Field(1, ge=1, le=100_000, description="that many separate parts")
-    required: int | None = Field(None, ge=1, description="how many of them must work; default all")
+    quantity: int = Field(1, strict=True, ge=1, le=100_000, description="that many separate parts")
+    required: int | None = Field(None, strict=True, ge=1, description="how many of them must work; default all")
     environment: str | None = None
     monitored: bool = Field(False, description="known to work until reported failed")
     signals: dict[str, SignalBinding] = Field(default_factory=dict)
@@ -164,7 +187,7 @@ class Parallel(_Strict):
 class KOutOfNGroup(_Strict):
     """k and the blocks it is chosen of."""
 
-    k: int = Field(ge=1)
+    k: int = Field(strict=True, ge=1)
     of: list[Diagram] = Field(min_length=1)
 
 
@@ -245,7 +268,7 @@ class RobotFile(_Group):
     name: Name
     usage: Usage = Field(default_factory=Usage)
     powered: PowerBinding | None = None
-    max_gap: _quantity("s", "after so long a silence the robot is off", "60 s", 0.0) = 60.0  # type: ignore[valid-type]
+    max_gap: _quantity("s", "after so long a silence the robot is off", "60 s", 0.0, LONGEST) = 60.0  # type: ignore[valid-type]
     task: Task | None = None
     functions: dict[Name, Diagram] = Field(default_factory=dict, description="what the robot can do, each a diagram")
     thresholds: Thresholds = Field(default_factory=Thresholds)

@@ -33,9 +33,12 @@ _REFERENCE = Range(-100.0, 500.0, "degC", "temperature at which the stated rate 
     },
 )
 def arrhenius(temperature: Array, reference_temperature: Array, activation_energy: Array) -> Factor:
-    """AF = exp(Ea/k · (1/T₀ − 1/T)), T in kelvin."""
+    """AF = exp(Ea/k · (1/T₀ − 1/T)), T in kelvin.
+
+    What a broken sensor says below 1 K counts as 1 K: beyond the pole at 0 K the formula would be infinite.
+    """
     cold = 1 / (np.asarray(reference_temperature) - ABSOLUTE_ZERO)
-    hot = 1 / (np.asarray(temperature) - ABSOLUTE_ZERO)
+    hot = 1 / np.maximum(np.asarray(temperature) - ABSOLUTE_ZERO, 1.0)
     return Factor("AF", np.exp(activation_energy / BOLTZMANN * (cold - hot)), "Arrhenius")
 
 

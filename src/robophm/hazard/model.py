@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from robophm.core.errors import ModelError, nearest
+from robophm.core.errors import ModelError, UnitError, nearest
 from robophm.core.table import Source, Table
 from robophm.core.units import quantity
 
@@ -109,7 +109,8 @@ class Model:
     def settle(self, given: Mapping[str, object]) -> dict[str, str | float]:
         """The inputs as a user wrote them ('60 degC', 'CDR'), converted, checked, with defaults filled in.
 
-        Raises ModelError for an unknown or missing input, a word that is not a choice, a number out of range.
+        Raises ModelError for an unknown or missing input, a word that is not a choice, a number out of range, and
+        UnitError for a number without its unit.
         """
         for name in given:
             if name not in self.inputs:
@@ -121,15 +122,18 @@ class Model:
                 if isinstance(entry, Choice) or entry.required:
                     raise ModelError(f"{self.name} needs the input '{name}' ({self.expected(name)})")
             elif isinstance(entry, Choice):
-                if value not in entry.options:
+                if str(value) not in entry.options:
                     hint = nearest(str(value), entry.options)
                     raise ModelError(f"{self.name}: {name} '{value}' is not one of its choices{hint}")
                 settled[name] = str(value)
             else:
-                number = value if isinstance(value, float) and value is entry.default else quantity(value, entry.unit)
+                try:
+                    number = quantity(value, entry.unit) if name in given else float(entry.default or 0.0)
+                except UnitError as error:
+                    raise UnitError(f"{self.name}: {name}: {error}") from None
                 if not entry.low <= number <= entry.high:
-                    given_as = f"{number:g} {entry.unit}".rstrip()
-                    raise ModelError(f"{self.name}: {name} {given_as} is outside {self.expected(name)}")
+                    written = f"{number:g} {entry.unit}".rstrip()
+                    raise ModelError(f"{self.name}: {name} {written} is outside {self.expected(name)}")
                 settled[name] = number
         # A combination that the handbook has no answer for is an error now, not a flag on the robot.
         for factor in self.explain(settled).leaves():
@@ -162,30 +166,34 @@ class Model:
             if name in inputs:
                 value = np.asarray(inputs[name])
                 outside = outside | (value < entry.low) | (value > entry.high)
-        return Evaluation(result, np.broadcast_to(outside, result.shape))
+        shape = np.broadcast_shapes(result.shape, outside.shape)  # an input that this choice of others does not use
+        return Evaluation(np.broadcast_to(result, shape), np.broadcast_to(outside, shape))
 
 
 def hazard_model(
     *, source: Source, inputs: Mapping[str, Input], unit: str = "1/h"
 ) -> Callable[[Callable[..., Factor]], Model]:
     """Declare a function as a hazard model; its result is in ``unit``. The first docstring line is the formula."""
-    return lambda function: _declare(_plug_name(function), function, source, inputs, unit)
+    return lambda function: _declare(function, _module_name(function), source, inputs, unit)
 
 
 def acceleration(*, source: Source, inputs: Mapping[str, Input]) -> Callable[[Callable[..., Factor]], Model]:
     """Declare a function as an acceleration: a factor of the hazard rate that is 1 at the reference stress."""
-    return lambda function: _declare(function.__name__, function, source, inputs, "")
+    return lambda function: _declare(function, function.__name__, source, inputs, "")
 
 
-def _plug_name(function: Callable[..., Factor]) -> str:
-    return function.__module__.removeprefix("robophm.hazard.handbooks.")
+def _module_name(function: Callable[..., Factor]) -> str:
+    return function.__module__.removeprefix("robophm.hazard.").removeprefix("handbooks.")
 
 
 def _declare(
-    name: str, function: Callable[..., Factor], source: Source, inputs: Mapping[str, Input], unit: str
+    function: Callable[..., Factor], name: str, source: Source, inputs: Mapping[str, Input], unit: str
 ) -> Model:
     taken = inspect.signature(function).parameters
     if set(taken) != set(inputs):
         raise TypeError(f"{function.__module__}.{function.__qualname__}: declared {set(inputs)}, takes {set(taken)}")
-    formula = (inspect.getdoc(function) or "").splitlines()[0]
+    documentation = inspect.getdoc(function)
+    if not documentation:
+        raise TypeError(f"{function.__module__}.{function.__qualname__}: no docstring, whose first line is the formula")
+    formula = documentation.splitlines()[0]
     return Model(name, formula, source, unit, inputs, function)

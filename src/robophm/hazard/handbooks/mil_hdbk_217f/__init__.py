@@ -31,6 +31,10 @@ ENVIRONMENT_SOURCE = Source(TITLE, "3", "3-3 (Table 3-2)", "two sources agree")
 
 
 def handbook_arrhenius(temperature: Array, activation_energy: float) -> Array:
-    """The handbook's own Arrhenius factor, 1 at 25 °C: T + 273, 298 K, k = 8.617e-5 eV/K as printed."""
-    result: Array = np.exp(-activation_energy / 8.617e-5 * (1 / (np.asarray(temperature) + 273) - 1 / 298))
+    """The handbook's own Arrhenius factor, 1 at 25 °C: T + 273, 298 K, k = 8.617e-5 eV/K as printed.
+
+    What a broken sensor says below 1 K counts as 1 K: beyond the pole at 0 K the formula would be infinite.
+    """
+    kelvin = np.maximum(np.asarray(temperature) + 273, 1.0)
+    result: Array = np.exp(-activation_energy / 8.617e-5 * (1 / kelvin - 1 / 298))
     return result

@@ -116,7 +116,8 @@ def hazard_rate(
 ) -> Factor:
     """λp = λb · πT · πC · πV · πSR · πQ · πE"""
     column = {name: int(STYLE.cell(style, f"{name} column")) for name in ("πT", "πC", "πV")}
-    stress = (np.asarray(dc_voltage) + np.sqrt(2) * np.asarray(ac_voltage)) / np.asarray(rated_voltage)
+    # magnitudes: a reversed voltage that is measured is flagged, and must not make the rate negative
+    stress = (np.abs(dc_voltage) + np.sqrt(2) * np.abs(ac_voltage)) / np.asarray(rated_voltage)
     reference, exponent = VOLTAGE_STRESS[column["πV"]]
     if STYLE.cell(style, "πSR applies"):
         if series_resistance is None:

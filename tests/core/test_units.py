@@ -1,0 +1,136 @@
+"""Units at the edges: what people write is converted, what they cannot mean is refused in one line, at once."""
+
+import time
+
+import pytest
+
+from robophm.core.errors import UnitError
+from robophm.core.units import conversion, quantity
+
+
+@pytest.mark.parametrize(
+    ("written", "inside", "expected"),
+    [
+        ("12 FIT", "1/h", 12e-9),
+        ("12FIT", "1/h", 12e-9),
+        ("0.3 FPMH", "1/h", 0.3e-6),
+        ("5.8e-6 /h", "1/h", 5.8e-6),
+        ("5.8e-6 1/h", "1/h", 5.8e-6),
+        ("5.8e-6 per h", "1/h", 5.8e-6),
+        ("0.3 /10^6 h", "1/h", 3e-7),
+        ("0.3 per 10^6 h", "1/h", 3e-7),
+        ("876.6 /year", "1/h", 0.1),
+        ("2e-5 /km", "1/km", 2e-5),
+        ("1 /m", "1/km", 1000.0),
+        ("1e-7 /cycle", "1/cycle", 1e-7),
+        ("20 min", "h", 1 / 3),
+        ("1 day", "h", 24.0),
+        ("1.5 kh", "h", 1500.0),
+        ("77 degF", "degC", 25.0),
+        ("300 K", "degC", 26.85),
+        ("-40 °C", "degC", -40.0),
+        ("15 K", "delta_degC", 15.0),
+        ("9 delta_degF", "delta_degC", 5.0),
+        ("3.6 km/h", "m/s", 1.0),
+        ("1.2 km/h", "km/h", 1.2),
+        ("250 m", "m", 250.0),
+        ("40 cycle/h", "cycle/h", 40.0),
+        ("40 cycles/h", "cycle/h", 40.0),
+        ("0.1 start/h", "start/h", 0.1),
+        ("0.1 µF", "uF", 0.1),
+        ("100 nF", "uF", 0.1),
+        ("2 kΩ/V", "ohm/V", 2000.0),
+        ("50 %", "", 0.5),
+        ("2", "", 2.0),
+        (2, "", 2.0),
+    ],
+)
+def test_conversion(written, inside, expected):
+    assert quantity(written, inside) == pytest.approx(expected, rel=1e-14, abs=1e-12)
+
+
+@pytest.mark.parametrize("number", [3, 7, 12, 433, 804])
+def test_powers_of_ten_round_once(number):
+    assert quantity(f"{number} FIT", "1/h") == float(f"{number}e-9")
+    assert quantity(f"{number} FPMH", "1/h") == float(f"{number}e-6")
+
+
+def test_a_signal_is_converted_by_scale_and_offset():
+    scale, offset = conversion("degF", "degC")
+    assert (scale, offset) == pytest.approx((5 / 9, -160 / 9), rel=1e-12)
+    assert conversion("K", "degC") == pytest.approx((1.0, -273.15), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("written", "inside", "says"),
+    [
+        ("3 h", "1/h", "does not measure what '1/h' does"),
+        ("3 /km", "1/h", "does not measure"),
+        ("3 cycle", "start", "does not measure"),
+        ("3 cycle", "", "does not measure"),
+        ("3 h", "", "does not measure what 'none' does"),
+        ("15 degC", "delta_degC", "a difference of temperatures is in 'K'"),
+        ("15", "delta_degC", "expected e.g. '15 K'"),
+        ("12", "1/h", "has no unit; expected e.g. '12 1/h'"),
+        (12, "1/h", "has no unit; expected e.g. '12 1/h'"),
+        ("3 FITT", "1/h", "unknown unit 'FITT'; did you mean 'FIT'"),
+        ("3 degcc", "degC", "did you mean 'degC'"),
+        ("", "h", "is not a number"),
+        ("h", "h", "is not a number"),
+        ("1,5 h", "h", "is not a unit"),
+        ("1_000 h", "h", "unknown unit"),
+        ("0x10 h", "h", "unknown unit"),
+        (True, "", "is not a quantity"),
+        (None, "h", "is not a quantity"),
+        ([1], "h", "is not a quantity"),
+        (b"1 h", "h", "is not a quantity"),
+    ],
+)
+def test_wrong_units(written, inside, says):
+    with pytest.raises(UnitError, match=says):
+        quantity(written, inside)
+
+
+HOSTILE = {
+    "power tower": "9**9**9",
+    "unit tower": "1 h**9**9",
+    "digits": "9" * 1_000_000,
+    "digits and a unit": "9" * 1_000_000 + " h",
+    "letters": "1 " + "h" * 1_000_000,
+    "units": "1 " + "h " * 500_000,
+    "blanks": " " * 1_000_000,
+    "huge integer": 10**5000,
+    "huge exponent": "1e400 h",
+    "overflow by its unit": "1e308 year",
+    "nan": "nan h",
+    "infinity": "inf h",
+    "float nan": float("nan"),
+    "float infinity": float("inf"),
+    "arabic digits": "٣ h",
+    "full width digits": "３ h",
+    "superscript": "3 h²",
+    "import": "__import__('os').system('exit')",
+    "import as unit": "1 __import__('os')",
+    "attribute": "1 _build_cache",
+    "lines": "1 h\nh\n\x1b[31m",
+    "format": "1 {0.__class__}",
+}
+
+
+@pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE.keys())
+@pytest.mark.parametrize("inside", ["h", "1/h", ""])
+def test_hostile_texts_fail_at_once_in_one_line(text, inside):
+    quantity("1 h", "h")  # the registry is loaded
+    begun = time.perf_counter()
+    with pytest.raises(UnitError) as error:
+        quantity(text, inside)
+    assert time.perf_counter() - begun < 1
+    assert "\n" not in str(error.value)
+    assert len(str(error.value)) < 300
+    assert "Traceback" not in str(error.value)
+
+
+def test_hostile_units_of_signals():
+    for unit in ("h" * 100_000, "9**9**9", "__import__('os')", "m\n/s", "K; K"):
+        with pytest.raises(UnitError):
+            conversion(unit, "degC")

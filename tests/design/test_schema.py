@@ -1,0 +1,167 @@
+"""The JSON Schema that an editor completes a design by: shipped as it is computed, and true of the examples."""
+
+import json
+import re
+from importlib.resources import files
+
+import pytest
+from ruamel.yaml import YAML
+
+from robophm.design.file import parse
+from robophm.design.schema import SCHEMA_VERSION, RobotFile, json_schema
+
+SCHEMA = json_schema()
+
+
+def test_the_shipped_schema_is_the_computed_one():
+    shipped = files("robophm.design").joinpath("robot.schema.json").read_text(encoding="utf-8")
+    assert shipped == json.dumps(SCHEMA, indent=2, ensure_ascii=False) + "\n"
+
+
+def test_it_is_a_schema():
+    assert SCHEMA["$schema"] == "https://json-schema.org/draft/2020-12/schema"
+    assert SCHEMA["properties"]["schema_version"]["const"] == SCHEMA_VERSION
+    assert SCHEMA["additionalProperties"] is False
+    assert set(SCHEMA["required"]) == {"schema_version", "name"}
+    assert set(SCHEMA["properties"]) == set(RobotFile.model_fields)
+    for reference in re.findall(r'"#/\$defs/(\w+)"', json.dumps(SCHEMA)):
+        assert reference in SCHEMA["$defs"]
+
+
+def valid(value, schema):
+    """Enough of JSON Schema for what ours uses; an unknown keyword fails."""
+    known = {"$schema", "$defs", "title", "description", "default", "examples", "discriminator"}
+    for word, says in sorted(schema.items(), key=lambda item: item[0] != "type"):
+        match word:
+            case "$ref":
+                good = valid(value, SCHEMA["$defs"][says.rpartition("/")[2]])
+            case "type":
+                good = any(is_a(value, kind) for kind in (says if isinstance(says, list) else [says]))
+            case "anyOf":
+                good = any(valid(value, one) for one in says)
+            case "oneOf":
+                good = sum(valid(value, one) for one in says) == 1
+            case "const":
+                good = value == says
+            case "enum":
+                good = value in says
+            case "properties":
+                good = all(valid(value[key], inner) for key, inner in says.items() if key in value)
+            case "required":
+                good = set(says) <= set(value)
+            case "additionalProperties":
+                others = set(value) - set(schema.get("properties", {}))
+                good = all(valid(value[key], says) for key in others) if isinstance(says, dict) else says or not others
+            case "propertyNames":
+                good = all(valid(key, says) for key in value)
+            case "patternProperties":
+                good = all(
+                    valid(v, s) for pattern, s in says.items() for k, v in value.items() if re.search(pattern, k)
+                )
+            case "items":
+                good = all(valid(item, says) for item in value)
+            case "prefixItems":
+                good = all(valid(item, inner) for item, inner in zip(value, says, strict=False))
+            case "minItems" | "minLength":
+                good = len(value) >= says
+            case "maxItems" | "maxLength":
+                good = len(value) <= says
+            case "minimum":
+                good = value >= says
+            case "maximum":
+                good = value <= says
+            case "exclusiveMinimum":
+                good = value > says
+            case "exclusiveMaximum":
+                good = value < says
+            case "pattern":
+                good = re.search(says, value) is not None
+            case _:
+                assert word in known, word
+                good = True
+        if not good:
+            return False
+    return True
+
+
+def is_a(value, kind):
+    python = {"string": str, "object": dict, "array": list, "boolean": bool, "null": type(None)}
+    if kind in ("number", "integer"):
+        return isinstance(value, int if kind == "integer" else (int, float)) and not isinstance(value, bool)
+    return isinstance(value, python[kind])
+
+
+def test_the_examples_are_valid(examples):
+    found = list(examples.rglob("*.yaml"))
+    assert found
+    for example in found:
+        assert valid(YAML(typ="safe").load(example), SCHEMA), example
+
+
+BROKEN = [
+    "tresholds: {}",
+    "components: {A: {rat: 1 FIT}}",
+    "components: {A: {quantity: 0}}",
+    "diagram: {serie: [A]}",
+    "diagram: {series: []}",
+    "signals: {temperature: {topic: /a}}",
+    "usage: {operating: 2}",
+    "max_gap: [1 s]",
+    "acceleration: some",
+]
+
+
+@pytest.mark.parametrize("text", BROKEN)
+def test_what_the_reader_refuses_the_schema_refuses(text):
+    design = YAML(typ="safe").load(f"{{schema_version: 1, name: R, {text}}}")
+    assert not valid(design, SCHEMA)
+
+
+EVERYTHING = """
+schema_version: 1
+name: R
+description: of everything
+environment: GM
+powered: {topic: /on, field: data}
+max_gap: 2 min
+usage: {operating: 0.5, kilometres: 1 km/h, cycles: 3 cycle/h, starts: 0.1 start/h}
+task: {distance: 250 m, speed: 0.3 m/s}
+thresholds: {hazard_rate: 1000 FPMH, reliability: 0.9, remaining_life: 500 h, completion: 0.99, survival: 0.9}
+signals:
+  temperature: {topic: /t, field: temperature, unit: degC, range: [-20, 80], offset: 5 K, max_age: 5 s, stale: worst}
+clocks:
+  kilometres: {topic: /odom, position: [x, y]}
+  cycles: {topic: /arm, edge: busy, threshold: 0.5}
+acceleration: [{model: arrhenius, activation_energy: 0.7 eV}]
+modules:
+  M:
+    components:
+      Motor:
+        quantity: 4
+        required: 3
+        monitored: true
+        offsets: {temperature: 10 K}
+        failure_modes:
+          wear: {rate: 1e-5 /km, clock: kilometres, life: {distribution: weibull, shape: 2}, source: maker}
+          burn: {rate: 12 FIT, scaling: hazard, acceleration: none, initial_exposure: 100 h}
+    diagram: Motor
+components:
+  C:
+    hazard: {model: general.constant, inputs: {rate: 3 FIT}}
+    life: {distribution: lognormal, log_deviation: 0.5}
+diagram:
+  series:
+    - parallel: [M, C]
+    - k_of_n: {k: 1, of: ["M/Motor[1]", "/M/Motor[2]"]}
+functions:
+  drive: M
+"""
+
+
+def test_a_design_that_uses_every_key_is_valid_for_both():
+    design = YAML(typ="safe").load(EVERYTHING)
+    assert valid(design, SCHEMA)
+    parse(EVERYTHING)
+    used = set(re.findall(r"(\w+):", EVERYTHING))
+    for name, model in {"": SCHEMA, **SCHEMA["$defs"]}.items():
+        assert set(model.get("properties", {})) - used <= {"duration"}, name

@@ -1,0 +1,196 @@
+"""What every hazard model promises, whatever its file. A new model adds its plausible inputs here."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from robophm.core.errors import ModelError, PlugError, UnitError
+from robophm.core.units import quantity
+from robophm.hazard.handbooks import handbook_model, handbook_models
+from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS
+from robophm.hazard.model import Choice, Range
+
+PLAUSIBLE = {
+    "general.constant": {"rate": "12 FIT"},
+    "mil_hdbk_217f.capacitor": {
+        "style": "CSR",
+        "capacitance": "0.1 uF",
+        "temperature": "40 degC",
+        "dc_voltage": "5 V",
+        "rated_voltage": "16 V",
+        "series_resistance": "1 ohm/V",
+        "environment": "GM",
+    },
+}
+NAMES = handbook_models()
+every = pytest.mark.parametrize("name", NAMES)
+
+
+def numbers():
+    return [(name, key) for name in NAMES for key in handbook_model(name).numbers]
+
+
+def choices():
+    return [
+        (name, key, option)
+        for name in NAMES
+        for key, entry in handbook_model(name).inputs.items()
+        if isinstance(entry, Choice)
+        for option in entry.options
+    ]
+
+
+def plausible(name, **others):
+    model = handbook_model(name)
+    return model, model.settle({**PLAUSIBLE[name], **others})
+
+
+def span(entry, at):
+    """Values over an input's whole range."""
+    low = entry.low if entry.low > 0 or entry.low < 0 else min(at / 1e3, entry.high / 1e6)
+    return np.geomspace(low, entry.high, 200) if low > 0 else np.linspace(low, entry.high, 200)
+
+
+def test_every_model_is_tested():
+    assert set(NAMES) == set(PLAUSIBLE)
+    with pytest.raises(PlugError, match=r"no hazard model 'mil_hdbk_217f\.capacitr'; did you mean"):
+        handbook_model("mil_hdbk_217f.capacitr")
+
+
+@every
+def test_the_declaration_is_complete(name):
+    model = handbook_model(name)
+    assert model.name == name
+    assert model.formula
+    assert all((model.source.title, model.source.section, model.source.page, model.source.status))
+    for key, entry in model.inputs.items():
+        assert entry.description
+        assert model.expected(key)
+        if isinstance(entry, Range):
+            assert quantity("1" + f" {entry.unit}".rstrip(), entry.unit) == 1
+            assert entry.low < entry.high
+            assert entry.monotone in (-1, 0, 1)
+            assert entry.default is None or entry.low <= entry.default <= entry.high
+        else:
+            assert len(entry.options) > 1
+            assert entry.default is None or entry.default in entry.options
+
+
+@every
+def test_the_rate_at_plausible_inputs_is_one_of_a_part(name):
+    model, inputs = plausible(name)
+    value, extrapolated = model.evaluate(inputs)
+    assert 1e-13 < value < 1e-3
+    assert not extrapolated
+
+
+@every
+def test_the_factors_are_the_formula(name):
+    model, inputs = plausible(name)
+    explained = model.explain(inputs)
+    leaves = list(explained.leaves())
+    assert all(factor.symbol and factor.note for factor in leaves)
+    assert np.asarray(explained.value) == model.evaluate(inputs).value
+    if explained.symbol == "·":
+        assert math.prod(float(np.asarray(factor.value)) for factor in leaves) == pytest.approx(
+            float(np.asarray(explained.value)), rel=1e-14
+        )
+
+
+@pytest.mark.parametrize(("name", "key", "option"), choices())
+def test_every_choice_has_an_answer(name, key, option):
+    model, inputs = plausible(name, **{key: option})
+    value = model.evaluate(inputs).value
+    assert 0 < value < math.inf
+
+
+@every
+def test_the_environments_are_those_of_the_handbook(name):
+    entry = handbook_model(name).inputs.get("environment")
+    if entry:
+        assert set(entry.options) <= set(ENVIRONMENTS)
+        assert {"GB", "GF", "GM"} <= set(entry.options)
+
+
+@pytest.mark.parametrize(("name", "key"), numbers())
+def test_arrays_are_scalars_side_by_side(name, key):
+    model, inputs = plausible(name)
+    values = span(model.numbers[key], inputs[key])[::20]
+    value, extrapolated = model.evaluate({**inputs, key: values})
+    alone = [model.evaluate({**inputs, key: one}) for one in values]
+    assert value.shape == extrapolated.shape == values.shape
+    assert value.tolist() == pytest.approx([float(one.value) for one in alone], rel=1e-14)
+    assert extrapolated.tolist() == [bool(one.extrapolated) for one in alone]
+
+
+@every
+def test_arrays_broadcast(name):
+    model, inputs = plausible(name)
+    for a, b in itertools.combinations(model.numbers, 2):
+        grid = {**inputs, a: np.full((3, 1), inputs[a]), b: np.full(4, inputs[b])}
+        value, extrapolated = model.evaluate(grid)
+        assert value.shape == extrapolated.shape == (3, 4)
+        assert value == pytest.approx(float(model.evaluate(inputs).value), rel=1e-14)
+
+
+@pytest.mark.parametrize(("name", "key"), numbers())
+def test_monotone_where_declared(name, key):
+    model, inputs = plausible(name)
+    entry = model.numbers[key]
+    value = model.evaluate({**inputs, key: span(entry, inputs[key])}).value
+    assert np.all(np.isfinite(value))
+    assert np.all(value >= 0)
+    if entry.monotone:
+        assert np.all(np.diff(value) * entry.monotone >= 0)
+        assert value[0] != value[-1]
+
+
+@pytest.mark.parametrize(("name", "key"), numbers())
+def test_out_of_range_is_an_error_in_a_design_and_a_flag_live(name, key):
+    model, inputs = plausible(name)
+    entry = model.numbers[key]
+    unit = f" {entry.unit}".rstrip()
+    for beyond in (entry.low - abs(entry.low) * 1e-9 - 1e-9, entry.high * (1 + 1e-9) + 1e-9):
+        with pytest.raises(ModelError, match=rf"^{name}: {key} .* is outside "):
+            model.settle({**PLAUSIBLE[name], key: f"{beyond!r}{unit}"})
+        value, extrapolated = model.evaluate({**inputs, key: np.array([inputs[key], beyond])})
+        assert extrapolated.tolist() == [False, True]
+        assert value.shape == (2,)
+
+
+@every
+def test_inputs_that_are_not_taken(name):
+    model = handbook_model(name)
+    given = PLAUSIBLE[name]
+    first = next(iter(model.inputs))
+    with pytest.raises(ModelError, match=f"has no input '{first}x'; (did you mean|known)"):
+        model.settle({**given, f"{first}x": "1"})
+    for key, entry in model.inputs.items():
+        if entry.default is None and getattr(entry, "required", True):
+            with pytest.raises(ModelError, match=rf"^{name} needs the input '{key}' \("):
+                model.settle({other: value for other, value in given.items() if other != key})
+        if isinstance(entry, Choice):
+            wrong = next(iter(entry.options)) + "q"
+            for word in (wrong, 5, 5.0, ["x"], "x\ny"):
+                with pytest.raises(ModelError, match=f"^{name}: {key} '.*' is not one of its choices"):
+                    model.settle({**given, key: word})
+        else:
+            for word in ("5 parsec^7", "x", "nan", "1e400 K", float("nan"), True, [1], "9**9**9"):
+                with pytest.raises(UnitError, match=f"^{name}: {key}: "):
+                    model.settle({**given, key: word})
+            if entry.unit:
+                with pytest.raises(UnitError, match=f"{key}: '5' has no unit; expected e.g. '5 {entry.unit}'"):
+                    model.settle({**given, key: 5})
+
+
+@every
+def test_settled_inputs_settle_nothing_new(name):
+    """Defaults are filled in, and what was given is kept in the model's units."""
+    model, inputs = plausible(name)
+    assert set(PLAUSIBLE[name]) <= set(inputs)
+    for key, entry in model.inputs.items():
+        if entry.default is not None and key not in PLAUSIBLE[name]:
+            assert inputs[key] == entry.default
+        assert isinstance(inputs.get(key, ""), str if isinstance(entry, Choice) else float | str)
