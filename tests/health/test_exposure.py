@@ -204,7 +204,7 @@ def shop(max_age: dict[str, int], stale: str, gap: int, *, powered: bool) -> Rob
     }
     arrhenius = {"model": "arrhenius", "activation_energy": "0.5 eV"}
     on_speed = {"kilometres": {"topic": "/o", "speed": "v", "max_age": age["/o.v"]}}
-    on_path = {"kilometres": {"topic": "/o", "position": ["x", "y"]}}
+    on_path = {"kilometres": {"topic": "/o", "position": ["x", "y"], "max_age": age["/o.x"]}}
     kilometres = {"life": infancy, "clock": "kilometres", "acceleration": Q10}
     signals = {
         name: {"topic": s[:2], "field": s[3], "range": [*RANGES[s]], "max_age": age[s], "stale": stale}
@@ -287,7 +287,7 @@ class BruteForce:
 
     def on(self, now: int) -> bool:
         power = self.last("/power.on", now) if self.powered else None
-        return any(time <= now < time + self.gap for time in self.heard) and (power is None or power[1] > 0.5)
+        return power[1] > 0.5 if power else any(time <= now < time + self.gap for time in self.heard)
 
     def factors(self, now: int) -> dict[str, mpf]:
         # without a sensor a part is at its own design temperature: the offset is of measured values alone
@@ -321,7 +321,7 @@ class BruteForce:
         return way, int(end in on and before is not None and on[end] > 0.5 >= before[1])
 
     def integrate(self) -> None:
-        instants = {self.start, self.until}
+        instants = {self.start, self.until, self.start + self.max_age["/o.x"]}
         for signal, values in self.values.items():
             instants |= set(values) | {time + self.max_age[signal] for time in values}
         instants |= set(self.heard) | {time + self.gap for time in self.heard}
@@ -336,7 +336,15 @@ class BruteForce:
             speed = self.last("/o.v", begin)
             driven = operating * (abs(mpf(speed[1])) * mpf("3.6") if speed and self.fresh("/o.v", begin) else 2)
             way, starts = self.steps(end)
-            advance = {"worn": calendar, "tyre": driven, "track": way, "belt": 40 * operating, "switch": mpf(starts)}
+            unheard = not (self.last("/o.x", begin) and self.last("/o.y", begin))
+            unheard &= begin >= self.start + self.max_age["/o.x"]
+            advance = {
+                "worn": calendar,
+                "tyre": driven,
+                "track": way + 2 * operating * unheard,
+                "belt": 40 * operating,
+                "switch": mpf(starts),
+            }
             advance |= dict.fromkeys(("plain", "capacitor", "seal"), operating)
             self.hours = [self.hours[0] + operating, self.hours[1] + calendar]
             for part, factor in self.factors(begin).items():
@@ -373,12 +381,11 @@ def streams(draw: st.DrawFn) -> list[Sample]:
 
 @st.composite
 def designs(draw: st.DrawFn) -> dict[str, Any]:
-    powered = draw(st.booleans())
     return {
         "max_age": {signal: draw(st.integers(1, 30 * SECOND)) for signal in SCHEDULES},
         "stale": draw(st.sampled_from(["nominal", "hold", "worst"])),
-        "gap": 3600 * SECOND if powered else draw(st.integers(1, 40 * SECOND)),
-        "powered": powered,
+        "gap": draw(st.integers(1, 40 * SECOND)),
+        "powered": draw(st.booleans()),
     }
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Any, NamedTuple
@@ -399,7 +399,7 @@ class _Block:
         return np.unique(changes[(changes >= 0) & (changes <= self.length)])
 
     def _operating(self) -> _Elapsed:
-        """Nanoseconds that the robot was on: it has been heard within max_gap, and says it is powered."""
+        """Nanoseconds that the robot was on: as its powered signal says, or else heard within max_gap."""
         gap = self.robot.max_gap
         heard = (
             np.unique(np.concatenate([times for times, _ in self.raw.values()])) if self.raw else np.empty(0, np.int64)
@@ -421,7 +421,7 @@ class _Block:
         on = (index >= 0) & (edges[:-1] - heard[index] < gap) if len(heard) else index >= 0
         if power is not None and len(power[0]):
             index = np.searchsorted(power[0], edges[:-1], side="right") - 1
-            on &= (index < 0) | (power[1][index] > 0.5)
+            on = np.where(index < 0, on, power[1][index] > 0.5)
         return _Elapsed(edges, np.append(0.0, np.cumsum(np.diff(edges) * on)))
 
     def close(self, ledger: Ledger) -> None:
@@ -436,14 +436,19 @@ class _Block:
 class _Elapsed:
     """How far a clock has gone since the block began: linear between edges, or in steps at them."""
 
-    def __init__(self, edges: Times, total: Array, *, steps: bool = False) -> None:
+    def __init__(
+        self, edges: Times, total: Array, *, steps: bool = False, before: Callable[[Times], Array] | None = None
+    ) -> None:
         self.edges = edges
         self.total = total
         self.steps = steps
+        self.before = before
+        """What ran until the steps could be counted."""
 
     def __call__(self, at: Times) -> Array:
         if self.steps:  # total[i] is reached at edges[i − 1]; a step belongs to the interval that it ends
-            return self.total[np.searchsorted(self.edges, at, side="right")]
+            stepped = self.total[np.searchsorted(self.edges, at, side="right")]
+            return stepped if self.before is None else stepped + self.before(at)
         return np.interp(at, self.edges, self.total)
 
     def scaled(self, factor: float) -> _Elapsed:
@@ -472,14 +477,21 @@ class _Clock:
         for signal, (times, values) in zip(measured.signals, coordinates, strict=True):
             block.carry(_key(measured, signal), times, values)
         when = np.unique(np.concatenate([times for times, _ in coordinates]))
-        first = max((int(times[0]) if len(times) else block.length + 1 for times, _ in coordinates), default=0)
+        first = max((int(times[0]) if len(times) else block.length for times, _ in coordinates), default=0)
         when = when[when >= first]
         squares = np.zeros(max(len(when) - 1, 0))
         for times, values in coordinates:
             if len(when) > 1:
                 squares += np.diff(values[np.searchsorted(times, when, side="right") - 1]) ** 2
         kilometres = np.sqrt(squares) * measured.scale / 1000
-        return _Elapsed(when[1:], np.append(0.0, np.cumsum(kilometres)), steps=True)
+        missed = max((block.ledger.started or 0) + measured.max_age - block.start, 0)
+
+        def unheard(at: Times) -> Array:
+            """A robot whose position never came drives as designed: nothing silent counts as zero."""
+            silent = np.clip(at, missed, max(first, missed))
+            return (block.operating(silent) - block.operating(np.array(missed))) * (self.usage / HOUR)
+
+        return _Elapsed(when[1:], np.append(0.0, np.cumsum(kilometres)), steps=True, before=unheard)
 
     def _speed(self, block: _Block, measured: MeasuredClock) -> _Elapsed:
         key = _key(measured, measured.signals[0])

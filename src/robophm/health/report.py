@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from robophm.blocks.diagram import Block
 from robophm.core.signal import SECOND
-from robophm.design.robot import Robot, Task
+from robophm.design.robot import MeasuredClock, Robot, Task
 from robophm.health.exposure import Exposure, Ledger
 from robophm.health.prognosis import Completion, Figures, Outlook, Plant, RemainingLife, View, outlooks
 
@@ -137,18 +137,17 @@ def health_report(
     task = task or robot.task
     views = outlooks(plant, exposure, ledger)
     silent = set(exposure.silent(ledger)) if ledger.integrated_to is not None else set()  # a mere look ahead
-    systems: list[tuple[str, str, Block, frozenset[str]]] = [("robot", robot.name, robot.diagram, _signals(robot, ""))]
-    systems += [("module", m.path, m.diagram, _signals(robot, m.path + "/")) for m in robot.all_modules()]
-    systems += [("function", name, diagram, frozenset()) for name, diagram in robot.functions.items()]
+    systems = [("robot", robot.name, robot.diagram), *(("module", m.path, m.diagram) for m in robot.all_modules())]
+    systems += [("function", name, diagram) for name, diagram in robot.functions.items()]
     subjects = tuple(
         Subject(
             kind,
             path,
             views["nominal"].figures(diagram, task, remaining_life=remaining_life),
             views["sensor_based"].figures(diagram, task, remaining_life=remaining_life),
-            tuple(f"stale {signal}" for signal in sorted(silent & signals)) + _extrapolated(robot, ledger, path, kind),
+            _flags(plant, diagram, ledger, silent, robot.clocks.values() if kind == "robot" else ()),
         )
-        for kind, path, diagram, signals in systems
+        for kind, path, diagram in systems
     )
     columns = [
         values
@@ -174,25 +173,19 @@ def health_report(
     )
 
 
-def _signals(robot: Robot, prefix: str) -> frozenset[str]:
-    odometers = () if prefix else tuple(robot.clocks.values())
-    return frozenset(
-        channel.signal
-        for mode in robot.modes
-        if mode.path.startswith(prefix)
-        for stress in mode.stresses
-        for channel in stress.channels.values()
-    ) | frozenset(
-        signal
-        for clock in (*(mode.measured_clock for mode in robot.modes if mode.path.startswith(prefix)), *odometers)
-        if clock
-        for signal in clock.signals
+def _flags(
+    plant: Plant, diagram: Block, ledger: Ledger, silent: Collection[str], odometers: Iterable[MeasuredClock]
+) -> tuple[str, ...]:
+    """What qualifies a system: the silent signals that its parts hang on, and models outside their range."""
+    modes = [plant.robot.modes[i] for i in plant.system(diagram).modes]
+    heard_by = {channel.signal for mode in modes for stress in mode.stresses for channel in stress.channels.values()}
+    for clock in (*odometers, *(mode.measured_clock for mode in modes)):
+        heard_by |= set(clock.signals) if clock else set()
+    extrapolated = any(ledger.extrapolated[mode.path] for mode in modes)
+    return (
+        *(f"stale {signal}" for signal in sorted(heard_by & set(silent))),
+        *(["extrapolated"] if extrapolated else []),
     )
-
-
-def _extrapolated(robot: Robot, ledger: Ledger, path: str, kind: str) -> tuple[str, ...]:
-    inside = (kind == "robot" or mode.startswith(path + "/") for mode in ledger.extrapolated)
-    return ("extrapolated",) if kind != "function" and any(inside) else ()
 
 
 def _breaches(robot: Robot, figures: Figures) -> tuple[str, ...]:
