@@ -13,6 +13,7 @@ import re
 import time
 from bisect import bisect_right
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from robophm.core.errors import SourceError, UnitError, nearest
@@ -111,7 +112,8 @@ def replay(
             )  # fmt: skip
     signals = _available(robot, source, skip_missing=skip_missing)
     kept = store.ledger(robot.name) if store else None
-    ledger = Ledger.from_json(kept, tuple(mode.path for mode in robot.modes)) if kept else None
+    modes = tuple(mode.path for mode in robot.modes)
+    ledger = Ledger.from_json(kept, modes, tuple(robot.clocks)) if kept else None
     progress = store.progress(robot.name, source.fingerprint) if store else Progress(source.fingerprint, 0, False)
     consumed = progress.samples
     reported = ledger.integrated_to if ledger else None
@@ -139,7 +141,9 @@ def replay(
             monitor.observe(sample)
         if store:
             store.save(robot.name, monitor.ledger.to_json(), Progress(source.fingerprint, consumed, True), reports)
-    return monitor.report()
+    report = monitor.report()
+    decided = tuple(f"{what} ({count} times)" for what, count in sorted(source.notes.items()))
+    return replace(report, notes=report.notes + decided)
 
 
 SAVE_EVERY = 2.0
@@ -148,6 +152,8 @@ SAVE_EVERY = 2.0
 
 def _available(robot: Robot, source: SignalSource, *, skip_missing: bool) -> list[str]:
     """The bound signals that a source has. Raises SourceError as ``replay``."""
+    if not robot.signals:
+        raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
     topics = {info.topic: info for info in source.topics()}
     found = []
     for signal, unit in robot.signals.items():
@@ -168,7 +174,7 @@ def _available(robot: Robot, source: SignalSource, *, skip_missing: bool) -> lis
                 measures = f"{field} is in '{measured or 'no unit'}'; the design expects '{unit or 'no unit'}'"
                 raise SourceError(f"topic '{topic}' ({info.type}): {measures}") from None
         found.append(signal)
-    if not found and robot.signals:
+    if not found:
         hint = nearest(split_signal(next(iter(robot.signals)))[0], topics)
         raise SourceError(f"the recording has none of the design's topics{hint}")
     return found

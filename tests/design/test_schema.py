@@ -126,7 +126,7 @@ powered: {topic: /on, field: data}
 max_gap: 2 min
 usage: {operating: 0.5, kilometres: 1 km/h, cycles: 3 cycle/h, starts: 0.1 start/h}
 task: {distance: 250 m, speed: 0.3 m/s}
-thresholds: {hazard_rate: 1000 FPMH, reliability: 0.9, remaining_life: 500 h, completion: 0.99}
+thresholds: {hazard_rate: 1000 FPMH, reliability: 0.9, remaining_life: 500 h, completion: 0.99, survival: 0.9}
 signals:
   temperature: {topic: /t, field: temperature, unit: degC, range: [-20, 80], offset: 5 K, max_age: 5 s, stale: worst}
 clocks:

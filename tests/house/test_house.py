@@ -3,7 +3,6 @@
 import re
 import subprocess
 import sys
-import zipfile
 from pathlib import Path
 
 import pytest
@@ -80,21 +79,3 @@ def test_no_word_is_left_over_from_work():
         if path.suffix == ".py" and path != Path(__file__) and marks.search(path.read_bytes())
     ]
     assert found == []
-
-
-def test_the_wheel_holds_what_is_needed_to_run(tmp_path):
-    pytest.importorskip("hatchling")
-    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]
-    subprocess.run(build, cwd=ROOT, check=True, capture_output=True)
-    (wheel,) = tmp_path.glob("*.whl")
-    assert wheel.name.endswith("-py3-none-any.whl")
-    with zipfile.ZipFile(wheel) as archive:
-        names = set(archive.namelist())
-    assert {
-        "robophm/py.typed",
-        "robophm/__main__.py",
-        "robophm/design/robot.schema.json",
-        "robophm/examples/ota/robot.yaml",
-        "robophm/hazard/handbooks/mil_hdbk_217f/capacitor.py",
-    } <= names
-    assert not [name for name in names if name.startswith("tests/") or "__pycache__" in name]

@@ -28,7 +28,7 @@ Rows = NDArray[np.intp]
 Solve = Callable[[Array, Array, Array, Array, Array], tuple[Array, Array, Array]]
 """(b, c, s, works now, failed at the end) of the inputs, along the first axis → (b, c, s) of the block."""
 
-_AT_ONCE = 500_000  # numbers that one array may hold during an evaluation; more columns take turns
+_AT_ONCE = 200_000  # numbers that one array may hold, so that it stays in cache; more columns take turns
 
 
 class State(NamedTuple):
@@ -331,7 +331,13 @@ def _fold(k: int, b: Array, c: Array, s: Array, works: Array, lost: Array) -> tu
 
 def _before(factors: Array) -> Array:
     """Product of the factors before each, along the first axis."""
-    return np.concatenate([np.ones_like(factors[:1]), factors[:-1].cumprod(axis=0)])
+    before = np.ones_like(factors)
+    if factors[0].size <= len(factors):
+        np.cumprod(factors[:-1], axis=0, out=before[1:])
+    else:  # the same products: cumprod walks down each column, which is slow where there are many
+        for i in range(1, len(factors)):
+            np.multiply(before[i - 1], factors[i - 1], out=before[i])
+    return before
 
 
 def _count(counts: Array, works: Array, failed: Array) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,7 +13,6 @@ from robophm.cli.output import (
     console,
     json_text,
     may_write,
-    plain,
     print_json,
     print_report,
     print_table,
@@ -85,6 +84,7 @@ def show(
     """Draw a design and state what it promises when new: hazard rate, reliability, mean time to failure."""
     from robophm.cli.show import draw, promises, promises_table, svg_diagram
     from robophm.design.file import load
+    from robophm.health.report import plain
 
     if not 0 <= hours < float("inf"):
         raise UnitError(f"--hours {hours:g}: expected a number of at least 0")
@@ -201,7 +201,7 @@ def predict(
             )
         except Fault as fault:
             raise RobophmError(f"task: {fault}") from None
-    monitor = Monitor(robot, _kept(store, robot.name, tuple(m.path for m in robot.modes), Ledger) if store else None)
+    monitor = Monitor(robot, _kept(store, robot, Ledger) if store else None)
     report = monitor.report(task=task)
     if as_json:
         print_json(report.to_json())
@@ -246,8 +246,6 @@ def replay(
             if store and kept.progress(robot.name, source.fingerprint).complete:
                 warn(f"this recording is already in {store}; it is not counted again")
             health = replay_recording(robot, source, store=kept, skip_missing=skip_missing, on_tick=tick)
-            notes = tuple(f"{what} ({count} times)" for what, count in sorted(source.notes.items()))
-            health = replace(health, notes=health.notes + notes)
             history = list(kept.history(robot.name))
     if report:
         write(report, health_page(robot, health, history))
@@ -290,17 +288,17 @@ def doctor(as_json: Json = False) -> None:
     run(as_json=as_json)
 
 
-def _kept(path: Path, robot: str, modes: tuple[str, ...], ledger: Any) -> Any:
+def _kept(path: Path, robot: Any, ledger: Any) -> Any:
     from robophm.core.errors import StoreError
     from robophm.stores.sqlite import SqliteStore
 
     if not path.exists():
         raise StoreError(f"{path}: no such store; `robophm replay --store` makes it")
     with SqliteStore(path) as store:
-        data = store.ledger(robot)
+        data = store.ledger(robot.name)
     if data is None:
-        raise StoreError(f"{path}: knows no robot '{robot}'")
-    return ledger.from_json(data, modes)
+        raise StoreError(f"{path}: knows no robot '{robot.name}'")
+    return ledger.from_json(data, tuple(mode.path for mode in robot.modes), tuple(robot.clocks))
 
 
 def _progress(source: Any, what: str) -> Any:

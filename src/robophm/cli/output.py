@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -53,13 +52,6 @@ def json_text(document: Mapping[str, Any]) -> str:
     """As it is printed: stdout that cannot show a character gets its JSON escape."""
     unicode = sys.stdout.encoding.lower().startswith("utf")
     return json.dumps(document, indent=2, ensure_ascii=not unicode, allow_nan=False)
-
-
-def plain(value: Any) -> Any:
-    """Values that JSON can say: what is infinite or not a number becomes null."""
-    if isinstance(value, dict):
-        return {key: plain(inner) for key, inner in value.items()}
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def warn(text: str) -> None:
@@ -127,15 +119,15 @@ def print_report(report: HealthReport, unit: str) -> None:
     out = console()
     print_table(out, health_table(report, unit))
     clocks = {"operating": "h of operation", "calendar": "h in all", "kilometres": "km"}
-    out.print(
-        "Observed: " + ", ".join(f"{number_text(v)} {clocks.get(n, n)}" for n, v in report.clocks.items()),
-        markup=False,
-    )
+    lived = ", ".join(f"{number_text(v)} {clocks.get(n, n)}" for n, v in report.clocks.items())
+    out.print(f"Observed: {lived if report.time is not None else 'nothing yet; sensor-based is nominal'}", markup=False)
     system = report.system.sensor_based
     if system.remaining_life:
         life = system.remaining_life
         out.print(f"Remaining life: median {duration_text(life.median)}, mean {duration_text(life.mean)}, "
                   f"90 % between {duration_text(life.early)} and {duration_text(life.late)}", markup=False)  # fmt: skip
+        if life.threshold is not None:
+            out.print(f"Works on for {duration_text(life.threshold)} with the wanted probability", markup=False)
     if report.task and system.completion:
         task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
         chance = probability_text(system.completion.probability, system.completion.failure)

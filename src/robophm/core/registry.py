@@ -13,12 +13,15 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable, Iterator
 from importlib import import_module
-from importlib.metadata import entry_points
 from pathlib import Path
 from pkgutil import iter_modules
 from types import ModuleType
+from typing import TYPE_CHECKING
 
 from robophm.core.errors import PlugError, nearest
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoints
 
 
 def plugs(package: str) -> list[str]:
@@ -63,3 +66,11 @@ def _walk(paths: Iterable[str], prefix: str) -> Iterator[str]:
                 yield from _walk([str(Path(folder, name))], f"{prefix}{name}.")
             else:
                 yield prefix + name
+
+
+def entry_points(*, group: str, name: str | None = None) -> EntryPoints:
+    """What other packages offer."""
+    from importlib import metadata  # a third of the time of NumPy: not before somebody asks
+
+    found = metadata.entry_points(group=group)
+    return found if name is None else found.select(name=name)

@@ -15,42 +15,44 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Curve = Callable[[Array], tuple[Array, Array]]
 
+_DECADES = np.concatenate((np.arange(-250, -30, 10), np.arange(-30, 30), np.arange(30, 251, 10)))
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 
-def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike) -> Array:
+def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike, *, tolerance: float = 4e-16) -> Array:
     """The times by which the failure probability reaches given ones; shape of ``fails``, in the curve's unit.
 
-    ``survives`` is 1 − ``fails`` with its own digits. Infinite where it is never reached within 1e30, 0 where it
-    is passed at once.
+    ``survives`` is 1 − ``fails`` with its own digits. Infinite where it is never reached within 1e250, 0 where it
+    is passed at once. ``tolerance`` is of ln time; where rough times do, a wide one is faster.
     """
     target_fails, target_survives = (np.atleast_1d(np.asarray(p, dtype=float)) for p in (fails, survives))
-    early = target_fails <= target_survives
 
-    def excess(x: Array, which: npt.NDArray[np.intp]) -> Array:
-        """How far beyond the target, on the logarithm of the smaller probability; rises with x = ln time."""
-        failed, survived = curve(np.exp(x))
+    def excess(failed: Array, survived: Array, which: npt.NDArray[np.intp]) -> Array:
+        """How far beyond each target, on the logarithm of the smaller probability; rises with time."""
+        q, p = target_fails[which], target_survives[which]
         with np.errstate(divide="ignore"):
-            below = np.log(failed) - np.log(target_fails[which])
-            above = np.log(target_survives[which]) - np.log(survived)
-        beyond: Array = np.clip(np.where(early[which], below, above), -1e300, 1e300)
-        return beyond
+            beyond = np.where(q <= p, np.log(failed) - np.log(q), np.log(p) - np.log(survived))
+        clipped: Array = np.clip(beyond, -1e300, 1e300)
+        return clipped
 
-    # One pass over decades finds the bracket of every target.
-    grid = np.log(10.0) * np.arange(-30, 31)
-    n = len(target_fails)
-    table = excess(np.tile(grid, n), np.repeat(np.arange(n), len(grid))).reshape(n, -1)
-    first = np.argmax(table >= 0, axis=1)
-    result = np.where(table[:, 0] >= 0, 0.0, math.inf)
-    todo = np.flatnonzero((table[:, 0] < 0) & (table[:, -1] >= 0))
+    # One pass over decades brackets the logarithm of every time.
+    grid = np.log(10.0) * _DECADES
+    every = np.arange(len(target_fails))
+    table = np.array([excess(f, s, every) for f, s in zip(*curve(np.exp(grid)), strict=True)])
+    first = np.argmax(table >= 0, axis=0)
+    result = np.where(table[0] >= 0, 0.0, math.inf)
+    todo = np.flatnonzero((table[0] < 0) & (table[-1] >= 0))
     if len(todo):
-        low, high = grid[first[todo] - 1], grid[first[todo]]
-        ends = table[todo, first[todo] - 1], table[todo, first[todo]]
-        result[todo] = np.exp(_roots(lambda x: excess(x, todo), low, high, *ends))
+        low, high = first[todo] - 1, first[todo]
+
+        def above(x: Array) -> Array:
+            return excess(*curve(np.exp(x)), todo)
+
+        result[todo] = np.exp(_roots(above, grid[low], grid[high], table[low, todo], table[high, todo], tolerance))
     return result.reshape(np.shape(fails))
 
 
-def _roots(f: Callable[[Array], Array], a: Array, b: Array, fa: Array, fb: Array) -> Array:
+def _roots(f: Callable[[Array], Array], a: Array, b: Array, fa: Array, fb: Array, tolerance: float) -> Array:
     """Roots of many bracketed functions side by side. Chandrupatla, Adv. Eng. Software 28 (1997)."""
     c, fc, t = a, fa, np.full(a.shape, 0.5)
     for _ in range(100):
@@ -62,15 +64,15 @@ def _roots(f: Callable[[Array], Array], a: Array, b: Array, fa: Array, fb: Array
         a, fa = x, fx
         best = np.where(np.abs(fa) < np.abs(fb), a, b)
         width = np.abs(b - a)
-        tolerance = 4e-16 * np.maximum(1.0, np.abs(best))
-        if np.all((width <= 2 * tolerance) | (fa == 0)):
+        near = tolerance * np.maximum(1.0, np.abs(best))
+        if np.all((width <= 2 * near) | (fa == 0)):
             return best
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
             quadratic = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
             inverse = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
         t = np.where(quadratic & np.isfinite(inverse), inverse, 0.5)
-        edge = np.minimum(tolerance / np.maximum(width, 1e-300), 0.5)
+        edge = np.minimum(near / np.maximum(width, 1e-300), 0.5)
         t = np.clip(t, edge, 1 - edge)
     return best
 
@@ -81,12 +83,13 @@ def mean_time(curve: Curve) -> float:
     while True:
         # Panels between the times at which the cumulative hazard doubles, so that each is smooth.
         levels = 2.0 ** np.arange(-40, deepest + 1, 0.5)
-        times = time_at(curve, -np.expm1(-levels), np.exp(-levels))
+        times = time_at(curve, -np.expm1(-levels), np.exp(-levels), tolerance=1e-3)
         if not np.isfinite(times[-1]):
             return math.inf
         positive = times[times > 0]
         if not len(positive):
             return 0.0
+        positive = np.maximum.accumulate(positive)
         width = np.diff(np.log(positive))
         within = np.log(positive[:-1, None]) + width[:, None] * (_NODES + 1) / 2
         survives = curve(np.exp(within.ravel()))[1].reshape(within.shape)

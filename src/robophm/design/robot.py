@@ -191,6 +191,8 @@ class Thresholds:
     reliability: float | None = None
     remaining_life: float | None = None
     completion: float | None = None
+    survival: float | None = None
+    """Not a limit: remaining life is also stated as the time at which the chance to still work falls to this."""
 
 
 @dataclass(frozen=True)

@@ -256,6 +256,9 @@ class Thresholds(_Strict):
     reliability: Annotated[float, Field(gt=0, lt=1, description="at least, since new")] | None = None
     remaining_life: _quantity("h", "median, at least", "500 h", 0.0) | None = None  # type: ignore[valid-type]
     completion: Annotated[float, Field(gt=0, lt=1, description="of the task, at least")] | None = None
+    survival: Annotated[float, Field(gt=0, lt=1, description="state also when survival ahead falls to this")] | None = (
+        None
+    )
 
 
 class RobotFile(_Group):

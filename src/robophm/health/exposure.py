@@ -6,9 +6,11 @@ holds, until it is stale; every interval is split exactly where something change
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -79,6 +81,8 @@ class Ledger:
     """∫ψ·h₀(a)da, for the modes whose stress scales the hazard; zero for the others."""
     clocks: Total
     """Since the start: operating hours, calendar hours, and the robot's own measured clocks in design order."""
+    odometers: tuple[str, ...] = ()
+    """Names of the robot's own measured clocks."""
     started: int | None = None
     integrated_to: int | None = None
     newest: int | None = None
@@ -106,11 +110,12 @@ class Ledger:
             Total.zeros(n),
             Total.zeros(n),
             Total.zeros(2 + len(robot.clocks)),
+            tuple(robot.clocks),
         )
 
     def copy(self) -> Ledger:
         """An independent copy, to look ahead without consequence."""
-        return Ledger.from_json(self.to_json(), self.modes)
+        return Ledger.from_json(self.to_json(), self.modes, self.odometers)
 
     def to_json(self) -> dict[str, Any]:
         """As plain values; floats come back bit for bit."""
@@ -118,6 +123,7 @@ class Ledger:
         return {
             "version": 1,
             "modes": list(self.modes),
+            "odometers": list(self.odometers),
             "totals": {name: [total.high.tolist(), total.low.tolist()] for name, total in totals.items()},
             **{name: getattr(self, name) for name in ("started", "integrated_to", "newest", "heard")},
             "last": {key: [time, list(values)] for key, (time, values) in self.last.items()},
@@ -127,8 +133,11 @@ class Ledger:
         }
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any], modes: tuple[str, ...]) -> Ledger:
-        """A ledger read back. Raises StoreError where it was kept for other failure modes or another version."""
+    def from_json(cls, data: Mapping[str, Any], modes: tuple[str, ...], odometers: tuple[str, ...]) -> Ledger:
+        """A ledger read back; an odometer that it has not begins at zero.
+
+        Raises StoreError where it was kept for other failure modes or another version.
+        """
         if data.get("version") != 1:
             raise StoreError(f"ledger version {data.get('version')}; expected 1")
         kept = tuple(data["modes"])
@@ -144,12 +153,18 @@ class Ledger:
         }
         for name in ("age", "effective", "hazard"):
             totals[name] = Total(totals[name].high[order], totals[name].low[order])
+        clocks, counted = Total.zeros(2 + len(odometers)), totals["clocks"]
+        names = ["operating", "calendar", *data["odometers"]]
+        for i, name in enumerate(("operating", "calendar", *odometers)):
+            if name in names:
+                clocks.high[i], clocks.low[i] = counted.high[names.index(name)], counted.low[names.index(name)]
         return cls(
             modes,
             totals["age"],
             totals["effective"],
             totals["hazard"],
-            totals["clocks"],
+            clocks,
+            odometers,
             started=data["started"],
             integrated_to=data["integrated_to"],
             newest=data["newest"],
@@ -194,6 +209,13 @@ class Exposure:
         """Carry the ledger on to ``until`` [ns] with samples that are sorted and not later than it."""
         if ledger.integrated_to is None:
             ledger.integrated_to = ledger.started if ledger.started is not None else until
+        if ledger.integrated_to < until - RECENT:  # a long silence: only its end is recent
+            split = bisect_right(samples, until - RECENT, key=attrgetter("time"))
+            self._integrate(ledger, samples[:split], until - RECENT)
+            samples = samples[split:]
+        self._integrate(ledger, samples, until)
+
+    def _integrate(self, ledger: Ledger, samples: Sequence[Sample], until: int) -> None:
         block = _Block(ledger, samples, until, self.robot)
         n = len(self.modes)
         age, effective, hazard = np.zeros(n), np.zeros(n), np.zeros(n)
@@ -272,19 +294,30 @@ class Exposure:
         return age / hours if hours > 0 else np.full(age.shape, np.nan)
 
     def silent(self, ledger: Ledger) -> list[str]:
-        """The signals that are bound and have no valid value at the integrated-to time."""
+        """The signals that are bound and have no valid value at the integrated-to time; edges may be silent."""
         now = ledger.integrated_to
-        old = (
-            channel.signal
-            for key, channel in self.channels.items()
-            if now is None or key not in ledger.last or now >= ledger.last[key][0] + channel.max_age
-        )
-        return sorted(set(old))
+        bound = [(key, channel.signal, channel.max_age) for key, channel in self.channels.items()]
+        for clock in self.clocks:
+            if clock.measured and clock.measured.kind != "edge":
+                bound += [
+                    (_key(clock.measured, signal), signal, clock.measured.max_age) for signal in clock.measured.signals
+                ]
+        old = {
+            signal
+            for key, signal, age in bound
+            if now is None or key not in ledger.last or now >= ledger.last[key][0] + age
+        }
+        return sorted(old)
 
 
 def channel_key(channel: Channel) -> str:
     """What a channel's last value is kept under: a signal, and what of it is valid."""
     return f"{channel.signal} {channel.scale!r} {channel.offset!r} {channel.low!r} {channel.high!r}"
+
+
+def _key(clock: MeasuredClock, signal: str) -> str:
+    """What a clock signal's last value is kept under."""
+    return f"{clock.kind} {signal}"
 
 
 class _Series:
@@ -312,6 +345,9 @@ class _Series:
         return np.concatenate((self.times, ends[gone]))
 
 
+_NOTHING: tuple[Times, Array] = np.empty(0, dtype=np.int64), np.empty(0)
+
+
 class _Block:
     """The samples of one stretch of time, in nanoseconds from its start."""
 
@@ -328,11 +364,15 @@ class _Block:
             values.append(value)
         self.raw = {s: (np.array(t, dtype=np.int64), np.array(v)) for s, (t, v) in own.items() if s != CLOCK}
         self.last: dict[str, tuple[int, tuple[float, ...]]] = {}
+        self.rejected: dict[str, npt.NDArray[np.bool_]] = {}
+        """Of each signal's samples, whether a channel did not take it."""
         self.operating = self._operating()
 
     def signal(self, name: str, key: str) -> tuple[Times, Array]:
         """Times and values of one signal, the value carried in first, each time once with its last value."""
-        times, values = self.raw.get(name, (np.empty(0, dtype=np.int64), np.empty(0)))
+        return self._held(key, *self.raw.get(name, _NOTHING))
+
+    def _held(self, key: str, times: Times, values: Array) -> tuple[Times, Array]:
         if key in self.ledger.last:
             time, (value,) = self.ledger.last[key]
             times, values = np.append(time - self.start, times), np.append(value, values)
@@ -345,13 +385,13 @@ class _Block:
             self.last[key] = (int(times[-1]) + self.start, (float(values[-1]),))
 
     def series(self, key: str, channel: Channel) -> _Series:
-        times, values = self.signal(channel.signal, key)
+        times, values = self.raw.get(channel.signal, _NOTHING)
         inside = channel.scale * values + channel.offset
         valid = (inside >= channel.low) & (inside <= channel.high)
-        if rejected := int(np.count_nonzero(~valid)):
-            self.ledger.counts[f"out of range: {channel.signal}"] += rejected
-        self.carry(key, times[valid], values[valid])
-        return _Series(times[valid], inside[valid], channel.max_age)
+        self.rejected[channel.signal] = self.rejected.get(channel.signal, False) | ~valid
+        times, values = self._held(key, times[valid], values[valid])
+        self.carry(key, times, values)
+        return _Series(times, channel.scale * values + channel.offset, channel.max_age)
 
     def edges(self, series: Iterable[_Series]) -> Times:
         """Both ends, and every change in between, ascending."""
@@ -387,6 +427,8 @@ class _Block:
     def close(self, ledger: Ledger) -> None:
         """Leave in the ledger what the next block starts from."""
         ledger.last |= self.last
+        rejected = {f"out of range: {signal}": int(outside.sum()) for signal, outside in self.rejected.items()}
+        ledger.counts.update({reason: count for reason, count in rejected.items() if count})
         ledger.heard = self.heard if self.heard is not None else ledger.heard
         ledger.integrated_to = self.start + self.length
 
@@ -426,9 +468,9 @@ class _Clock:
         )
 
     def _path(self, block: _Block, measured: MeasuredClock) -> _Elapsed:
-        coordinates = [block.signal(signal, f"position {signal}") for signal in measured.signals]
+        coordinates = [block.signal(signal, _key(measured, signal)) for signal in measured.signals]
         for signal, (times, values) in zip(measured.signals, coordinates, strict=True):
-            block.carry(f"position {signal}", times, values)
+            block.carry(_key(measured, signal), times, values)
         when = np.unique(np.concatenate([times for times, _ in coordinates]))
         first = max((int(times[0]) if len(times) else block.length + 1 for times, _ in coordinates), default=0)
         when = when[when >= first]
@@ -440,7 +482,7 @@ class _Clock:
         return _Elapsed(when[1:], np.append(0.0, np.cumsum(kilometres)), steps=True)
 
     def _speed(self, block: _Block, measured: MeasuredClock) -> _Elapsed:
-        key = f"speed {measured.signals[0]}"
+        key = _key(measured, measured.signals[0])
         times, values = block.signal(measured.signals[0], key)
         block.carry(key, times, values)
         series = _Series(times, np.abs(values), measured.max_age)
@@ -455,7 +497,7 @@ class _Clock:
         return _Elapsed(edges, np.append(0.0, np.cumsum(rate * operating)))
 
     def _edges(self, block: _Block, measured: MeasuredClock) -> _Elapsed:
-        key = f"edge {measured.signals[0]}"
+        key = _key(measured, measured.signals[0])
         times, values = block.signal(measured.signals[0], key)
         block.carry(key, times, values)
         above = values > measured.threshold
@@ -511,7 +553,7 @@ class _Group:
         """ψ at the given times, None where nothing is measured; and where a model's range is left."""
         product: Array | None = None
         outside = np.zeros(len(at), dtype=bool)
-        for stress, inputs in self.stresses:
+        for stress, inputs in self.stresses if len(at) else ():  # no model is asked about no time at all
             value, beyond = stress.factor({one.name: one.observed(series[one.key], at) for one in inputs})
             product = value if product is None else product * value
             outside = outside | beyond

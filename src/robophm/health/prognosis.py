@@ -7,15 +7,14 @@ failure mode and how fast it will age; every figure follows from that and a bloc
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from robophm.blocks.diagram import Block
+from robophm.blocks.diagram import Block, Series
 from robophm.blocks.reliability import State, Structure, Transition
 from robophm.core.waiting_time import mean_time, time_at
 from robophm.design.robot import Component, Robot, Task
@@ -36,6 +35,8 @@ class RemainingLife:
     """5 % of robots in this state have failed by then."""
     late: float
     """95 % have."""
+    threshold: float | None = None
+    """When the chance to still work falls to the design's ``thresholds.survival``."""
 
 
 @dataclass(frozen=True)
@@ -60,47 +61,68 @@ class Figures:
     completion: Completion | None = None
 
 
-class Plant:
-    """What of a robot does not change while it lives: its diagrams prepared, its failure modes side by side."""
+class System:
+    """A diagram prepared, and the failure modes that it hangs on, those of one life distribution side by side."""
 
-    def __init__(self, robot: Robot) -> None:
-        self.robot = robot
-        self.components = tuple(robot.all_components())
-        self.row = {unit: i for i, component in enumerate(self.components) for unit in component.units}
-        counts = [len(component.modes) for component in self.components]
-        self._starts = np.concatenate(([0], np.cumsum(counts)[:-1])).astype(int)
-        self.multiplicity = np.array([component.multiplicity for component in self.components], dtype=float)
-        self.monitored = np.array([component.monitored for component in self.components])
-        self.by_age = np.array([mode.scaling == "age" for mode in robot.modes])
-        self.initial = np.array([mode.initial_exposure for mode in robot.modes])
-        self.usage = np.array([robot.usage.per_operating_hour(mode.clock) for mode in robot.modes])
-        self.calendar = np.array([mode.clock == "calendar" for mode in robot.modes])
-        self.lives = side_by_side([mode.life for mode in robot.modes])
-        self._structures: dict[Block, tuple[Structure, npt.NDArray[np.intp]]] = {}
-
-    def structure(self, diagram: Block) -> tuple[Structure, npt.NDArray[np.intp]]:
-        """A diagram prepared, and the component row of each of its units."""
-        if diagram not in self._structures:
-            structure = Structure(diagram)
-            self._structures[diagram] = structure, np.array([self.row[unit] for unit in structure.names])
-        return self._structures[diagram]
+    def __init__(self, robot: Robot, diagram: Block) -> None:
+        self.structure = Structure(diagram)
+        first = np.cumsum([0, *(len(component.modes) for component in robot.all_components())])
+        row = {unit: i for i, component in enumerate(robot.all_components()) for unit in component.units}
+        drawn = sorted({row[unit] for unit in self.structure.names})
+        components = tuple(robot.all_components())
+        parts = [components[i] for i in drawn]
+        self.modes = np.concatenate([np.arange(first[i], first[i + 1]) for i in drawn])
+        """Indices of its failure modes among the robot's."""
+        self._starts = np.cumsum([0, *(len(part.modes) for part in parts[:-1])])
+        self._multiplicity = np.array([part.multiplicity for part in parts], dtype=float)
+        place = {i: at for at, i in enumerate(drawn)}
+        self._units = np.array([place[row[unit]] for unit in self.structure.names])
+        self.monitored = np.array([part.monitored for part in parts])[self._units]
+        """Of each unit of the structure."""
+        self._lives = side_by_side([robot.modes[i].life for i in self.modes])
 
     def of_components(self, of_modes: Array) -> Array:
-        """Sums over the failure modes of each component (they are in series), times its multiplicity."""
+        """Sums over the failure modes of each component (they are in series), times its equal parts."""
         sums = np.add.reduceat(of_modes, self._starts, axis=0)
-        result: Array = self.multiplicity.reshape(-1, *[1] * (sums.ndim - 1)) * sums
+        result: Array = _column(self._multiplicity, sums.ndim) * sums
+        return result
+
+    def of_units(self, of_modes: Array) -> Array:
+        """The same for every unit of the structure."""
+        result: Array = self.of_components(of_modes)[self._units]
         return result
 
     def lifewise(self, name: str, *arguments: Array) -> Array:
         """One method of every mode's life distribution; arguments of shape (modes, ...)."""
         shape = np.broadcast_shapes(*(argument.shape for argument in arguments))
         result = np.empty(shape)
-        for members, life in self.lives:
-            tail = [np.broadcast_to(argument, shape)[members] for argument in arguments]
-            # the parameters are along the modes' axis, which methods see as the last
-            moved = [np.moveaxis(argument, 0, -1) for argument in tail]
+        for members, life in self._lives:
+            # The parameters lie along the modes' axis, which the methods take as the last.
+            moved = [np.moveaxis(np.broadcast_to(argument, shape)[members], 0, -1) for argument in arguments]
             result[members] = np.moveaxis(getattr(life, name)(*moved), -1, 0)
         return result
+
+
+class Plant:
+    """What of a robot does not change while it lives: its diagrams prepared, its failure modes side by side."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.components = tuple(robot.all_components())
+        self.by_age = np.array([mode.scaling == "age" for mode in robot.modes])
+        self.initial = np.array([mode.initial_exposure for mode in robot.modes])
+        self.usage = np.array([robot.usage.per_operating_hour(mode.clock) for mode in robot.modes])
+        self.calendar = np.array([mode.clock == "calendar" for mode in robot.modes])
+        self.by_distance = np.array([mode.clock == "kilometres" for mode in robot.modes])
+        self._systems: dict[int, tuple[Block, System]] = {}
+        self.everything = System(robot, Series(*(unit for part in self.components for unit in part.units)))
+        """All parts, to ask each of them."""
+
+    def system(self, diagram: Block) -> System:
+        """A diagram prepared; once for each."""
+        if id(diagram) not in self._systems:  # by identity: to hash ten thousand blocks costs more than to fold them
+            self._systems[id(diagram)] = diagram, System(self.robot, diagram)
+        return self._systems[id(diagram)][1]
 
 
 @dataclass(frozen=True)
@@ -119,72 +141,60 @@ class Outlook:
     usage_now: Array
     """How far each clock goes in an operating hour, as observed."""
 
-    @cached_property
-    def _hazard(self) -> Array:
-        """Of each component per operating hour."""
-        per_clock = self.plant.lifewise("hazard", self.age)
-        return self.plant.of_components(per_clock * self.factor_now * self.usage_now)
-
-    @cached_property
-    def _lived(self) -> Array:
-        return self.plant.of_components(self.cumulative_hazard)
-
-    @cached_property
-    def _known(self) -> Array:
-        """Cumulative hazard of each component less what is known not to have happened."""
-        return np.where(self.plant.monitored, 0.0, self._lived)
-
-    @cached_property
-    def _aging(self) -> tuple[Array, Array]:
-        """What stress multiplies in the future: the advance of the age, or the hazard gathered over it."""
-        by_age = self.plant.by_age
-        return np.where(by_age, self.factor_ahead, 1.0), np.where(by_age, 1.0, self.factor_ahead)
-
-    def _now(self, diagram: Block) -> State:
-        """The system given what is known now, with its failure density [1/h of operation]."""
-        structure, rows = self.plant.structure(diagram)
-        known, hazard = self._known[rows], self._hazard[rows]
-        works = np.exp(-known)
-        density = np.multiply(hazard, works, out=np.zeros(len(rows)), where=works > 0)
-        return structure.state(works, -np.expm1(-known), density)
-
     def survival(self, diagram: Block) -> State:
         """Survival since new: nothing is known but the exposure."""
-        structure, rows = self.plant.structure(diagram)
-        return structure.state(np.exp(-self._lived[rows]), -np.expm1(-self._lived[rows]))
+        system = self.plant.system(diagram)
+        lived = system.of_units(self.cumulative_hazard[system.modes])
+        return system.structure.state(np.exp(-lived), -np.expm1(-lived))
 
     def hazard_rate(self, diagram: Block) -> float:
-        """f/p now, given what is known now [1/h of operation]."""
-        if np.any(np.isinf(self._hazard[self.plant.structure(diagram)[1]])):
+        """f/p now, given what is known now [1/h of operation]; infinite where the system has failed."""
+        system = self.plant.system(diagram)
+        known, hazard = self._known(system), system.of_units(self._mode_hazard(system))
+        if np.any(np.isinf(hazard)):
             return math.inf  # a new part with infant mortality: its hazard is infinite at age 0
-        state = self._now(diagram)
+        works = np.exp(-known)
+        state = system.structure.state(works, -np.expm1(-known), hazard * works)
         return float(state.density / state.works) if state.works > 0 else math.inf
 
     def component_hazard_rates(self) -> Array:
         """Of every component [1/h of operation], the equal parts of one together; shape (components,)."""
-        return self._hazard
+        system = self.plant.everything
+        return self._all_parts(system.of_components(self._mode_hazard(system)))
 
     def component_survival(self) -> Array:
         """Of every component since new, all of its parts; shape (components,)."""
-        return np.exp(-self._lived)
+        return np.exp(-self._all_parts(self.plant.everything.of_components(self.cumulative_hazard)))
+
+    def _all_parts(self, of_components: Array) -> Array:
+        """Of components whose parts are told apart in diagrams, all parts together."""
+        shares = np.array([part.quantity / part.multiplicity for part in self.plant.components])
+        together: Array = of_components * shares
+        return together
+
+    def _mode_hazard(self, system: System) -> Array:
+        """Of each mode of a system, per operating hour."""
+        m = system.modes
+        hazard: Array = system.lifewise("hazard", self.age[m]) * self.factor_now[m] * self.usage_now[m]
+        return hazard
+
+    def _known(self, system: System) -> Array:
+        """Cumulative hazard of each unit, less what is known not to have happened."""
+        return np.where(system.monitored, 0.0, system.of_units(self.cumulative_hazard[system.modes]))
+
+    def _aging(self, system: System) -> tuple[Array, Array]:
+        """What stress multiplies in the future: the advance of the age, or the hazard gathered over it."""
+        by_age, factor = self.plant.by_age[system.modes], self.factor_ahead[system.modes]
+        return np.where(by_age, factor, 1.0), np.where(by_age, 1.0, factor)
 
     def ahead(self, diagram: Block, advance: Array) -> Transition:
-        """What the system does while every clock advances; ``advance`` has shape (modes, ...)."""
-        plant, extra = self.plant, [1] * (advance.ndim - 1)
-        aging, weight, age = (one.reshape(-1, *extra) for one in (*self._aging, self.age))
-        more = plant.of_components(weight * plant.lifewise("increment", age, aging * advance))
-        structure, rows = plant.structure(diagram)
-        known, more = self._known[rows].reshape(-1, *extra), more[rows]
-        known = np.broadcast_to(known, more.shape)
-        return structure.transition(-np.expm1(-known), np.exp(-known) * -np.expm1(-more), np.exp(-known - more))
-
-    def _future(self, diagram: Block, per_hour: Array) -> Callable[[Array], tuple[Array, Array]]:
-        def curve(hours: Array) -> tuple[Array, Array]:
-            _, fails, survives = self.ahead(diagram, per_hour[:, None] * hours)
-            works = fails + survives
-            return fails / works, survives / works
-
-        return curve
+        """What the system does while every clock advances; ``advance`` has shape (modes of the robot, ...)."""
+        system = self.plant.system(diagram)
+        ndim = advance.ndim
+        aging, weight, age = (_column(one, ndim) for one in (*self._aging(system), self.age[system.modes]))
+        more = system.of_units(weight * system.lifewise("increment", age, aging * advance[system.modes]))
+        known = np.broadcast_to(_column(self._known(system), ndim), more.shape)
+        return system.structure.transition(-np.expm1(-known), np.exp(-known) * -np.expm1(-more), np.exp(-known - more))
 
     def remaining_life(self, diagram: Block) -> RemainingLife:
         """Of the system under its future: usage as observed, operating by the design's share of the day."""
@@ -192,32 +202,36 @@ class Outlook:
             return RemainingLife(0.0, 0.0, 0.0, 0.0)
         share = self.plant.robot.usage.operating
         per_hour = np.where(self.plant.calendar, 1.0, share * self.usage_now)
-        curve = self._future(diagram, per_hour)
-        fails = np.array([0.05, 0.5, 0.95])
-        early, median, late = time_at(curve, fails, fails[::-1])
-        return RemainingLife(mean_time(curve), float(median), float(early), float(late))
+
+        def curve(hours: Array) -> tuple[Array, Array]:
+            _, fails, survives = self.ahead(diagram, per_hour[:, None] * hours)
+            works = fails + survives
+            return fails / works, survives / works
+
+        wanted = self.plant.robot.thresholds.survival
+        survives = np.array([0.95, 0.5, 0.05, *([wanted] if wanted else [])])
+        early, median, late, *threshold = (float(time) for time in time_at(curve, 1 - survives, survives))
+        return RemainingLife(mean_time(curve), median, early, late, *threshold)
 
     def completion(self, diagram: Block, task: Task) -> Completion:
         """P(the system works to the end of the task | what is known now)."""
-        usage = self.plant.usage
-        by_distance = np.array([mode.clock == "kilometres" for mode in self.plant.robot.modes])
-        advance = np.where(by_distance, task.distance / 1000, usage * task.duration)
+        advance = np.where(self.plant.by_distance, task.distance / 1000, self.plant.usage * task.duration)
         _, fails, survives = self.ahead(diagram, advance)
         works = float(fails + survives)
         return Completion(float(survives) / works, float(fails) / works) if works > 0 else Completion(0.0, 1.0)
 
     def survival_curve(self, diagram: Block, hours: Array) -> State:
         """Survival since new after so many more operating hours, with its density; shape of ``hours``."""
-        plant = self.plant
-        aging, weight, age = (one[:, None] for one in (*self._aging, self.age))
-        advance = aging * self.usage_now[:, None] * hours
-        speed = (self.factor_ahead * self.usage_now)[:, None]
-        hazard = plant.of_components(plant.lifewise("hazard", age + advance) * speed)
-        more = weight * plant.lifewise("increment", age, advance)
-        lived = plant.of_components(self.cumulative_hazard[:, None] + more)
-        structure, rows = plant.structure(diagram)
-        works = np.exp(-lived[rows])
-        return structure.state(works, -np.expm1(-lived[rows]), hazard[rows] * works)
+        system = self.plant.system(diagram)
+        m = system.modes
+        aging, weight = (one[:, None] for one in self._aging(system))
+        age, usage = self.age[m, None], self.usage_now[m, None]
+        advance = aging * usage * hours
+        hazard = system.of_units(system.lifewise("hazard", age + advance) * self.factor_ahead[m, None] * usage)
+        more = weight * system.lifewise("increment", age, advance)
+        lived = system.of_units(self.cumulative_hazard[m, None] + more)
+        works = np.exp(-lived)
+        return system.structure.state(works, -np.expm1(-lived), hazard * works)
 
     def figures(self, diagram: Block, task: Task | None, *, remaining_life: bool = True) -> Figures:
         """All figures of one system."""
@@ -231,14 +245,24 @@ class Outlook:
         )
 
 
+def _column(values: Array, ndim: int) -> Array:
+    """Values of modes or parts, ready to broadcast over ``ndim`` − 1 further axes."""
+    return values.reshape(-1, *[1] * (ndim - 1))
+
+
 def outlooks(plant: Plant, exposure: Exposure, ledger: Ledger) -> Mapping[View, Outlook]:
     """Both views of a robot with a past: as designed, and as lived; on the same clocks."""
     clock_age = plant.initial + ledger.age.value
     ones, zero = np.ones(len(plant.initial)), np.zeros(len(plant.initial))
-    nominal = Outlook(plant, clock_age, plant.lifewise("increment", zero, clock_age), ones, ones, plant.usage)
+    nominal = Outlook(
+        plant, clock_age, plant.everything.lifewise("increment", zero, clock_age), ones, ones, plant.usage
+    )
     recent, usage = exposure.recent_factor(ledger), exposure.recent_usage(ledger)
     effective = np.where(plant.by_age, plant.initial + ledger.effective.value, clock_age)
-    lived = plant.lifewise("increment", zero, np.where(plant.by_age, effective, plant.initial)) + ledger.hazard.value
+    lived = (
+        plant.everything.lifewise("increment", zero, np.where(plant.by_age, effective, plant.initial))
+        + ledger.hazard.value
+    )
     return {
         "nominal": nominal,
         "sensor_based": Outlook(
@@ -247,7 +271,7 @@ def outlooks(plant: Plant, exposure: Exposure, ledger: Ledger) -> Mapping[View, 
             lived,
             exposure.current_factor(ledger),
             np.where(np.isnan(recent), 1.0, recent),
-            np.where(np.isnan(usage), plant.usage, usage),
+            np.where(np.isnan(usage) | plant.calendar, plant.usage, usage),  # an hour of operation is an hour
         ),
     }
 
@@ -256,7 +280,9 @@ def as_designed(plant: Plant) -> Outlook:
     """A new robot, nominal."""
     n = len(plant.initial)
     age = plant.initial
-    return Outlook(plant, age, plant.lifewise("increment", np.zeros(n), age), np.ones(n), np.ones(n), plant.usage)
+    return Outlook(
+        plant, age, plant.everything.lifewise("increment", np.zeros(n), age), np.ones(n), np.ones(n), plant.usage
+    )
 
 
 def contributors(plant: Plant, outlook: Outlook) -> list[tuple[Component, float]]:

@@ -97,8 +97,8 @@ class HealthReport:
         return {
             "schema_version": SCHEMA_VERSION,
             **{name: getattr(self, name) for name in names},
-            "subjects": [_finite(asdict(subject)) for subject in self.subjects],
-            "components": [_finite(asdict(component)) for component in self.components],
+            "subjects": [plain(asdict(subject)) for subject in self.subjects],
+            "components": [plain(asdict(component)) for component in self.components],
             "task": asdict(self.task) if self.task else None,
             "breaches": list(self.breaches),
             "notes": list(self.notes),
@@ -136,7 +136,7 @@ def health_report(
     robot = plant.robot
     task = task or robot.task
     views = outlooks(plant, exposure, ledger)
-    silent = set(exposure.silent(ledger))
+    silent = set(exposure.silent(ledger)) if ledger.integrated_to is not None else set()  # a mere look ahead
     systems: list[tuple[str, str, Block, frozenset[str]]] = [("robot", robot.name, robot.diagram, _signals(robot, ""))]
     systems += [("module", m.path, m.diagram, _signals(robot, m.path + "/")) for m in robot.all_modules()]
     systems += [("function", name, diagram, frozenset()) for name, diagram in robot.functions.items()]
@@ -175,12 +175,18 @@ def health_report(
 
 
 def _signals(robot: Robot, prefix: str) -> frozenset[str]:
+    odometers = () if prefix else tuple(robot.clocks.values())
     return frozenset(
         channel.signal
         for mode in robot.modes
         if mode.path.startswith(prefix)
         for stress in mode.stresses
         for channel in stress.channels.values()
+    ) | frozenset(
+        signal
+        for clock in (*(mode.measured_clock for mode in robot.modes if mode.path.startswith(prefix)), *odometers)
+        if clock
+        for signal in clock.signals
     )
 
 
@@ -206,15 +212,19 @@ def _breaches(robot: Robot, figures: Figures) -> tuple[str, ...]:
 
 def _notes(ledger: Ledger) -> tuple[str, ...]:
     dropped = [f"{count} samples not taken: {reason}" for reason, count in sorted(ledger.counts.items())]
-    silent = [
-        f"{key.split(' ')[0]} had no valid value for {time / SECOND:.6g} s of operation"
-        for key, time in sorted(ledger.stale.items())
-    ]
-    return tuple(dict.fromkeys(dropped + silent))
+    silent: dict[int, list[str]] = {}
+    for key, nanoseconds in sorted(ledger.stale.items()):
+        signal = key.partition(" ")[0]
+        if signal not in silent.setdefault(nanoseconds, []):
+            silent[nanoseconds].append(signal)
+    return (
+        *dropped,
+        *(f"no valid value for {t / SECOND:.6g} s of operation: {', '.join(signals)}" for t, signals in silent.items()),
+    )
 
 
-def _finite(value: Any) -> Any:
-    """JSON has no infinity: what never happens has no time."""
+def plain(value: Any) -> Any:
+    """Values that JSON can say: what is infinite or not a number becomes None."""
     if isinstance(value, dict):
-        return {key: _finite(inner) for key, inner in value.items()}
+        return {key: plain(inner) for key, inner in value.items()}
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -255,6 +255,8 @@ def part_beyond(origin: float | Array, age: Array, duration: Array) -> Array:
 
     Source: Knuth's two-sum (The Art of Computer Programming 2, §4.2.2): end + lost is exact.
     """
+    if np.all(age >= origin):
+        return np.broadcast_to(duration, np.broadcast_shapes(np.shape(origin), age.shape, duration.shape))
     end = age + duration
     with limits():
         added = end - age

@@ -105,6 +105,8 @@ def _history_curves(robot: str, history: list[Mapping[str, Any]]) -> Iterable[Ht
         return
     hours = np.array([entry["time"] for entry in history], dtype=float)
     hours = (hours - hours[0]) / (3600 * SECOND)
+    steps = np.diff(hours)
+    silent = np.flatnonzero(steps > 3 * np.median(steps)) + 1  # the robot was off: no line is drawn across
     for key, title, label in (
         ("hazard_rate", "Hazard rate", "λ [1/h of operation]"),
         ("unreliability", "Probability of having failed since new", "1 − R"),
@@ -113,7 +115,8 @@ def _history_curves(robot: str, history: list[Mapping[str, Any]]) -> Iterable[Ht
         for view, name in VIEWS.items():
             values = [entry["subjects"][0][view][key] for entry in history]
             course = np.array([np.nan if value is None else value for value in values])
-            lines.append(Line(name, hours, course, dashed=view == "sensor_based"))
+            x, y = np.insert(hours, silent, hours[silent - 1]), np.insert(course, silent, np.nan)
+            lines.append(Line(name, x, y, dashed=view == "sensor_based"))
         yield figure(
             curve_svg(lines, title=title, x_label="time since start [h]", y_label=label),
             f"{title} of {robot}, as recorded",

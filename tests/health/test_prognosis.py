@@ -1,0 +1,398 @@
+"""Figures that follow from exposure, against closed forms, mpmath and published ones."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp, mpf
+
+from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
+from robophm.design.file import parse
+from robophm.design.robot import Robot, Task
+from robophm.health.exposure import Exposure, Ledger
+from robophm.health.prognosis import (
+    Completion,
+    Figures,
+    Outlook,
+    Plant,
+    RemainingLife,
+    as_designed,
+    contributors,
+    outlooks,
+)
+from robophm.health.report import HealthReport
+from robophm.monitor import Monitor
+
+START = 1_700_000_000 * SECOND
+
+
+def robot(components: dict[str, Any], **more: Any) -> Robot:
+    return parse(json.dumps({"schema_version": 1, "name": "R", "components": components, **more}))
+
+
+def exact(value: Any, rel: float = 1e-12) -> Any:
+    return pytest.approx(float(value), rel=rel, abs=0)
+
+
+def figures(components: dict[str, Any], ahead: Task | None = None, **more: Any) -> Figures:
+    """Of a robot as its design says, with the initial exposure that its parts have."""
+    design = robot(components, **more)
+    return as_designed(Plant(design)).figures(design.diagram, ahead)
+
+
+def hours(duration: float) -> Task:
+    return Task(0.0, duration)
+
+
+def life(found: Figures) -> RemainingLife:
+    assert found.remaining_life
+    return found.remaining_life
+
+
+def quantiles(found: Figures) -> list[float]:
+    return [life(found).early, life(found).median, life(found).late]
+
+
+def task(found: Figures) -> Completion:
+    assert found.completion
+    return found.completion
+
+
+def test_exponential_series() -> None:
+    rates = [mpf(1e-4), mpf(2e-3), mpf(5e-6)]
+    total = sum(rates)
+    parts = {f"p{i}": {"rate": f"{float(rate)!r} /h", "initial_exposure": "30 h"} for i, rate in enumerate(rates)}
+    found = figures(parts, hours(7.5))
+    assert found.hazard_rate == exact(total)
+    assert found.reliability == exact(mp.exp(-30 * total))
+    assert found.unreliability == exact(-mp.expm1(-30 * total))
+    assert life(found).mean == exact(1 / total, 1e-10)
+    assert quantiles(found) == pytest.approx([float(-mp.log(1 - mpf(q)) / total) for q in (0.05, 0.5, 0.95)])
+    assert task(found).probability == exact(mp.exp(-7.5 * total))
+    assert task(found).failure == exact(-mp.expm1(-7.5 * total))
+
+
+def pair(rate: float, age: float, *, monitored: bool) -> dict[str, Any]:
+    part = {"rate": f"{rate!r} /h", "initial_exposure": f"{age!r} h", "monitored": monitored}
+    return {"components": {"left": part, "right": part}, "diagram": {"parallel": ["left", "right"]}}
+
+
+def of_pair(rate: float, age: float, ahead: float) -> tuple[mpf, mpf]:
+    """P(a pair fails in the time ahead, survives it | it works at this age): c/(c + s) and s/(c + s)."""
+    now, end = (-mp.expm1(-mpf(rate) * t) for t in (mpf(age), mpf(age) + mpf(ahead)))
+    return (end**2 - now**2) / (1 - now**2), (1 - end**2) / (1 - now**2)
+
+
+@pytest.mark.parametrize("ahead", [1e-9, 1.0, 3e4, 5e6])
+@pytest.mark.parametrize("age", [0.0, 20.0, 1e5])
+@pytest.mark.parametrize("monitored", [True, False])
+def test_redundant_pair(age: float, ahead: float, monitored: bool) -> None:
+    rate = 3e-5
+    found = figures(**pair(rate, age, monitored=monitored), ahead=hours(ahead))
+    known = 0.0 if monitored else age  # a part known to work is as new: its life is exponential
+    fails, survives = of_pair(rate, known, ahead)
+    assert task(found).failure == exact(fails)
+    assert task(found).probability == exact(survives)
+    q = -mp.expm1(-mpf(rate) * known)
+    assert found.hazard_rate == exact(2 * rate * (1 - q) * q / (1 - q**2))  # 0 while both are known to work
+    assert found.reliability == exact(1 - mp.expm1(-mpf(rate) * age) ** 2)  # since new, whatever is known
+    assert life(found).mean == exact((mpf(3) / 2 + q / 2) / (1 + q) / rate, 1e-10)
+    roots = [1 - mp.sqrt(mpf(f) + (1 - mpf(f)) * q**2) for f in (0.05, 0.5, 0.95)]  # p at that time
+    expected = [float(-mp.log(p) / mpf(rate) - known) for p in roots]
+    assert quantiles(found) == pytest.approx(expected, rel=1e-11)
+
+
+def test_weibull_that_has_lived() -> None:
+    """RePyability: Weibull(100, 2), mean residual life at 40 is 59.45 and R(60 | 50) = 0.8958."""
+    part = {"life": {"distribution": "weibull", "scale": "100 h", "shape": 2}}
+    at_40 = figures({"part": {**part, "initial_exposure": "40 h"}})
+    assert round(life(at_40).mean, 2) == 59.45
+    tail = mp.quad(lambda t: mp.exp(mpf(0.16) - (t / 100) ** 2), [40, 100, 200, 400, mp.inf])
+    assert life(at_40).mean == exact(tail, 1e-10)
+    expected = [float(100 * mp.sqrt(mpf("0.16") - mp.log(1 - mpf(q))) - 40) for q in (0.05, 0.5, 0.95)]
+    assert quantiles(at_40) == pytest.approx(expected, rel=1e-11)
+    at_50 = figures({"part": {**part, "initial_exposure": "50 h"}}, hours(10))
+    assert round(task(at_50).probability, 4) == 0.8958
+    assert task(at_50).probability == exact(mp.exp(-mpf("0.11")))
+    assert at_50.hazard_rate == exact(mpf("0.01"))  # 2 · 50 / 100²
+
+
+def test_laser_and_camera_of_the_case_study() -> None:
+    """A parallel block has no constant rate; 1/MTTF of the paper's 8e-8 and 5.88e-9 /h is 5.85e-9 /h."""
+    parts = {"laser": {"rate": "8e-8 /h"}, "camera": {"rate": "5.88e-9 /h"}}
+    found = figures(parts, diagram={"parallel": ["laser", "camera"]})
+    one, other = mpf("8e-8"), mpf("5.88e-9")
+    assert life(found).mean == exact(1 / one + 1 / other - 1 / (one + other), 1e-10)
+    assert f"{1 / life(found).mean:.2e}" == "5.85e-09"
+    assert found.hazard_rate == 0
+
+
+@pytest.mark.parametrize("distribution", ["weibull", "lognormal", "loglogistic", "gamma"])
+def test_tails_of_a_task(distribution: str) -> None:
+    """Two monitored parts: both 1e-30 of failing and 1e-30 of surviving keep all digits."""
+    shape = {"log_deviation": 0.5} if distribution == "lognormal" else {"shape": 3.0}
+    part = {"rate": "0.001 /h", "life": {"distribution": distribution, **shape}, "monitored": True}
+    design = robot({"a": part, "b": part}, diagram={"parallel": ["a", "b"]})
+    alone = design.modes[0].life
+    for ahead in (float(alone.quantile(1e-15)), float(alone.age_at(70.0))):
+        found = as_designed(Plant(design)).completion(design.diagram, hours(ahead))
+        H = mpf(float(alone.cumulative_hazard(ahead)))
+        assert found.failure == exact(mp.expm1(-H) ** 2)
+        assert found.probability == exact(1 - mp.expm1(-H) ** 2)
+        assert min(found.failure, found.probability) < 1e-29
+
+
+MIXED = {
+    "wheel": {"life": {"distribution": "weibull", "scale": "900 km", "shape": 2}, "clock": "kilometres", "quantity": 2},
+    "motor": {"rate": "1e-3 /h", "quantity": 3, "required": 2, "initial_exposure": "100 h"},
+    "gripper": {"rate": "1e-5 /cycle", "clock": "cycles", "monitored": True},
+    "seal": {"life": {"distribution": "gamma", "shape": 2, "scale": "5000 h"}, "clock": "calendar"},
+}
+USAGE = {"kilometres": "2 km/h", "cycles": "40 cycle/h", "operating": 0.5}
+DIAGRAM = {"series": ["wheel", "seal", {"parallel": ["motor", {"series": ["gripper", "wheel"]}]}]}
+DESIGN = robot(MIXED, usage=USAGE, diagram=DIAGRAM)
+OUTLOOK = as_designed(Plant(DESIGN))
+
+
+def test_an_empty_task_is_always_completed() -> None:
+    found = OUTLOOK.completion(DESIGN.diagram, Task(0.0, 0.0))
+    assert (found.probability, found.failure) == (1.0, 0.0)
+
+
+@given(st.floats(0, 1e6), st.floats(0, 1e6), st.floats(0, 1e4), st.floats(0, 1e4))
+def test_a_longer_task_never_helps(distance: float, farther: float, duration: float, longer: float) -> None:
+    short = OUTLOOK.completion(DESIGN.diagram, Task(distance, duration))
+    long = OUTLOOK.completion(DESIGN.diagram, Task(distance + farther, duration + longer))
+    assert long.probability <= short.probability * (1 + 1e-15)
+    assert long.failure >= short.failure * (1 - 1e-15)
+    assert long.probability + long.failure == pytest.approx(1, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        {"distance": "2.5 km", "speed": "0.3 m/s"},
+        {"distance": "2500 m", "speed": "1.08 km/h"},
+        {"distance": "250000 cm", "duration": f"{2500 / 0.3!r} s"},
+        {"duration": f"{2500 / 1080!r} h", "speed": "30 cm/s"},
+    ],
+)
+def test_units_of_a_task_change_nothing(written: dict[str, str]) -> None:
+    design = robot(MIXED, usage=USAGE, diagram=DIAGRAM, task=written)
+    assert design.task
+    found = OUTLOOK.completion(DESIGN.diagram, design.task)
+    expected = OUTLOOK.completion(DESIGN.diagram, Task(2500, 2500 / 0.3 / 3600))
+    assert found.probability == exact(expected.probability)
+    assert found.failure == exact(expected.failure)
+
+
+def test_every_clock_advances_in_a_task_and_in_the_life_ahead() -> None:
+    """One part on each clock: by hand, distance for kilometres, usage for cycles, all of the time for calendar."""
+    clocks = {"operating": "h", "calendar": "h", "kilometres": "km", "cycles": "cycle"}
+    parts = {clock: {"rate": f"0.001 /{unit}", "clock": clock} for clock, unit in clocks.items()}
+    design = robot(parts, usage=USAGE)
+    outlook = as_designed(Plant(design))
+    advance = {"operating": 3.0, "calendar": 3.0, "kilometres": 5.0, "cycles": 120.0}
+    per_hour = {"operating": 0.5, "calendar": 1.0, "kilometres": 1.0, "cycles": 20.0}  # half of the day
+    for clock, mode in zip(clocks, design.components, strict=True):
+        (alone,) = (block for block in design.diagram.blocks if block.name == mode.path)  # type: ignore[attr-defined]
+        assert outlook.completion(alone, Task(5000.0, 3.0)).probability == exact(mp.exp(-mpf(0.001) * advance[clock]))
+        assert outlook.remaining_life(alone).mean == exact(1 / (mpf(0.001) * per_hour[clock]), 1e-10)
+
+
+def test_what_cannot_have_survived() -> None:
+    found = figures({"part": {"rate": "1 /h", "initial_exposure": "1e6 h"}}, hours(1))
+    assert found.reliability == 0
+    assert (task(found).probability, task(found).failure) == (0, 1)
+    assert found.remaining_life == RemainingLife(0, 0, 0, 0)
+
+
+def test_a_broken_arm_does_not_zero_a_task_that_only_drives() -> None:
+    parts = {"arm": {"rate": "1 /h", "initial_exposure": "1e6 h"}, "wheels": {"rate": "1e-3 /h"}}
+    design = robot(parts, functions={"drive": "wheels"})
+    outlook = as_designed(Plant(design))
+    assert outlook.completion(design.functions["drive"], hours(1)).probability == exact(mp.exp(-mpf(0.001)))
+    assert outlook.completion(design.diagram, hours(1)).probability == 0
+
+
+@pytest.mark.parametrize("beta", [1.1, 1.5])
+def test_a_heavy_tail_has_a_mean(beta: float) -> None:
+    """Log-logistic lives have a mean where β > 1: η · (π/β) / sin(π/β), however slowly it is gathered."""
+    found = figures({"part": {"life": {"distribution": "loglogistic", "scale": "1e5 h", "shape": beta}}})
+    expected = mpf("1e5") * (mp.pi / mpf(beta)) / mp.sin(mp.pi / mpf(beta))
+    assert life(found).mean == exact(expected, 1e-10)
+
+
+@pytest.mark.parametrize("distribution", ["weibull", "gamma", "lognormal", "normal", "extreme_value", "rayleigh"])
+def test_remaining_life_of_each_distribution_is_finite_and_in_order(distribution: str) -> None:
+    shape = {"weibull": {"shape": 0.5}, "gamma": {"shape": 0.5}, "lognormal": {"log_deviation": 1}}.get(
+        distribution, {}
+    )
+    shape |= {"deviation": "300 h"} if distribution == "normal" else {}
+    shape |= {"scale": "200 h"} if distribution == "extreme_value" else {}
+    part = {"rate": "1e-3 /h", "life": {"distribution": distribution, **shape}, "initial_exposure": "50 h"}
+    found = life(figures({"part": part}))
+    assert 0 < found.early < found.median < found.late < math.inf
+    of_part = robot({"part": part}).modes[0].life
+    assert found.mean == exact(of_part.mean_residual_life(50.0), 1e-9)
+
+
+def test_survival_ahead_is_since_new() -> None:
+    part = {"life": {"distribution": "weibull", "scale": "100 h", "shape": 2}, "initial_exposure": "50 h"}
+    design = robot({"part": part})
+    state = as_designed(Plant(design)).survival_curve(design.diagram, np.array([0.0, 10.0]))
+    assert state.works.tolist() == pytest.approx([float(mp.exp(-mpf("0.25"))), float(mp.exp(-mpf("0.36")))], rel=1e-14)
+    assert (state.density / state.works).tolist() == pytest.approx([0.01, 0.012], rel=1e-14)
+
+
+def test_contributors_lead_with_the_worst() -> None:
+    plant = Plant(robot({"small": {"rate": "1e-6 /h"}, "three": {"rate": "4e-6 /h", "quantity": 3, "required": 2}}))
+    found = [(part.path, rate) for part, rate in contributors(plant, as_designed(plant))]
+    assert found == [("three", exact(12e-6)), ("small", exact(1e-6))]
+
+
+# Nominal and sensor-based, side by side.
+
+Q10 = {"model": "q10"}
+HOT = {"temperature": {"topic": "/t", "field": "c", "unit": "degC", "max_age": "10 s", "range": [-40, 600]}}
+
+
+def watched(components: dict[str, Any], celsius: list[tuple[int, float]], until: int, **more: Any) -> Monitor:
+    """A monitor that has seen a value every 5 s: pieces of (seconds, value), NaN for silence."""
+    design = robot(components, **{"signals": HOT, **more})
+    observer, now = Monitor(design), START // (60 * SECOND) * 60 * SECOND
+    first = now
+    for seconds, value in celsius:
+        for _ in range(seconds // 5):
+            if not math.isnan(value):
+                observer.observe(Sample(now, "/t.c", value))
+            now += 5 * SECOND
+    observer.observe(Sample(first + until * SECOND + SECOND, CLOCK, 0.0))
+    return observer
+
+
+def looked_at(observer: Monitor) -> HealthReport:
+    return observer.report(settled=False)
+
+
+PART = {"part": {"rate": "1e-3 /h", "acceleration": Q10}}
+TWENTY_FIVE = {"task": {"duration": "25 h"}}
+
+
+def test_the_last_ten_minutes_drive_the_future_and_the_present_the_hazard_now() -> None:
+    report = looked_at(watched(PART, [(1200, 65.0), (300, 35.0), (300, 45.0)], 1800, **TWENTY_FIVE))
+    figures = report.system.sensor_based
+    assert figures.hazard_rate == exact(4e-3)  # 45 °C is four times the rate at 25
+    assert figures.reliability == exact(mp.exp(-mpf("1e-3") * (1200 * 16 + 300 * 2 + 300 * 4) / 3600))
+    assert life(figures).mean == exact(1 / mpf("3e-3"), 1e-10)  # mean of 2 and 4
+    assert task(figures).probability == exact(mp.exp(-25 * mpf("3e-3")))
+    nominal = report.system.nominal
+    assert nominal.hazard_rate == exact(1e-3)
+    assert nominal.reliability == exact(mp.exp(-mpf("1e-3") / 2))
+    assert task(nominal).probability == exact(mp.exp(-25 * mpf("1e-3")))
+    assert report.system.flags == ()
+
+
+@pytest.mark.parametrize("scaling", ["age", "hazard"])
+def test_stress_ahead_ages_or_weighs_as_it_did(scaling: str) -> None:
+    """A Weibull part of shape 2 at twice its rate: (u + 2m)² − u² or 2·((a + m)² − a²)."""
+    wear = {"distribution": "weibull", "scale": "10 h", "shape": 2}
+    part = {"life": wear, "scaling": scaling, "acceleration": Q10, "initial_exposure": "3 h"}
+    report = looked_at(watched({"part": part}, [(3600, 35.0)], 3600, task={"duration": "2 h"}))
+    lived, ahead = (5**2, 9**2 - 5**2) if scaling == "age" else (3**2 + 2 * (4**2 - 3**2), 2 * (6**2 - 4**2))
+    figures = report.system.sensor_based
+    assert figures.reliability == exact(mp.exp(-mpf(lived) / 100))
+    assert task(figures).probability == exact(mp.exp(-mpf(ahead) / 100))
+    assert report.reliability(hours=2) == exact(mp.exp(-mpf(lived + ahead) / 100))
+    assert figures.hazard_rate == exact(mpf(2 * 2 * (5 if scaling == "age" else 4)) / 100)
+    assert report.system.nominal.hazard_rate == exact(mpf(2 * 4) / 100)
+
+
+def test_without_a_past_the_future_is_nominal() -> None:
+    design = robot(PART, signals=HOT)
+    views = outlooks(Plant(design), Exposure(design), Ledger.new(design))
+    nominal, lived = (views[view].figures(design.diagram, hours(25)) for view in ("nominal", "sensor_based"))
+    assert nominal == lived
+
+
+def test_what_was_before_a_long_silence_is_not_recent() -> None:
+    day = 24 * 3600
+    observer = watched(PART, [(1200, 65.0), (day, math.nan), (120, 45.0)], 1200 + day + 120, **TWENTY_FIVE)
+    assert task(looked_at(observer).system.sensor_based).probability == exact(mp.exp(-25 * mpf("4e-3")))
+
+
+def test_a_night_off_does_not_make_the_calendar_run_faster() -> None:
+    """The hazard now is of an hour of operation, whatever the share of the day that the robot was on."""
+    observer = watched({"seal": {"rate": "1e-3 /h", "clock": "calendar", "acceleration": Q10}}, [(600, 25.0)], 600)
+    for minute in range(8 * 60, 8 * 60 + 5):
+        observer.observe(Sample(START + minute * 60 * SECOND, "/t.c", 25.0))
+    report = looked_at(observer)
+    assert report.clocks["calendar"] > 7 * report.clocks["operating"]
+    assert report.system.sensor_based.hazard_rate == exact(1e-3)
+    curve = report.outlooks["sensor_based"].survival_curve(observer.robot.diagram, np.array([0.0, 100.0]))
+    assert curve.works[1] / curve.works[0] == exact(mp.exp(-mpf("0.1")))
+
+
+@pytest.mark.parametrize(("stale", "factor"), [("nominal", 1), ("hold", 4), ("worst", 2**10)])
+def test_silence_is_flagged_and_its_policy_holds(stale: str, factor: int) -> None:
+    signals = {"temperature": {**HOT["temperature"], "stale": stale, "range": [-40, 125]}}
+    report = looked_at(watched(PART, [(60, 45.0)], 120, signals=signals, max_gap="1 h"))
+    assert report.system.flags == ("stale /t.c",)
+    assert report.system.sensor_based.hazard_rate == exact(1e-3 * factor)
+    expected = (mpf(65) * 4 + 55 * factor) / 3600 * mpf("1e-3")  # the last value, of second 55, holds for 10 s
+    assert report.system.sensor_based.unreliability == exact(-mp.expm1(-expected))
+    assert "no valid value for 55 s of operation: /t.c" in report.notes
+
+
+def test_beyond_the_range_of_the_model_is_flagged_and_counted() -> None:
+    part = {"part": {"rate": "1e-18 /h", "acceleration": Q10}}
+    inside = looked_at(watched(part, [(60, 500.0)], 60))
+    beyond = looked_at(watched(part, [(60, 500.5)], 60))
+    assert inside.system.flags == ()
+    assert beyond.system.flags == ("extrapolated",)
+    assert beyond.system.sensor_based.hazard_rate == exact(mpf("1e-18") * mpf(2) ** mpf("47.55"))
+
+
+def test_what_was_not_taken_is_told() -> None:
+    observer = watched(PART, [(120, 45.0)], 120)
+    now = observer.ledger.integrated_to or 0
+    for sample in (
+        Sample(now, "/t.c", 20.0),
+        Sample(now - HOUR, "/t.c", 20.0),
+        Sample(now + SECOND, "/t.c", 601.0),
+        Sample(now + SECOND, "/t.c", math.nan),
+        Sample(now + SECOND, "/t.c", -math.inf),
+        Sample(now + 2 * SECOND, CLOCK, 0.0),
+    ):
+        observer.observe(sample)
+    assert set(observer.report().notes) == {
+        "1 samples not taken: out of range: /t.c",
+        "2 samples not taken: late: /t.c",
+        "2 samples not taken: not finite: /t.c",
+    }
+
+
+def test_a_clock_goes_on_as_it_lately_went() -> None:
+    """0.5 m/s in the last ten minutes is 1.8 km of every hour of operation; the design says 1."""
+    wheels = {"rate": "1e-3 /km", "clock": "kilometres"}
+    drive = {"kilometres": {"topic": "/t", "speed": "c", "max_age": "10 s"}}
+    observer = watched({"wheels": wheels}, [(600, 0.5)], 600, signals={}, clocks=drive, usage={"kilometres": "1 km/h"})
+    report = looked_at(observer)
+    assert report.clocks["kilometres"] == exact(0.3)
+    assert report.system.nominal.hazard_rate == exact(1e-3)
+    assert report.system.sensor_based.hazard_rate == exact(1.8e-3)
+    assert report.remaining_life().mean == exact(1 / mpf("1.8e-3"), 1e-10)
+    assert report.completion(Task(2000.0, 1.0)).probability == exact(mp.exp(-mpf("2e-3")))  # a task says how far
+
+
+def test_equal_parts_of_a_component_are_stated_together() -> None:
+    design = robot({"part": {"rate": "1e-3 /h", "quantity": 4, "required": 3, "initial_exposure": "10 h"}})
+    outlook: Outlook = as_designed(Plant(design))
+    assert outlook.component_hazard_rates().tolist() == [exact(4e-3)]
+    assert outlook.component_survival().tolist() == [exact(mp.exp(-mpf("0.04")))]

@@ -1,0 +1,113 @@
+"""The page about a robot's health: whole, escaped, without script, the same bytes from the same inputs."""
+
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+from robophm.core.signal import HOUR, SECOND
+from robophm.design.file import parse
+from robophm.monitor import replay
+from robophm.report.health_page import health_page
+from robophm.stores.memory import MemoryStore
+from robophm.transports.synthetic import SyntheticOta
+
+DESIGN = """
+schema_version: 1
+name: <b>OTA & co
+task: {distance: 250 m, speed: 0.3 m/s}
+modules:
+  Drive:
+    signals:
+      temperature: {topic: /ota/mobility/temperature, field: temperature, range: [-40, 125]}
+    components:
+      motor: {quantity: 2, rate: 8 FPMH, acceleration: {model: q10}}
+      "<script>alert(1)": {rate: 1 FPMH}
+"""
+
+
+class Outline(HTMLParser):
+    """Tags that are opened and not closed, attributes that fetch, and the text."""
+
+    VOID = frozenset({"meta", "br", "path", "rect", "circle", "line", "polyline"})
+
+    def __init__(self):
+        super().__init__()
+        self.tags, self.fetches, self.text = set(), [], ""
+        self.open = []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.add(tag)
+        self.fetches += [value for name, value in attrs if name in ("src", "href", "srcset", "action")]
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if tag not in self.VOID:
+            assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data
+
+
+@pytest.fixture(scope="module")
+def page():
+    robot = parse(DESIGN)
+    # An afternoon, a night in which the robot is off, and a morning.
+    day = SyntheticOta(seed=3, start=1_709_553_600 * SECOND, duration=20 * HOUR, period=5 * SECOND)
+    store = MemoryStore()
+    report = replay(robot, day, store=store)
+    history = list(store.history(robot.name))
+    return robot, report, history
+
+
+def outline(html):
+    parsed = Outline()
+    parsed.feed(html)
+    assert not parsed.open
+    return parsed
+
+
+def test_it_is_whole_and_harmless(page):
+    html = health_page(*page)
+    found = outline(html)
+    assert not found.fetches
+    assert "script" not in found.tags
+    assert "<b>OTA & co" in found.text
+    assert "<script>alert(1)" in found.text
+    assert "default-src 'none'" in html
+
+
+def test_it_says_what_the_report_says(page):
+    robot, report, history = page
+    text = outline(health_page(robot, report, history)).text
+    for part in (
+        "Hazard rate now",
+        "Reliability",
+        "Remaining life",
+        "Next task completed",
+        "Drive/motor",
+        "Assumptions",
+    ):
+        assert part in text
+    assert report.design_hash[:16] in text
+    assert len(history) > 20
+
+
+def test_the_same_inputs_give_the_same_bytes(page):
+    assert health_page(*page) == health_page(*page)
+
+
+def test_no_line_is_drawn_across_a_night_off(page):
+    """Each course as recorded has two pieces, the afternoon and the morning."""
+    recorded = health_page(*page).split("<h2>Curves</h2>")[1].split("as recorded")[0]
+    courses = re.findall(r'<path[^>]*class="line[^>]*>', recorded)
+    drawn = [d for course in courses if "L" in (d := re.search(r' d="([^"]*)"', course)[1])]  # the legend's have none
+    assert [d.count("M") for d in drawn] == [2, 2]
+
+
+def test_without_a_history_the_outlook_is_still_there(page):
+    robot, report, _ = page
+    text = outline(health_page(robot, report)).text
+    assert "Reliability ahead" in text
+    assert "as recorded" not in text
