@@ -257,9 +257,8 @@ class _Builder:
                     (*at, stress_input),
                     f"'{stress_input}' is what is measured; expected reference_{stress_input} here",
                 )
-            reference = model.numbers[f"reference_{stress_input}"]
-            default = None if reference.default is None else f"{reference.default!r} {reference.unit}"
-            parameters[stress_input] = parameters.get(f"reference_{stress_input}", default)
+            reference = f"reference_{stress_input}"
+            parameters[stress_input] = parameters.get(reference, _default(model, reference))
             if hazard and (hazard.channels or stress_input in hazard.model.inputs):
                 raise Fault(
                     at,
@@ -517,3 +516,9 @@ def _plug(place: Path, find: Any, name: str) -> Any:
         return find(name)
     except PlugError as error:
         raise Fault(place, str(error)) from None
+
+
+def _default(model: Model, name: str) -> str | None:
+    """The default of a number as a user would write it."""
+    entry = model.numbers[name]
+    return None if entry.default is None else f"{entry.default!r} {entry.unit}"

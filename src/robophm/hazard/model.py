@@ -132,8 +132,8 @@ class Model:
                 except UnitError as error:
                     raise UnitError(f"{self.name}: {name}: {error}") from None
                 if not entry.low <= number <= entry.high:
-                    given_as = f"{number:g} {entry.unit}".rstrip()
-                    raise ModelError(f"{self.name}: {name} {given_as} is outside {self.expected(name)}")
+                    written = f"{number:g} {entry.unit}".rstrip()
+                    raise ModelError(f"{self.name}: {name} {written} is outside {self.expected(name)}")
                 settled[name] = number
         # A combination that the handbook has no answer for is an error now, not a flag on the robot.
         for factor in self.explain(settled).leaves():
@@ -174,20 +174,20 @@ def hazard_model(
     *, source: Source, inputs: Mapping[str, Input], unit: str = "1/h"
 ) -> Callable[[Callable[..., Factor]], Model]:
     """Declare a function as a hazard model; its result is in ``unit``. The first docstring line is the formula."""
-    return lambda function: _declare(_plug_name(function), function, source, inputs, unit)
+    return lambda function: _declare(function, _module_name(function), source, inputs, unit)
 
 
 def acceleration(*, source: Source, inputs: Mapping[str, Input]) -> Callable[[Callable[..., Factor]], Model]:
     """Declare a function as an acceleration: a factor of the hazard rate that is 1 at the reference stress."""
-    return lambda function: _declare(function.__name__, function, source, inputs, "")
+    return lambda function: _declare(function, function.__name__, source, inputs, "")
 
 
-def _plug_name(function: Callable[..., Factor]) -> str:
-    return function.__module__.removeprefix("robophm.hazard.handbooks.")
+def _module_name(function: Callable[..., Factor]) -> str:
+    return function.__module__.removeprefix("robophm.hazard.").removeprefix("handbooks.")
 
 
 def _declare(
-    name: str, function: Callable[..., Factor], source: Source, inputs: Mapping[str, Input], unit: str
+    function: Callable[..., Factor], name: str, source: Source, inputs: Mapping[str, Input], unit: str
 ) -> Model:
     taken = inspect.signature(function).parameters
     if set(taken) != set(inputs):
