@@ -11,8 +11,11 @@ import typer
 from robophm.cli import BREACHED
 from robophm.cli.output import (
     console,
+    json_text,
+    may_write,
     print_json,
     print_report,
+    print_table,
     progress_console,
     table,
     warn,
@@ -31,7 +34,17 @@ app = typer.Typer(
 
 Design = Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")]
 Json = Annotated[bool, typer.Option("--json", help="print one JSON document on stdout")]
-Unit = Annotated[str, typer.Option(help="of hazard rates: 1/h, FIT or FPMH")]
+
+
+def _known_unit(unit: str) -> str:
+    try:
+        rate_text(0.0, unit)
+    except UnitError as error:
+        raise typer.BadParameter(str(error)) from None
+    return unit
+
+
+Unit = Annotated[str, typer.Option(help="of hazard rates: 1/h, FIT or FPMH", callback=_known_unit)]
 
 
 @app.command()
@@ -75,6 +88,7 @@ def show(
 
     if not 0 <= hours < float("inf"):
         raise UnitError(f"--hours {hours:g}: expected a number of at least 0")
+    may_write(svg, design)
     robot = load(design)
     found = promises(robot, hours, legacy=legacy)
     if svg:
@@ -84,7 +98,7 @@ def show(
         return
     out = console()
     draw(out, robot, unit)
-    out.print(promises_table(robot, found, hours, unit))
+    print_table(out, promises_table(robot, found, hours, unit))
 
 
 @app.command()
@@ -109,30 +123,33 @@ def rate(
         if as_json:
             print_json({"models": [{"name": n, "formula": m.formula, "source": str(m.source)} for n, m in models]})
         else:
-            out.print(
-                table(
-                    "Hazard models",
-                    ("model", "formula", "source"),
-                    [(n, m.formula, str(m.source)) for n, m in models],
-                )
-            )
+            rows = [(n, m.formula, str(m.source)) for n, m in models]
+            print_table(out, table("Hazard models", ("model", "formula", "source"), rows))
         return
     chosen = handbook_model(model)
     given = {}
     for pair in set_ or []:
-        name, equals, value = pair.partition("=")
+        name, equals, value = (word.strip() for word in pair.partition("="))
         if not equals:
             raise ModelError(f"--set {pair}: expected INPUT=VALUE")
-        given[name.strip()] = value.strip()
+        if name in given:
+            raise ModelError(f"--set {pair}: '{name}' is given twice")
+        given[name] = value
     if not given and any(
         getattr(entry, "required", True) and entry.default is None for entry in chosen.inputs.values()
     ):
-        rows = [
+        takes = [
             (name, chosen.expected(name), "" if e.default is None else str(e.default), e.description)
             for name, e in chosen.inputs.items()
         ]
+        if as_json:
+            keys = ("name", "expected", "default", "description")
+            print_json({"model": chosen.name, "unit": chosen.unit, "formula": chosen.formula,
+                        "source": str(chosen.source),
+                        "inputs": [dict(zip(keys, row, strict=True)) for row in takes]})  # fmt: skip
+            return
         out.print(f"{chosen.name}: {chosen.formula}\n{chosen.source}", markup=False)
-        for name, expected, default, description in rows:
+        for name, expected, default, description in takes:
             out.print(
                 f"  {name}: {description}; {expected}" + (f"; default {default}" if default else ""),
                 markup=False,
@@ -175,12 +192,12 @@ def predict(
 
     robot = load(design)
     task = robot.task
-    if distance or speed or duration:
+    if (distance, speed, duration) != (None, None, None):
         try:
             task = plain_task(
-                quantity(distance, "m") if distance else None,
-                quantity(speed, "m/s") if speed else None,
-                quantity(duration, "h") if duration else None,
+                quantity(distance, "m") if distance is not None else None,
+                quantity(speed, "m/s") if speed is not None else None,
+                quantity(duration, "h") if duration is not None else None,
             )
         except Fault as fault:
             raise RobophmError(f"task: {fault}") from None
@@ -210,6 +227,7 @@ def replay(
 ) -> None:
     """A robot's health after what it recorded."""
     from robophm.design.file import load
+    from robophm.monitor import _available
     from robophm.monitor import replay as replay_recording
     from robophm.report.health_page import health_page
     from robophm.stores.memory import MemoryStore
@@ -217,10 +235,12 @@ def replay(
     from robophm.stores.store import Store
     from robophm.transports.source import open_source
 
+    may_write(report, design, *recordings, *([store] if store else []))
     robot = load(design)
     for warning in robot.warnings:
         warn(warning)
     with open_source(*recordings) as source:
+        _available(robot, source, skip_missing=skip_missing)  # before a store is made for it
         kept: Store = SqliteStore(store) if store else MemoryStore()
         with kept, _progress(source, "replaying") as tick:
             if store and kept.progress(robot.name, source.fingerprint).complete:
@@ -242,11 +262,9 @@ def replay(
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of the design file, for an editor's completion."""
-    import json
-
     from robophm.design.schema import json_schema
 
-    typer.echo(json.dumps(json_schema(), indent=2, ensure_ascii=False))
+    typer.echo(json_text(json_schema()))
 
 
 @app.command()

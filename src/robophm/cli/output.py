@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
+from rich.cells import cell_len
 from rich.console import Console
+from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
@@ -23,10 +26,16 @@ SCHEMA_VERSION = 1
 PLAIN_WIDTH = 120
 """Columns of what is printed into a file or a pipe."""
 
+NARROWEST = 40
+"""Columns below which a terminal is not believed."""
+
 
 def console() -> Console:
     """For people, on stdout; plain where it is no terminal or NO_COLOR is set."""
-    return Console(highlight=False, width=None if sys.stdout.isatty() else PLAIN_WIDTH)
+    colours: Literal["auto"] | None = None if os.environ.get("NO_COLOR") else "auto"  # bold is an escape code too
+    out = Console(highlight=False, width=None if sys.stdout.isatty() else PLAIN_WIDTH, color_system=colours)
+    out.width = max(out.width, NARROWEST)
+    return out
 
 
 def progress_console() -> Console:
@@ -36,8 +45,13 @@ def progress_console() -> Console:
 
 def print_json(document: Mapping[str, Any]) -> None:
     """One JSON document on stdout, with its schema version first."""
-    text = json.dumps({"schema_version": SCHEMA_VERSION, **document}, indent=2, ensure_ascii=False, allow_nan=False)
-    sys.stdout.write(text + "\n")
+    sys.stdout.write(json_text({"schema_version": SCHEMA_VERSION, **document}) + "\n")
+
+
+def json_text(document: Mapping[str, Any]) -> str:
+    """As it is printed: stdout that cannot show a character gets its JSON escape."""
+    unicode = sys.stdout.encoding.lower().startswith("utf")
+    return json.dumps(document, indent=2, ensure_ascii=not unicode, allow_nan=False)
 
 
 def warn(text: str) -> None:
@@ -56,11 +70,24 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], *, 
         box=None,
         pad_edge=False,
     )
+    rows = list(rows)
     for i, column in enumerate(columns):
-        result.add_column(column, justify="right" if i in figures else "left", no_wrap=True, overflow="ellipsis")
+        if i in figures:
+            widest = max(map(cell_len, (column, *(row[i] for row in rows))))
+            result.add_column(column, justify="right", no_wrap=True, min_width=widest)
+        else:
+            result.add_column(column, overflow="fold")
     for row in rows:
         result.add_row(*(Text(cell) for cell in row))
     return result
+
+
+def print_table(out: Console, table: Table) -> None:
+    """A table whose figures are never cut: texts wrap, and what is still wider than the terminal runs over."""
+    needed = Measurement.get(out, out.options.update_width(1000), table).minimum
+    if needed > out.width:
+        table.width = needed
+    out.print(table, crop=False)
 
 
 def health_table(report: HealthReport, unit: str, *, course: Mapping[str, str] | None = None) -> Table:
@@ -90,7 +117,7 @@ def health_table(report: HealthReport, unit: str, *, course: Mapping[str, str] |
 def print_report(report: HealthReport, unit: str) -> None:
     """A report for people: the table, what qualifies it, what is breached."""
     out = console()
-    out.print(health_table(report, unit))
+    print_table(out, health_table(report, unit))
     clocks = {"operating": "h of operation", "calendar": "h in all", "kilometres": "km"}
     lived = ", ".join(f"{number_text(v)} {clocks.get(n, n)}" for n, v in report.clocks.items())
     out.print(f"Observed: {lived if report.time is not None else 'nothing yet; sensor-based is nominal'}", markup=False)
@@ -110,6 +137,18 @@ def print_report(report: HealthReport, unit: str) -> None:
         out.print(line, style="yellow", markup=False)
     for breach in report.breaches:
         out.print(f"threshold breached: {breach}", style="bold red", markup=False)
+
+
+def may_write(path: Path | None, *inputs: Path) -> None:
+    """Raises RobophmError, before any work, where a file cannot be written or would take the place of an input."""
+    if path is None:
+        return
+    if any(path.resolve() == other.resolve() for other in inputs):
+        raise RobophmError(f"{path}: is read or kept by this command too; expected a file of its own")
+    if not path.parent.is_dir():
+        raise RobophmError(f"{path}: cannot be written: no such folder")
+    if path.is_dir():
+        raise RobophmError(f"{path}: cannot be written: is a folder")
 
 
 def write(path: Path, text: str) -> None:

@@ -1,0 +1,5 @@
+"""``python -m robophm`` is the command line."""
+
+from robophm.cli import main
+
+main()

@@ -1,0 +1,202 @@
+"""What is printed: JSON alone on stdout, no escape codes off a terminal, any terminal, any encoding, any reader."""
+
+import json
+import math
+import os
+import pty
+import re
+import subprocess
+import sys
+
+import pytest
+
+from robophm.cli import INVALID, OK
+from robophm.cli.output import SCHEMA_VERSION
+
+CDR = ["style=CDR", "capacitance=100 nF", "temperature=60 degC", "dc_voltage=8 V", "rated_voltage=16 V"]
+SET = [word for pair in (*CDR, "environment=GM") for word in ("--set", pair)]
+JSON = {
+    "check": ("check", "robot.yaml", "--json"),
+    "show": ("show", "robot.yaml", "--json"),
+    "legacy": ("show", "robot.yaml", "--legacy", "--json"),
+    "rates": ("rate", "--json"),
+    "inputs": ("rate", "mil_hdbk_217f.capacitor", "--json"),
+    "rate": ("rate", "mil_hdbk_217f.capacitor", *SET, "--json"),
+    "predict": ("predict", "robot.yaml", "--json"),
+    "doctor": ("doctor", "--json"),
+}
+
+
+@pytest.mark.parametrize("args", JSON.values(), ids=JSON.keys())
+def test_one_document_with_its_version(inside, design, args):
+    done = inside(*args)
+    assert (done.returncode, done.stderr) == (OK, "")
+    document = json.loads(done.stdout, parse_constant=pytest.fail)
+    assert document["schema_version"] == SCHEMA_VERSION
+    assert next(iter(document)) == "schema_version"
+
+
+def test_warnings_stay_out_of_the_document(inside, design, recording):
+    design.write_text(design.read_text() + "signals: {humidity: {topic: /h, field: relative_humidity}}\n")
+    done = inside("check", design)
+    assert done.returncode == OK
+    assert done.stderr == "warning: signals/humidity: no part below takes this input\n"
+    assert json.loads(inside("check", design, "--json").stdout)["warnings"] == [done.stderr[9:].strip()]
+    replayed = inside("replay", design, recording, "--json")
+    assert json.loads(replayed.stdout)["schema_version"] == SCHEMA_VERSION
+    assert replayed.stderr == done.stderr
+
+
+def test_the_rate_of_a_part_worked_by_hand(inside):
+    """0.0020 · πT(60 °C, 0.35 eV) · 0.1^0.09 · (1 + (5/6)³) · 10 · 20 failures/10⁶ h, as in the model's own test."""
+    expected = 0.4e-6 * math.exp(0.35 / 8.617e-5 * (1 / 298 - 1 / 333)) * 0.1**0.09 * (1 + (5 / 6) ** 3)
+    document = json.loads(inside("rate", "mil_hdbk_217f.capacitor", *SET, "--json").stdout)
+    assert document["hazard_rate"] == pytest.approx(expected, rel=1e-12)
+    assert document["unit"] == "1/h"
+    shown = inside("rate", "mil_hdbk_217f.capacitor", *SET, "--explain", "--unit", "FIT").stdout
+    assert shown.startswith(
+        f"mil_hdbk_217f.capacitor: {expected * 1e9:,.0f} FIT\nλp = λb · πT · πC · πV · πSR · πQ · πE\n"
+    )
+    assert re.search(r"πQ +10 +quality commercial\n +πE +20 +environment GM", shown)
+    assert "MIL-HDBK-217F Notice 2 §10.1" in shown
+
+
+@pytest.mark.parametrize("args", [(), ("check",), ("show",), ("rate",), ("predict",), ("replay",), ("demo",)])
+def test_help(inside, args):
+    done = inside(*args, "--help")
+    assert (done.returncode, done.stderr) == (OK, "")
+    assert done.stdout.startswith("Usage: robophm")
+    assert "None" not in done.stdout
+    assert len(done.stdout.splitlines()) > 5
+
+
+def test_the_schema_printed_is_the_schema_shipped(inside):
+    from importlib.resources import files
+
+    assert inside("schema").stdout == files("robophm.design").joinpath("robot.schema.json").read_text(encoding="utf-8")
+
+
+def on_a_terminal(command, *args, **variables):
+    """Exit code and all that a terminal gets."""
+    ours, theirs = pty.openpty()
+    env = {**os.environ, "TERM": "xterm-256color", "COLUMNS": "100", **variables}
+    with subprocess.Popen([*command, *map(str, args)], stdin=theirs, stdout=theirs, stderr=theirs, env=env) as child:
+        os.close(theirs)
+        text = b""
+        while True:
+            try:
+                more = os.read(ours, 65536)
+            except OSError:
+                break
+            if not more:
+                break
+            text += more
+    os.close(ours)
+    return child.returncode, text.decode().replace("\r\n", "\n")
+
+
+def test_colours_on_a_terminal_unless_they_are_not_wanted(command, design):
+    assert "\x1b[1m" in on_a_terminal(command, "show", design)[1]
+    for variables in ({"NO_COLOR": "1"}, {"TERM": "dumb"}):
+        code, text = on_a_terminal(command, "show", design, **variables)
+        assert code == OK
+        assert "\x1b" not in text
+
+
+@pytest.mark.parametrize("columns", ["0", "40", "abc"])
+def test_figures_are_never_cut(command, design, columns):
+    code, text = on_a_terminal(command, "show", design, COLUMNS=columns, NO_COLOR="1")
+    assert code == OK
+    assert "mean time to failure" in text
+    assert "5.437e-4 /h" in text
+    assert "58.06 %" in text
+
+
+def test_a_pipe_gets_whole_lines_whatever_the_terminal(run, design):
+    assert run("show", design, COLUMNS="40").stdout == run("show", design, COLUMNS="300").stdout
+
+
+@pytest.mark.parametrize(
+    "variables",
+    [
+        {"PYTHONIOENCODING": "ascii"},
+        {"PYTHONIOENCODING": "latin-1"},
+        {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"},
+        {"LANG": "C", "LC_ALL": None, "HOME": None, "TERM": None},
+    ],
+    ids=["ascii", "latin-1", "C", "bare"],
+)
+def test_a_stdout_that_knows_few_characters(run, design, variables):
+    design.write_text(design.read_text().replace("name: OTA", 'name: "Ω🤖"'), encoding="utf-8")
+    shown = run("show", design, **variables)
+    assert (shown.returncode, shown.stderr) == (OK, "")
+    assert "58.06 %" in shown.stdout
+    document = run("check", design, "--json", **variables)
+    assert json.loads(document.stdout)["robot"] == "Ω🤖"
+    missing = run("check", "röbot.yaml", **variables)
+    assert missing.returncode == INVALID
+    assert len(missing.stderr.splitlines()) == 1
+    assert missing.stderr.startswith("error: r")
+
+
+def test_a_file_name_that_is_no_text(run, design):
+    odd = os.fsdecode(os.fsencode(design.parent) + b"/\xff.yaml")
+    design.rename(odd)
+    done = run("check", odd)
+    assert (done.returncode, done.stderr) == (OK, "")
+    assert "OTA is valid" in done.stdout
+
+
+READERS = {
+    "show": ("show", "robot.yaml"),
+    "json": ("show", "robot.yaml", "--json"),
+    "schema": ("schema",),
+    "help": ("--help",),
+    "wrong": ("check", "no.yaml"),
+}
+
+
+@pytest.mark.parametrize("args", READERS.values(), ids=READERS.keys())
+def test_a_reader_that_has_seen_enough(command, design, args):
+    """The exit code is the command's own, and nothing is said about the pipe."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    child = subprocess.run([*command, *args], stdout=writing, stderr=subprocess.PIPE, cwd=design.parent, check=False)
+    os.close(writing)
+    assert child.returncode == (INVALID if args[0] == "check" else OK)
+    assert child.stderr.count(b"\n") == (args[0] == "check")
+
+
+@pytest.mark.parametrize("args", [("show", "robot.yaml"), ("show", "robot.yaml", "--json"), ("--help",)])
+def test_a_full_disk_behind_stdout(command, design, args):
+    with open("/dev/full", "w") as full:  # noqa: PTH123
+        child = subprocess.run([*command, *args], stdout=full, stderr=subprocess.PIPE, cwd=design.parent, check=False)
+    assert child.returncode == INVALID
+    assert child.stderr == b"error: standard output: No space left on device\n"
+
+
+@pytest.mark.parametrize("stream", [">&-", "2>&-", ">&- 2>&- <&-"])
+def test_closed_streams(command, design, stream):
+    script = f'"$0" "$@" {stream}'
+    assert subprocess.run(["sh", "-c", script, *command, "check", str(design)], check=False).returncode == OK
+    assert subprocess.run(["sh", "-c", script, *command, "check", "no.yaml"], check=False).returncode == INVALID
+
+
+def test_an_empty_folder_that_may_not_be_written(run, recording, tmp_path):
+    from .conftest import EXAMPLE
+
+    bare = tmp_path / "bare"
+    bare.mkdir(mode=0o555)
+    done = run("replay", EXAMPLE, recording, "--json", cwd=bare, HOME=None)
+    assert (done.returncode, done.stderr) == (OK, "")
+    assert list(bare.iterdir()) == []
+
+
+def test_in_process_use_leaves_the_streams_alone():
+    from typer.testing import CliRunner
+
+    from robophm.cli.app import app
+
+    before = sys.stdout, sys.stderr
+    assert CliRunner().invoke(app, ["rate", "--json"]).exit_code == OK
+    assert (sys.stdout, sys.stderr) == before
