@@ -6,13 +6,14 @@ that the same samples in the same order always give the same ledger, bit for bit
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import math
 import os
 import re
 import time
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -110,11 +111,13 @@ def replay(
                 robot, opened, store=store, period=period, skip_missing=skip_missing,
                 report_every=report_every, on_tick=on_tick,
             )  # fmt: skip
-    signals = _available(robot, source, skip_missing=skip_missing)
+    signals = available(robot, source, skip_missing=skip_missing)
     kept = store.ledger(robot.name) if store else None
-    modes = tuple(mode.path for mode in robot.modes)
-    ledger = Ledger.from_json(kept, modes, tuple(robot.clocks)) if kept else None
-    progress = store.progress(robot.name, source.fingerprint) if store else Progress(source.fingerprint, 0, False)
+    ledger = Ledger.of(robot, kept) if kept else None
+    heard = recording_key(source, signals)
+    progress = store.progress(robot.name, heard) if store else Progress(heard, 0, False)
+    if ledger and ledger.integrated_to is not None and not progress.samples:
+        _not_before(source, ledger.integrated_to)
     consumed = progress.samples
     reported = ledger.integrated_to if ledger else None
     reports: list[dict[str, Any]] = []
@@ -128,7 +131,7 @@ def replay(
             reports.append(monitor.report(remaining_life=False, settled=False).to_json())
         reported = now
         if store and time.monotonic() - saved > SAVE_EVERY:
-            store.save(robot.name, monitor.ledger.to_json(), Progress(source.fingerprint, consumed, False), reports)
+            store.save(robot.name, monitor.ledger.to_json(), Progress(heard, consumed, False), reports)
             reports.clear()
             saved = time.monotonic()
         if on_tick:
@@ -140,7 +143,7 @@ def replay(
             consumed += 1
             monitor.observe(sample)
         if store:
-            store.save(robot.name, monitor.ledger.to_json(), Progress(source.fingerprint, consumed, True), reports)
+            store.save(robot.name, monitor.ledger.to_json(), Progress(heard, consumed, True), reports)
     report = monitor.report()
     decided = tuple(f"{what} ({count} times)" for what, count in sorted(source.notes.items()))
     return replace(report, notes=report.notes + decided)
@@ -150,8 +153,24 @@ SAVE_EVERY = 2.0
 """Seconds between two checkpoints of a replay."""
 
 
-def _available(robot: Robot, source: SignalSource, *, skip_missing: bool) -> list[str]:
-    """The bound signals that a source has. Raises SourceError as ``replay``."""
+def recording_key(source: SignalSource, signals: Iterable[str]) -> str:
+    """What the progress of a replay is kept under: a recording, as a design listens to it."""
+    return hashlib.sha256("\n".join((source.fingerprint, *sorted(signals))).encode()).hexdigest()
+
+
+def _not_before(source: SignalSource, integrated_to: int) -> None:
+    """Raises SourceError where a recording ends before the ledger does: all of it would be too late to count."""
+    ends = [info.last for info in source.topics() if info.last is not None]
+    if ends and max(ends) <= integrated_to:
+        early = (integrated_to - max(ends)) / SECOND
+        raise SourceError(
+            f"the recording ends {early:,.0f} s before the robot's ledger does, and would not count; "
+            "expected recordings in the order of their time, or another store"
+        )
+
+
+def available(robot: Robot, source: SignalSource, *, skip_missing: bool) -> list[str]:
+    """The bound signals that a source has, checked for what they measure. Raises SourceError as ``replay``."""
     if not robot.signals:
         raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
     topics = {info.topic: info for info in source.topics()}

@@ -23,7 +23,6 @@ from robophm.health.prognosis import (
     Plant,
     RemainingLife,
     as_designed,
-    contributors,
     outlooks,
 )
 from robophm.health.report import HealthReport
@@ -251,10 +250,9 @@ def test_survival_ahead_is_since_new() -> None:
     assert (state.density / state.works).tolist() == pytest.approx([0.01, 0.012], rel=1e-14)
 
 
-def test_contributors_lead_with_the_worst() -> None:
+def test_a_component_counts_all_of_its_parts() -> None:
     plant = Plant(robot({"small": {"rate": "1e-6 /h"}, "three": {"rate": "4e-6 /h", "quantity": 3, "required": 2}}))
-    found = [(part.path, rate) for part, rate in contributors(plant, as_designed(plant))]
-    assert found == [("three", exact(12e-6)), ("small", exact(1e-6))]
+    assert as_designed(plant).component_hazard_rates().tolist() == [exact(1e-6), exact(12e-6)]
 
 
 # Nominal and sensor-based, side by side.

@@ -227,7 +227,7 @@ def replay(
 ) -> None:
     """A robot's health after what it recorded."""
     from robophm.design.file import load
-    from robophm.monitor import _available
+    from robophm.monitor import available, recording_key
     from robophm.monitor import replay as replay_recording
     from robophm.report.health_page import health_page
     from robophm.stores.memory import MemoryStore
@@ -240,13 +240,13 @@ def replay(
     for warning in robot.warnings:
         warn(warning)
     with open_source(*recordings) as source:
-        _available(robot, source, skip_missing=skip_missing)  # before a store is made for it
+        signals = available(robot, source, skip_missing=skip_missing)  # before a store is made for it
         kept: Store = SqliteStore(store) if store else MemoryStore()
         with kept, _progress(source, "replaying") as tick:
-            if store and kept.progress(robot.name, source.fingerprint).complete:
+            if store and kept.progress(robot.name, recording_key(source, signals)).complete:
                 warn(f"this recording is already in {store}; it is not counted again")
             health = replay_recording(robot, source, store=kept, skip_missing=skip_missing, on_tick=tick)
-            history = list(kept.history(robot.name))
+            history = list(kept.history(robot.name)) if report else []
     if report:
         write(report, health_page(robot, health, history))
     if as_json:
@@ -298,7 +298,7 @@ def _kept(path: Path, robot: Any, ledger: Any) -> Any:
         data = store.ledger(robot.name)
     if data is None:
         raise StoreError(f"{path}: knows no robot '{robot.name}'")
-    return ledger.from_json(data, tuple(mode.path for mode in robot.modes), tuple(robot.clocks))
+    return ledger.of(robot, data)
 
 
 def _progress(source: Any, what: str) -> Any:

@@ -13,7 +13,7 @@ from rich.text import Text
 from robophm.cli.output import console, health_table, print_report, write
 from robophm.core.errors import RobophmError
 from robophm.design.file import load
-from robophm.monitor import Monitor, replay
+from robophm.monitor import Monitor, available, recording_key, replay
 from robophm.report.curve import sparkline
 from robophm.report.health_page import health_page
 from robophm.report.words import rate_text
@@ -42,8 +42,8 @@ def run(output: Path, seed: int) -> None:
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise RobophmError(f"{output}: cannot be made: {error.strerror}") from None
-    recording, past, page = output / "day.mcap", output / "ota.db", output / "report.html"
-    for old in (recording, past, past.with_name("ota.db-wal"), past.with_name("ota.db-shm")):
+    recording, past, page = (output / f"robophm-demo{suffix}" for suffix in (".mcap", ".db", ".html"))
+    for old in (recording, past, *(past.with_name(past.name + journal) for journal in ("-wal", "-shm"))):
         old.unlink(missing_ok=True)
 
     begun = time.monotonic()
@@ -70,7 +70,8 @@ def run(output: Path, seed: int) -> None:
         else:
             report = replay(robot, source, store=store)
         history = list(store.history(robot.name))
-        samples = store.progress(robot.name, source.fingerprint).samples
+        signals = available(robot, source, skip_missing=False)
+        samples = store.progress(robot.name, recording_key(source, signals)).samples
     took = time.monotonic() - begun
     out.print(
         f"Replayed {samples:,} samples in {took:.1f} s, {hours * 3600 / took:,.0f} times as fast as they were lived.\n"

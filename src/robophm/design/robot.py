@@ -105,6 +105,12 @@ class FailureMode:
     """The handbook model behind the rate, where there is one."""
     source: str
 
+    @property
+    def key(self) -> str:
+        """What a ledger keeps its past under: another clock or scaling would make the sums mean something else."""
+        gathered = f" of {self.life!r}" if self.scaling == "hazard" else ""  # its hazard is a sum already
+        return f"{self.path} ({self.clock}, {self.scaling} scaling{gathered})"
+
 
 @dataclass(frozen=True)
 class Component:

@@ -6,6 +6,7 @@ holds, until it is stale; every interval is split exactly where something change
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -18,7 +19,7 @@ import numpy.typing as npt
 
 from robophm.core.errors import StoreError
 from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
-from robophm.design.robot import Channel, FailureMode, MeasuredClock, Robot, Stress
+from robophm.design.robot import Channel, MeasuredClock, Robot, Stress
 
 Array = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]
@@ -75,6 +76,7 @@ class Ledger:
     """A robot's past. Sums are by failure mode in design order, since new and without the initial exposure."""
 
     modes: tuple[str, ...]
+    """Keys of the failure modes."""
     age: Total
     effective: Total
     hazard: Total
@@ -88,6 +90,8 @@ class Ledger:
     newest: int | None = None
     heard: int | None = None
     """Time of the last sample of the robot itself."""
+    off: int | None = None
+    """Time until which it was off last."""
     last: dict[str, tuple[int, tuple[float, ...]]] = field(default_factory=dict)
     """The last valid value of every channel, position and clock signal, by its key."""
     pending: list[Sample] = field(default_factory=list)
@@ -105,7 +109,7 @@ class Ledger:
         """The ledger of a robot that has not lived yet."""
         n = len(robot.modes)
         return cls(
-            tuple(m.path for m in robot.modes),
+            tuple(mode.key for mode in robot.modes),
             Total.zeros(n),
             Total.zeros(n),
             Total.zeros(n),
@@ -125,12 +129,17 @@ class Ledger:
             "modes": list(self.modes),
             "odometers": list(self.odometers),
             "totals": {name: [total.high.tolist(), total.low.tolist()] for name, total in totals.items()},
-            **{name: getattr(self, name) for name in ("started", "integrated_to", "newest", "heard")},
+            **{name: getattr(self, name) for name in ("started", "integrated_to", "newest", "heard", "off")},
             "last": {key: [time, list(values)] for key, (time, values) in self.last.items()},
             "pending": [list(sample) for sample in self.pending],
             **{name: dict(getattr(self, name)) for name in ("counts", "stale", "extrapolated")},
             "recent": [[r.end, r.operating, r.age.tolist(), r.effective.tolist()] for r in self.recent],
         }
+
+    @classmethod
+    def of(cls, robot: Robot, data: Mapping[str, Any]) -> Ledger:
+        """A robot's ledger read back. Raises StoreError as ``from_json``."""
+        return cls.from_json(data, tuple(mode.key for mode in robot.modes), tuple(robot.clocks))
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any], modes: tuple[str, ...], odometers: tuple[str, ...]) -> Ledger:
@@ -169,6 +178,7 @@ class Ledger:
             integrated_to=data["integrated_to"],
             newest=data["newest"],
             heard=data["heard"],
+            off=data["off"],
             last={key: (time, tuple(values)) for key, (time, values) in data["last"].items()},
             pending=[Sample(*sample) for sample in data["pending"]],
             counts=Counter(data["counts"]),
@@ -294,14 +304,15 @@ class Exposure:
         return age / hours if hours > 0 else np.full(age.shape, np.nan)
 
     def silent(self, ledger: Ledger) -> list[str]:
-        """The signals that are bound and have no valid value at the integrated-to time; edges may be silent."""
+        """The signals that are bound and have no valid value at the integrated-to time; edges once heard may rest."""
         now = ledger.integrated_to
-        bound = [(key, channel.signal, channel.max_age) for key, channel in self.channels.items()]
+        bound: list[tuple[str, str, float]] = [
+            (key, channel.signal, channel.max_age) for key, channel in self.channels.items()
+        ]
         for clock in self.clocks:
-            if clock.measured and clock.measured.kind != "edge":
-                bound += [
-                    (_key(clock.measured, signal), signal, clock.measured.max_age) for signal in clock.measured.signals
-                ]
+            if clock.measured:
+                age = clock.measured.max_age if clock.measured.kind != "edge" else math.inf
+                bound += [(_key(clock.measured, signal), signal, age) for signal in clock.measured.signals]
         old = {
             signal
             for key, signal, age in bound
@@ -367,6 +378,8 @@ class _Block:
         self.rejected: dict[str, npt.NDArray[np.bool_]] = {}
         """Of each signal's samples, whether a channel did not take it."""
         self.operating = self._operating()
+        self.off = np.iinfo(np.int64).min if ledger.off is None else ledger.off - self.start
+        """When it was off last before this block, from its start."""
 
     def signal(self, name: str, key: str) -> tuple[Times, Array]:
         """Times and values of one signal, the value carried in first, each time once with its last value."""
@@ -430,6 +443,8 @@ class _Block:
         rejected = {f"out of range: {signal}": int(outside.sum()) for signal, outside in self.rejected.items()}
         ledger.counts.update({reason: count for reason, count in rejected.items() if count})
         ledger.heard = self.heard if self.heard is not None else ledger.heard
+        resting = np.flatnonzero(np.diff(self.operating.total) < np.diff(self.operating.edges))
+        ledger.off = int(self.operating.edges[resting[-1] + 1]) + self.start if len(resting) else ledger.off
         ledger.integrated_to = self.start + self.length
 
 
@@ -483,15 +498,23 @@ class _Clock:
         for times, values in coordinates:
             if len(when) > 1:
                 squares += np.diff(values[np.searchsorted(times, when, side="right") - 1]) ** 2
-        kilometres = np.sqrt(squares) * measured.scale / 1000
-        missed = max((block.ledger.started or 0) + measured.max_age - block.start, 0)
+        # A step while the robot was off, if only in part, is none: odometers begin anew at every boot.
+        here = np.maximum(when, 0)
+        driven = (np.diff(block.operating(here)) == np.diff(here)) & (when[:-1] >= block.off)
+        kilometres = np.sqrt(squares) * driven * measured.scale / 1000
+        return _Elapsed(
+            when[1:], np.append(0.0, np.cumsum(kilometres)), steps=True, before=self._unheard(block, measured, first)
+        )
 
-        def unheard(at: Times) -> Array:
-            """A robot whose position never came drives as designed: nothing silent counts as zero."""
-            silent = np.clip(at, missed, max(first, missed))
-            return (block.operating(silent) - block.operating(np.array(missed))) * (self.usage / HOUR)
+    def _unheard(self, block: _Block, measured: MeasuredClock, first: int) -> Callable[[Times], Array]:
+        """What counts until the first value: once that is max_age late, the design's usage. No silence is a zero."""
+        late = max((block.ledger.started or 0) + measured.max_age - block.start, 0)
 
-        return _Elapsed(when[1:], np.append(0.0, np.cumsum(kilometres)), steps=True, before=unheard)
+        def elapsed(at: Times) -> Array:
+            unheard = block.operating(np.clip(at, late, max(first, late))) - block.operating(np.array(late))
+            return unheard * (self.usage / HOUR)
+
+        return elapsed
 
     def _speed(self, block: _Block, measured: MeasuredClock) -> _Elapsed:
         key = _key(measured, measured.signals[0])
@@ -514,7 +537,9 @@ class _Clock:
         block.carry(key, times, values)
         above = values > measured.threshold
         rises = times[1:][above[1:] & ~above[:-1]]
-        return _Elapsed(rises, np.arange(len(rises) + 1, dtype=float), steps=True)
+        first = int(times[0]) if len(times) else block.length
+        unheard = self._unheard(block, measured, first)
+        return _Elapsed(rises, np.arange(len(rises) + 1, dtype=float), steps=True, before=unheard)
 
 
 @dataclass(frozen=True)
@@ -570,8 +595,3 @@ class _Group:
             product = value if product is None else product * value
             outside = outside | beyond
         return product, outside
-
-
-def effective_ages(modes: Sequence[FailureMode], ledger: Ledger) -> Array:
-    """u = initial exposure + ∫ψ da of every mode [unit of its clock]; shape (modes,)."""
-    return np.array([mode.initial_exposure for mode in modes]) + ledger.effective.value

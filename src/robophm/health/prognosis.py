@@ -17,7 +17,7 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block, Series
 from robophm.blocks.reliability import State, Structure, Transition
 from robophm.core.waiting_time import mean_time, time_at
-from robophm.design.robot import Component, Robot, Task
+from robophm.design.robot import Robot, Task
 from robophm.health.exposure import Exposure, Ledger
 from robophm.life.distribution import side_by_side
 
@@ -140,6 +140,8 @@ class Outlook:
     """Stress factor of the future."""
     usage_now: Array
     """How far each clock goes in an operating hour, as observed."""
+    usage_ahead: Array
+    """How far it will go: as observed while it went at all, for a robot that stood will drive again; else by design."""
 
     def survival(self, diagram: Block) -> State:
         """Survival since new: nothing is known but the exposure."""
@@ -151,11 +153,9 @@ class Outlook:
         """f/p now, given what is known now [1/h of operation]; infinite where the system has failed."""
         system = self.plant.system(diagram)
         known, hazard = self._known(system), system.of_units(self._mode_hazard(system))
-        if np.any(np.isinf(hazard)):
-            return math.inf  # a new part with infant mortality: its hazard is infinite at age 0
         works = np.exp(-known)
-        state = system.structure.state(works, -np.expm1(-known), hazard * works)
-        return float(state.density / state.works) if state.works > 0 else math.inf
+        state = system.structure.state(works, -np.expm1(-known), _finite(hazard) * works)
+        return float(_infinite(state.density / state.works)) if state.works > 0 else math.inf
 
     def component_hazard_rates(self) -> Array:
         """Of every component [1/h of operation], the equal parts of one together; shape (components,)."""
@@ -175,7 +175,8 @@ class Outlook:
     def _mode_hazard(self, system: System) -> Array:
         """Of each mode of a system, per operating hour."""
         m = system.modes
-        hazard: Array = system.lifewise("hazard", self.age[m]) * self.factor_now[m] * self.usage_now[m]
+        speed = self.factor_now[m] * self.usage_now[m]
+        hazard: Array = np.where(speed > 0, _finite(system.lifewise("hazard", self.age[m])) * speed, 0.0)
         return hazard
 
     def _known(self, system: System) -> Array:
@@ -197,11 +198,11 @@ class Outlook:
         return system.structure.transition(-np.expm1(-known), np.exp(-known) * -np.expm1(-more), np.exp(-known - more))
 
     def remaining_life(self, diagram: Block) -> RemainingLife:
-        """Of the system under its future: usage as observed, operating by the design's share of the day."""
+        """Of the system under its future, operating by the design's share of the day."""
         if not self.ahead(diagram, np.zeros(len(self.age))).survives > 0:
             return RemainingLife(0.0, 0.0, 0.0, 0.0)
         share = self.plant.robot.usage.operating
-        per_hour = np.where(self.plant.calendar, 1.0, share * self.usage_now)
+        per_hour = np.where(self.plant.calendar, 1.0, share * self.usage_ahead)
 
         def curve(hours: Array) -> tuple[Array, Array]:
             _, fails, survives = self.ahead(diagram, per_hour[:, None] * hours)
@@ -215,23 +216,29 @@ class Outlook:
 
     def completion(self, diagram: Block, task: Task) -> Completion:
         """P(the system works to the end of the task | what is known now)."""
-        advance = np.where(self.plant.by_distance, task.distance / 1000, self.plant.usage * task.duration)
+        advance = np.where(self.plant.by_distance, task.distance / 1000, self.usage_ahead * task.duration)
         _, fails, survives = self.ahead(diagram, advance)
         works = float(fails + survives)
         return Completion(float(survives) / works, float(fails) / works) if works > 0 else Completion(0.0, 1.0)
 
     def survival_curve(self, diagram: Block, hours: Array) -> State:
-        """Survival since new after so many more operating hours, with its density; shape of ``hours``."""
+        """Survival since new after so many more operating hours, with its density; shape of ``hours``.
+
+        As in ``remaining_life`` an operating hour takes 1/share calendar hours.
+        """
         system = self.plant.system(diagram)
         m = system.modes
         aging, weight = (one[:, None] for one in self._aging(system))
-        age, usage = self.age[m, None], self.usage_now[m, None]
+        share = self.plant.robot.usage.operating
+        age, usage = self.age[m, None], np.where(self.plant.calendar, 1 / share, self.usage_ahead)[m, None]
         advance = aging * usage * hours
-        hazard = system.of_units(system.lifewise("hazard", age + advance) * self.factor_ahead[m, None] * usage)
+        speed = self.factor_ahead[m, None] * usage
+        hazard = system.of_units(np.where(speed > 0, _finite(system.lifewise("hazard", age + advance)) * speed, 0.0))
         more = weight * system.lifewise("increment", age, advance)
         lived = system.of_units(self.cumulative_hazard[m, None] + more)
         works = np.exp(-lived)
-        return system.structure.state(works, -np.expm1(-lived), hazard * works)
+        state = system.structure.state(works, -np.expm1(-lived), _finite(hazard) * works)
+        return state._replace(density=_infinite(state.density))
 
     def figures(self, diagram: Block, task: Task | None, *, remaining_life: bool = True) -> Figures:
         """All figures of one system."""
@@ -245,6 +252,18 @@ class Outlook:
         )
 
 
+_HUGE = 1e300  # stands for an infinite hazard, that of infant mortality at age 0, where infinity times 0 would not
+
+
+def _finite(hazard: Array) -> Array:
+    return np.minimum(hazard, _HUGE)
+
+
+def _infinite(density: Array) -> Array:
+    """Back again: what an infinite hazard reaches is infinite, what redundancy keeps it from is not."""
+    return np.where(density > 1e-30 * _HUGE, math.inf, density)
+
+
 def _column(values: Array, ndim: int) -> Array:
     """Values of modes or parts, ready to broadcast over ``ndim`` − 1 further axes."""
     return values.reshape(-1, *[1] * (ndim - 1))
@@ -253,39 +272,32 @@ def _column(values: Array, ndim: int) -> Array:
 def outlooks(plant: Plant, exposure: Exposure, ledger: Ledger) -> Mapping[View, Outlook]:
     """Both views of a robot with a past: as designed, and as lived; on the same clocks."""
     clock_age = plant.initial + ledger.age.value
-    ones, zero = np.ones(len(plant.initial)), np.zeros(len(plant.initial))
-    nominal = Outlook(
-        plant, clock_age, plant.everything.lifewise("increment", zero, clock_age), ones, ones, plant.usage
-    )
     recent, usage = exposure.recent_factor(ledger), exposure.recent_usage(ledger)
+    usage = np.where(np.isnan(usage) | plant.calendar, plant.usage, usage)  # an hour of operation is an hour
     effective = np.where(plant.by_age, plant.initial + ledger.effective.value, clock_age)
-    lived = (
-        plant.everything.lifewise("increment", zero, np.where(plant.by_age, effective, plant.initial))
-        + ledger.hazard.value
+    gathered = np.where(plant.by_age, effective, plant.initial)
+    sensor_based = Outlook(
+        plant,
+        age=effective,
+        cumulative_hazard=_since_new(plant, gathered) + ledger.hazard.value,
+        factor_now=exposure.current_factor(ledger),
+        factor_ahead=np.where(np.isnan(recent), 1.0, recent),
+        usage_now=usage,
+        usage_ahead=np.where(usage > 0, usage, plant.usage),
     )
-    return {
-        "nominal": nominal,
-        "sensor_based": Outlook(
-            plant,
-            effective,
-            lived,
-            exposure.current_factor(ledger),
-            np.where(np.isnan(recent), 1.0, recent),
-            np.where(np.isnan(usage) | plant.calendar, plant.usage, usage),  # an hour of operation is an hour
-        ),
-    }
+    return {"nominal": _nominal(plant, clock_age), "sensor_based": sensor_based}
 
 
 def as_designed(plant: Plant) -> Outlook:
     """A new robot, nominal."""
-    n = len(plant.initial)
-    age = plant.initial
-    return Outlook(
-        plant, age, plant.everything.lifewise("increment", np.zeros(n), age), np.ones(n), np.ones(n), plant.usage
-    )
+    return _nominal(plant, plant.initial)
 
 
-def contributors(plant: Plant, outlook: Outlook) -> list[tuple[Component, float]]:
-    """Components by their hazard rate now [1/h of operation], the highest first."""
-    rates = outlook.component_hazard_rates()
-    return [(plant.components[i], float(rates[i])) for i in np.argsort(-rates, kind="stable")]
+def _nominal(plant: Plant, age: Array) -> Outlook:
+    ones = np.ones(len(age))
+    return Outlook(plant, age, _since_new(plant, age), ones, ones, plant.usage, plant.usage)
+
+
+def _since_new(plant: Plant, age: Array) -> Array:
+    """H(age) − H(0) of every mode: a part starts at zero whatever mass its distribution has below."""
+    return plant.everything.lifewise("increment", np.zeros(len(age)), age)

@@ -191,14 +191,14 @@ def _flags(
 def _breaches(robot: Robot, figures: Figures) -> tuple[str, ...]:
     limits = robot.thresholds
     found = []
-    if limits.hazard_rate is not None and figures.hazard_rate > limits.hazard_rate:
+    if limits.hazard_rate is not None and not figures.hazard_rate <= limits.hazard_rate:
         found.append(f"hazard rate {figures.hazard_rate:.4g} /h is above {limits.hazard_rate:.4g} /h")
-    if limits.reliability is not None and figures.reliability < limits.reliability:
+    if limits.reliability is not None and not figures.reliability >= limits.reliability:
         found.append(f"reliability {figures.reliability:.6g} is below {limits.reliability:g}")
     life, completion = figures.remaining_life, figures.completion
-    if limits.remaining_life is not None and life and life.median < limits.remaining_life:
+    if limits.remaining_life is not None and life and not life.median >= limits.remaining_life:
         found.append(f"median remaining life {life.median:.4g} h is below {limits.remaining_life:g} h")
-    if limits.completion is not None and completion and completion.probability < limits.completion:
+    if limits.completion is not None and completion and not completion.probability >= limits.completion:
         found.append(f"probability of task completion {completion.probability:.6g} is below {limits.completion:g}")
     return tuple(found)
 

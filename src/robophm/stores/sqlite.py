@@ -17,7 +17,7 @@ VERSION = 1
 """Of the tables; kept in the file's user_version."""
 
 _TABLES = """
-CREATE TABLE ledger (robot TEXT PRIMARY KEY, state TEXT NOT NULL) STRICT;
+CREATE TABLE ledger (robot TEXT PRIMARY KEY, revision INTEGER NOT NULL, state TEXT NOT NULL) STRICT;
 CREATE TABLE progress (
     robot TEXT NOT NULL, recording TEXT NOT NULL, samples INTEGER NOT NULL, complete INTEGER NOT NULL,
     PRIMARY KEY (robot, recording)
@@ -34,6 +34,7 @@ class SqliteStore(Store):
     def __init__(self, path: str | os.PathLike[str]) -> None:
         """Open a file, or make it. Raises StoreError where it is not a store of this version."""
         self.path = Path(path)
+        self._revisions: dict[str, int] = {}  # of the ledgers that were read: who saves later must have read that one
         with self._errors():
             self._base = sqlite3.connect(self.path, timeout=10.0, isolation_level=None)
         try:
@@ -52,13 +53,15 @@ class SqliteStore(Store):
             self._base.executescript(f"BEGIN IMMEDIATE; {_TABLES} PRAGMA user_version = {VERSION}; COMMIT;")
         elif version != VERSION:
             raise StoreError(f"{self.path}: not a robophm store of version {VERSION} (its version is {version})")
-        self._base.execute("PRAGMA synchronous = NORMAL")
+        self._base.execute("PRAGMA synchronous = FULL")
 
     def ledger(self, robot: str) -> Mapping[str, Any] | None:
         """The robot's ledger as it was saved, or None. Raises StoreError where it cannot be read."""
         with self._errors():
-            row = self._base.execute("SELECT state FROM ledger WHERE robot = ?", (robot,)).fetchone()
-            return json.loads(row[0]) if row else None
+            query = "SELECT revision, state FROM ledger WHERE robot = ?"
+            row = self._base.execute(query, (robot,)).fetchone()
+            self._revisions[robot] = row[0] if row else 0
+            return json.loads(row[1]) if row else None
 
     def progress(self, robot: str, recording: str) -> Progress:
         """How far a recording has been replayed into this robot's ledger."""
@@ -80,16 +83,24 @@ class SqliteStore(Store):
         progress: Progress | None = None,
         reports: Sequence[Mapping[str, Any]] = (),
     ) -> None:
-        """Keep all of it, or none. Raises StoreError, as on a full disk."""
+        """Keep all of it, or none. Raises StoreError, as on a full disk or after somebody else's save."""
         rows = [(robot, report["time"], json.dumps(report)) for report in reports]
         with self._errors():
             self._base.execute("BEGIN IMMEDIATE")
             try:
-                self._base.execute("INSERT OR REPLACE INTO ledger VALUES (?, ?)", (robot, json.dumps(ledger)))
+                row = self._base.execute("SELECT revision FROM ledger WHERE robot = ?", (robot,)).fetchone()
+                revision = row[0] if row else 0
+                if self._revisions.get(robot, revision) != revision:
+                    raise StoreError(
+                        f"{self.path}: another process has gone on with {robot}; nothing was saved over it"
+                    )
+                values = robot, revision + 1, json.dumps(ledger)
+                self._base.execute("INSERT OR REPLACE INTO ledger VALUES (?, ?, ?)", values)
                 if progress:
                     self._base.execute("INSERT OR REPLACE INTO progress VALUES (?, ?, ?, ?)", (robot, *progress))
                 self._base.executemany("INSERT OR REPLACE INTO report VALUES (?, ?, ?)", rows)
                 self._base.execute("COMMIT")
+                self._revisions[robot] = revision + 1
             except BaseException:
                 if self._base.in_transaction:  # a full disk may have rolled back already
                     self._base.execute("ROLLBACK")

@@ -39,7 +39,10 @@ class Store(ABC):
         progress: Progress | None = None,
         reports: Sequence[Mapping[str, Any]] = (),
     ) -> None:
-        """Keep all of it, or none. A report replaces the one of the same time. Raises StoreError."""
+        """Keep all of it, or none. A report replaces the one of the same time.
+
+        Raises StoreError, also where the ledger has been saved by somebody else since this store read it.
+        """
 
     def close(self) -> None:  # noqa: B027  a store in memory holds nothing open
         """Let go of what is open."""
