@@ -13,7 +13,6 @@ ROOT = Path(__file__).parents[2]
 CASES = json.loads((ROOT / "tests/data/structures.json").read_text(encoding="utf-8"))["cases"]
 SOLVED = ["baobab1", "baobab3", "chinese", "das9202", "das9205", "das9209"]
 SOLVED += ["edf9201", "isp9603", "isp9604", "isp9606"]
-ARALIA = ROOT.parent / "shared/cases/aralia_top_event.json"
 
 
 def read(drawn: str | dict) -> Block:
@@ -84,8 +83,6 @@ def test_published_figure(case: dict) -> None:
             assert found[measure] == expected
 
 
-@pytest.mark.shared
-@pytest.mark.skipif(not ARALIA.exists(), reason="needs the shared/ folder beside the project")
 @pytest.mark.parametrize(
     "name",
     [
@@ -101,8 +98,8 @@ def test_published_figure(case: dict) -> None:
         "isp9606",
     ],
 )
-def test_aralia_fault_tree(name: str) -> None:
-    cases = json.loads(ARALIA.read_text(encoding="utf-8"))["cases"]
+def test_aralia_fault_tree(name: str, shared: Path) -> None:
+    cases = json.loads((shared / "cases/aralia_top_event.json").read_text(encoding="utf-8"))["cases"]
     case = next(case for case in cases if case["name"] == f"aralia/{name}")
     gates, events, made = case["system"]["gates"], case["system"]["events"], {}
 
@@ -122,3 +119,38 @@ def test_aralia_fault_tree(name: str) -> None:
     q = np.array([events[unit]["prob"] for unit in structure.names])
     expected = case["expected"]["top_event_probability"]
     assert structure.state(1 - q, q).failed == pytest.approx(expected, rel=5e-6)  # six digits are printed
+
+
+def drawn(structure: object) -> Block:
+    """A structure as the shared cases write it."""
+    if isinstance(structure, str):
+        return Unit(structure)
+    assert isinstance(structure, dict)
+    ((kind, inner),) = structure.items()
+    if kind == "k_of_n_work":
+        return KOutOfN(inner[0], *(drawn(block) for block in inner[1]))
+    return {"series": Series, "parallel": Parallel}[kind](*(drawn(block) for block in inner))
+
+
+def test_shared_cases_of_series_parallel_and_k_of_n(shared: Path) -> None:
+    """Every case of the two files that states a structure of these and one probability for each part."""
+    solved = []
+    for file in ("published_pages", "repyability_live_and_static"):
+        for case in json.loads((shared / f"cases/{file}.json").read_text(encoding="utf-8"))["cases"]:
+            system, parts = case["system"], case["system"].get("components", {})
+            known = {name: part.get("rel", 1 - part.get("fail_prob", np.nan)) for name, part in parts.items()}
+            if not isinstance(system.get("structure"), dict) or any(np.isnan(list(known.values()))):
+                continue
+            structure = Structure(drawn(system["structure"]))
+            p = np.array([known[name] for name in structure.names])
+            state = structure.state(p, 1 - p)
+            limit = next(iter(case["tolerance"].values()))["abs"]
+            for measure, found in (("reliability", state.works), ("unreliability", state.failed)):
+                if measure in case["expected"]:
+                    assert found == pytest.approx(case["expected"][measure], abs=limit), case["name"]
+                    solved.append(case["name"])
+    assert sorted(solved) == [
+        "published/schematex_redundant_server",
+        "repyability/criticality",
+        "repyability/shared_supply",
+    ]

@@ -272,7 +272,6 @@ def test_the_papers_robot(examples):
     assert all(len(mode.stresses) == 1 for mode in ota.modes)
 
 
-@pytest.mark.shared
 def test_the_papers_robot_agrees_with_its_table(examples, shared):
     from ruamel.yaml import YAML
 

@@ -60,12 +60,8 @@ def test_the_package_reliability(case, figure):
     assert np.all(np.abs(value - expected) <= tolerance["abs"])
 
 
-@pytest.mark.shared
-def test_the_copy_is_the_shared_file():
-    shared = Path(__file__).parents[3] / "shared" / "cases" / NAME
-    if not shared.exists():
-        pytest.skip("no shared/ folder beside the project")
-    assert json.loads(shared.read_text(encoding="utf-8"))["cases"] == CASES
+def test_the_copy_is_the_shared_file(shared: Path):
+    assert json.loads((shared / "cases" / NAME).read_text(encoding="utf-8"))["cases"] == CASES
 
 
 def test_weibull_of_the_repyability_documentation():

@@ -44,6 +44,12 @@ from robophm.life.distribution import LifeDistribution
 
 Path = tuple[str, ...]
 
+PLAUSIBLE = {"degC": (-100.0, 500.0)}
+"""What a signal may measure where its binding states no range, by the unit of the model input."""
+
+MOST_PARTS = 1000
+"""Equal parts of a component that can be told apart; n equal parts in series may be many more."""
+
 
 class Fault(DesignError):  # noqa: N818  what geologists and engineers call it
     """A design error at a place in the file, before the file's name and line are known."""
@@ -82,7 +88,7 @@ class _Builder:
         self.components: dict[str, Component] = {}
         self.modules: dict[str, schema._Group] = {}
         self.places: dict[str, Path] = {}
-        self.used_signals: set[Path] = set()
+        self.used_signals: dict[Path, None] = {}  # in the order of the design
         self.told_apart = {
             name.partition("[")[0].rpartition("/")[2] for name in _drawn(design) if name.endswith("]")
         }  # last steps of names drawn as 'motor[2]'
@@ -99,6 +105,13 @@ class _Builder:
             name: self._measured_clock(name, ("clocks", name), b) for name, b in design.clocks.items()
         }
         warnings = [f"{path}: used in no diagram" for path in self.components if path not in drawn]
+        members = (unit for part in self.components.values() if part.path in drawn for unit in part.units)
+        warnings += [f"{unit}: used in no diagram" for unit in members if unit not in used]
+        warnings += [
+            f"{'/'.join(place)}: has no range: whatever a broken sensor says would count"
+            for place in self.used_signals
+            if place[-2] == "signals" and self._binding(place).range is None
+        ]
         warnings += [
             f"{'/'.join(place)}: no part below takes this input"
             for place in self._signal_places((), design)
@@ -175,6 +188,8 @@ class _Builder:
                 )
         name = "/".join(path)
         apart = part.quantity > 1 and (required < part.quantity or path[-1] in self.told_apart)
+        if apart and part.quantity > MOST_PARTS:
+            raise Fault((*place, "quantity"), f"{part.quantity} parts told apart; expected at most {MOST_PARTS}")
         names = tuple(f"{name}[{i}]" for i in range(1, part.quantity + 1)) if apart else (name,)
         component = Component(name, part.quantity, required, part.monitored, modes, names, part.description or "")
         self.components[name] = component
@@ -285,12 +300,14 @@ class _Builder:
         return Stress(model, design, channels)
 
     def _channel(self, place: Path, binding: schema.SignalBinding, unit: str, more: str | float | None) -> Channel:
-        self.used_signals.add(place)
+        self.used_signals[place] = None
         try:
             written = unit if binding.unit is None else binding.unit
             scale, offset = conversion(written, unit)
             difference = f"delta_{unit}" if unit in ("degC", "degF") else unit
-            low, high = sorted(scale * end + offset for end in binding.range or (-math.inf, math.inf))
+            low, high = PLAUSIBLE.get(unit, (-math.inf, math.inf))
+            if binding.range is not None:
+                low, high = sorted(scale * end + offset for end in binding.range)
             for extra in (binding.offset, more):
                 if extra is not None:
                     shift = quantity(extra, difference)
@@ -303,7 +320,7 @@ class _Builder:
         return Channel(signal, written, scale, offset, low, high, round(binding.max_age * SECOND), binding.stale)
 
     def _measured_clock(self, clock: str, place: Path, binding: schema.ClockBinding) -> MeasuredClock:
-        self.used_signals.add(place)
+        self.used_signals[place] = None
         if clock in ("operating", "calendar"):
             raise Fault(place, f"the {clock} clock is time itself and takes no signal")
         kind: Literal["position", "speed", "edge"]
@@ -373,6 +390,13 @@ class _Builder:
     def _task(self) -> Task | None:
         task = self.design.task
         return plain_task(task.distance, task.speed, task.duration) if task else None
+
+    def _binding(self, place: Path) -> schema.SignalBinding:
+        level: Any = self.design
+        for step in place:
+            level = level[step] if isinstance(level, dict) else getattr(level, step)
+        binding: schema.SignalBinding = level
+        return binding
 
     def _signal_places(self, place: Path, level: Any) -> Iterable[Path]:
         yield from ((*place, "signals", name) for name in level.signals)

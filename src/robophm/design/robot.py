@@ -81,9 +81,15 @@ class Stress:
         return float(self.model.evaluate(self.design).value)
 
     def factor(self, observed: Mapping[str, Array]) -> Evaluation:
-        """ψ(x) = λ(x)/λ(x₀) for observed inputs, shape of their broadcast; and where a model range is left."""
-        value, extrapolated = self.model.evaluate({**self.design, **observed})
-        return Evaluation(value / self.reference, extrapolated)
+        """ψ(x) = λ(x)/λ(x₀) for observed inputs, shape of their broadcast; and where a model range is left.
+
+        Where the formula breaks down there, and gives no positive number, ψ is 1.
+        """
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            value, extrapolated = self.model.evaluate({**self.design, **observed})
+            factor = value / self.reference
+        sound = np.isfinite(factor) & (factor > 0)
+        return Evaluation(np.where(sound, factor, 1.0), extrapolated | ~sound)
 
 
 @dataclass(frozen=True)

@@ -173,7 +173,6 @@ def second(shared):
     return YAML(typ="safe").load(shared / "handbook" / "tables" / "mil217_capacitors.yaml")
 
 
-@pytest.mark.shared
 def test_styles_agree_row_by_row(second):
     theirs = {
         style: (row["lambda_b"], row["piT_col"], row["piC_col"], row["piV_col"], float(row["piSR"]))
@@ -184,14 +183,12 @@ def test_styles_agree_row_by_row(second):
         assert re.match(rf"{row['spec'].split()[0]}\b", STYLE.notes[style])
 
 
-@pytest.mark.shared
 def test_quality_and_environment_agree_row_by_row(second):
     assert dict(QUALITY) == second["piQ"]
     assert dict(ENVIRONMENT) == second["piE"]
     assert list(ENVIRONMENT) == list(ENVIRONMENTS)
 
 
-@pytest.mark.shared
 @pytest.mark.parametrize("printed", ["piT", "piC", "piV"])
 def test_printed_tables_agree_to_their_two_digits(second, printed):
     """The printed tables are the equations, rounded to two digits (0.01 below 1): half a unit of the last, and a hair.
@@ -210,7 +207,6 @@ def test_printed_tables_agree_to_their_two_digits(second, printed):
             assert found == pytest.approx(value, abs=0.55 * max(unit, 0.01)), (column, label)
 
 
-@pytest.mark.shared
 def test_the_carried_cases_are_the_published_ones(shared):
     published = json.loads((shared / "cases" / "handbook.json").read_text())["cases"]
     here = {case["name"]: case for case in CASES}
