@@ -95,3 +95,23 @@ def test_what_never_comes_and_what_has_been() -> None:
 def test_mean(curve: Curve, expected: mpf) -> None:
     with np.errstate(over="ignore"):
         assert mean_time(curve) == pytest.approx(float(SCALE * expected), rel=1e-10)
+
+
+def test_a_kink_costs_no_digits() -> None:
+    """A part that cannot fail for 700 h beside an exponential one: 1000 + 700 + 500·√π/2 less the pair in series."""
+
+    def weibull(t: Array) -> Array:
+        return np.minimum((np.maximum(t - 700, 0) / 500), 1e3) ** 2
+
+    def parallel(t: Array) -> tuple[Array, Array]:
+        a, b = 1e-3 * t, weibull(t)
+        return np.expm1(-a) * np.expm1(-b), np.exp(-a) + np.exp(-b) * -np.expm1(-a)
+
+    def series(t: Array) -> tuple[Array, Array]:
+        return -np.expm1(-1e-3 * t - weibull(t)), np.exp(-1e-3 * t - weibull(t))
+
+    # in series: 700 h of the exponential, then both
+    both = mp.quad(lambda x: mp.exp(-x / 1000 - (x / 500) ** 2), [0, 500, 1000, 2000, 5000])
+    pair = 1000 * (1 - mp.exp(-mpf("0.7"))) + mp.exp(-mpf("0.7")) * both
+    assert mean_time(series) == pytest.approx(float(pair), rel=1e-11)
+    assert mean_time(parallel) == pytest.approx(float(1700 + 250 * mp.sqrt(mp.pi) - pair), rel=1e-11)

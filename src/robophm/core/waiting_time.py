@@ -79,24 +79,43 @@ def _roots(f: Callable[[Array], Array], a: Array, b: Array, fa: Array, fb: Array
 
 def mean_time(curve: Curve) -> float:
     """The mean time to failure, ∫ P(survives) over all times, to about 1e-10; in the curve's unit, or infinite."""
-    deepest = 6
-    while True:
-        # Panels between the times at which the cumulative hazard doubles, so that each is smooth.
-        levels = 2.0 ** np.arange(-40, deepest + 1, 0.5)
-        times = time_at(curve, -np.expm1(-levels), np.exp(-levels), tolerance=1e-3)
+    for deepest in (6, 7, 8, 9):
+        # Panels between the times at which the cumulative hazard doubles: smooth, but for a curve with a kink.
+        levels = 2.0 ** np.arange(-40, deepest + 1)
+        times = time_at(curve, -np.expm1(-levels), np.exp(-levels), tolerance=1e-7)
         if not np.isfinite(times[-1]):
             return math.inf
-        positive = times[times > 0]
+        positive = np.maximum.accumulate(times[times > 0])
         if not len(positive):
             return 0.0
-        positive = np.maximum.accumulate(positive)
-        width = np.diff(np.log(positive))
-        within = np.log(positive[:-1, None]) + width[:, None] * (_NODES + 1) / 2
-        survives = curve(np.exp(within.ravel()))[1].reshape(within.shape)
-        total = positive[0] + float(np.sum(width * ((np.exp(within) * survives) @ _WEIGHTS)) / 2)
+        edges = np.log(positive)
+        total = _integral(curve, np.append(edges[0] - 40, edges))  # e⁻⁴⁰ of the first time is below every digit
         tail = positive[-1] * float(curve(positive[-1:])[1][0])
         if tail <= 1e-13 * total:
             return float(total)
-        if deepest >= 9:
-            return math.inf
-        deepest += 1
+    return math.inf
+
+
+def _integral(curve: Curve, edges: Array) -> float:
+    """∫ P(survives) dt over panels in x = ln t, each halved until its halves agree with it."""
+
+    def panels(low: Array, high: Array) -> Array:
+        t = np.exp(low[:, None] + (high - low)[:, None] * (_NODES + 1) / 2)
+        survives = curve(t.ravel())[1].reshape(t.shape)
+        area: Array = (high - low) * ((t * survives) @ _WEIGHTS) / 2
+        return area
+
+    low, high = edges[:-1], edges[1:]
+    whole, settled = panels(low, high), 0.0
+    for _ in range(50):
+        middle = (low + high) / 2
+        left, right = panels(low, middle), panels(middle, high)
+        rough = np.abs(left + right - whole) > 1e-13 * (settled + float(np.sum(left + right)))
+        settled += float(np.sum((left + right)[~rough]))
+        if not rough.any():
+            break
+        low, high = (np.concatenate((one[rough], two[rough])) for one, two in ((low, middle), (middle, high)))
+        whole = np.concatenate((left[rough], right[rough]))
+    else:
+        settled += float(np.sum(whole))
+    return settled
