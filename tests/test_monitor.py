@@ -289,3 +289,29 @@ def test_ticks_are_whole_periods() -> None:
         observer.observe(Sample(START + step * SECOND, CLOCK, 0.0))
     assert all(tick % (7 * SECOND) == 0 for tick in ticks)
     assert len(ticks) == 14
+
+
+def test_a_recording_older_than_the_ledger_is_refused(ota: Robot) -> None:
+    """Tuesday, then Monday: nothing of Monday could count, and nothing is marked as counted."""
+    monday, tuesday = (
+        SyntheticOta(start=START + day * 24 * HOUR, duration=600 * SECOND, working_hours=(0, 24)) for day in (0, 1)
+    )
+    store = MemoryStore()
+    replay(ota, tuesday, store=store)
+    before = store.ledger(ota.name)
+    with pytest.raises(SourceError, match="would not count; expected recordings in the order of their time"):
+        replay(ota, monday, store=store)
+    assert store.ledger(ota.name) == before
+
+
+def test_a_flood_within_one_window_is_bounded_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(robophm.monitor, "MOST_PENDING", 100)
+    observer = Monitor(robophm.load(OTA))
+    for i in range(1000):  # stamps that stand still
+        observer.observe(Sample(START, "/ota/power/temperature.temperature", float(i % 40)))
+    assert len(observer.ledger.pending) == 100
+    assert sum(observer.ledger.counts.values()) == 900
+    for i in range(1000):  # time goes on: the window is integrated before its period is over
+        observer.observe(Sample(START + i * SECOND // 10, "/ota/power/temperature.temperature", 30.0))
+    assert len(observer.ledger.pending) <= 100
+    assert observer.ledger.integrated_to is not None

@@ -134,3 +134,7 @@ def test_hostile_units_of_signals():
     for unit in ("h" * 100_000, "9**9**9", "__import__('os')", "m\n/s", "K; K"):
         with pytest.raises(UnitError):
             conversion(unit, "degC")
+
+
+def test_a_million_hours_may_be_written_either_way() -> None:
+    assert quantity("0.3 /1e6 h", "1/h") == quantity("0.3 /10^6 h", "1/h") == 3e-7

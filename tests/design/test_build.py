@@ -5,6 +5,7 @@ import math
 import pytest
 
 from robophm.blocks.diagram import KOutOfN, Parallel, Series, Unit
+from robophm.core.errors import DesignError
 from robophm.design.file import load, parse
 
 HEAD = "schema_version: 1\nname: R\n"
@@ -280,3 +281,26 @@ def test_the_papers_robot_agrees_with_its_table(examples, shared):
     written = sorted((row["module"], row["qty"], row["rate_per_h"]) for row in rows)
     parts = [(part.path.split("/")[0], part.quantity, part.modes[0].rate) for part in ota.all_components()]
     assert sorted(parts) == written
+
+
+def test_members_that_are_drawn_nowhere_and_sensors_without_a_range_are_warned_of() -> None:
+    robot = parse(
+        """
+schema_version: 1
+name: R
+signals: {temperature: {topic: /t, field: c}}
+components: {motor: {quantity: 3, rate: 1 FIT, acceleration: {model: q10}}}
+diagram: {parallel: ["motor[1]", "motor[2]"]}
+"""
+    )
+    assert robot.warnings == (
+        "motor[3]: used in no diagram",
+        "signals/temperature: has no range: whatever a broken sensor says would count",
+    )
+
+
+def test_a_thousand_parts_can_be_told_apart_and_no_more() -> None:
+    text = "schema_version: 1\nname: R\ncomponents: {led: {quantity: %d, required: 9, rate: 1 FIT}}\n"
+    assert len(next(parse(text % 1000).all_components()).units) == 1000
+    with pytest.raises(DesignError, match="1001 parts told apart; expected at most 1000"):
+        parse(text % 1001)

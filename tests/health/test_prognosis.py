@@ -394,3 +394,30 @@ def test_equal_parts_of_a_component_are_stated_together() -> None:
     outlook: Outlook = as_designed(Plant(design))
     assert outlook.component_hazard_rates().tolist() == [exact(4e-3)]
     assert outlook.component_survival().tolist() == [exact(mp.exp(-mpf("0.04")))]
+
+
+def test_an_infinite_hazard_is_kept_away_by_redundancy() -> None:
+    """Infant mortality: h(0) is infinite for a part alone, and f = h·p·q of the other, 0, for a pair."""
+    young = {"life": {"distribution": "weibull", "scale": "1000 h", "shape": 0.5}}
+    pair = robot({"young": young, "spare": {"rate": "1e-3 /h"}}, diagram={"parallel": ["young", "spare"]})
+    alone = robot({"young": young})
+    assert as_designed(Plant(pair)).hazard_rate(pair.diagram) == 0
+    assert as_designed(Plant(alone)).hazard_rate(alone.diagram) == math.inf
+    curve = as_designed(Plant(alone)).survival_curve(alone.diagram, np.array([0.0, 1000.0]))
+    assert curve.density.tolist() == [math.inf, exact(mp.exp(-1) / 2000)]
+
+
+def test_a_wheel_that_stands_cannot_wear() -> None:
+    wheel = {"life": {"distribution": "weibull", "scale": "1000 km", "shape": 0.5}, "clock": "kilometres"}
+    design = robot({"wheel": wheel}, usage={"kilometres": "0 km/h"})
+    assert as_designed(Plant(design)).hazard_rate(design.diagram) == 0
+
+
+def test_the_calendar_runs_on_while_the_robot_rests() -> None:
+    """Ten hours of operation are a hundred of the calendar for a robot that works a tenth of the day."""
+    design = robot({"seal": {"rate": "1e-3 /h", "clock": "calendar"}}, usage={"operating": 0.1})
+    outlook = as_designed(Plant(design))
+    curve = outlook.survival_curve(design.diagram, np.array([10.0]))
+    assert curve.works[0] == exact(mp.exp(-mpf("0.1")))
+    median = outlook.remaining_life(design.diagram).median
+    assert outlook.survival_curve(design.diagram, np.array([median / 10])).works[0] == exact(0.5)

@@ -204,3 +204,15 @@ def test_a_file_that_may_not_be_written_is_an_error() -> None:
         assert error.startswith(f"StoreError: {path}: ")
         with SqliteStore(path) as store:
             assert store.ledger("R") == STATE
+
+
+def test_two_who_go_on_with_one_ledger_do_not_overwrite_each_other(tmp_path: Path) -> None:
+    with SqliteStore(tmp_path / "two.db") as first, SqliteStore(tmp_path / "two.db") as second:
+        first.save("R", {"version": 1, "n": 0})
+        assert first.ledger("R") == second.ledger("R")
+        second.save("R", {"version": 1, "n": 2})
+        with pytest.raises(StoreError, match="another process has gone on with R"):
+            first.save("R", {"version": 1, "n": 1}, Progress("drive", 9, True))
+        assert second.ledger("R") == {"version": 1, "n": 2}
+        assert not second.progress("R", "drive").complete
+        second.save("R", {"version": 1, "n": 3})

@@ -32,6 +32,24 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(version("robophm"))
+        raise typer.Exit
+
+
+@app.callback()
+def robophm(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="print it and end")
+    ] = False,
+) -> None:
+    """The honest health of a robot: hazard rate, reliability, remaining life and task completion."""
+
+
 Design = Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")]
 Json = Annotated[bool, typer.Option("--json", help="print one JSON document on stdout")]
 

@@ -124,10 +124,14 @@ def print_report(report: HealthReport, unit: str) -> None:
     system = report.system.sensor_based
     if system.remaining_life:
         life = system.remaining_life
-        out.print(f"Remaining life: median {duration_text(life.median)}, mean {duration_text(life.mean)}, "
-                  f"90 % between {duration_text(life.early)} and {duration_text(life.late)}", markup=False)  # fmt: skip
-        if life.threshold is not None:
-            out.print(f"Works on for {duration_text(life.threshold)} with the wanted probability", markup=False)
+        out.print(
+            f"Remaining life (calendar time): median {duration_text(life.median)}, mean {duration_text(life.mean)}, "
+            f"90 % between {duration_text(life.early)} and {duration_text(life.late)}",
+            markup=False,
+        )
+        wanted = report.outlooks["sensor_based"].plant.robot.thresholds.survival
+        if life.threshold is not None and wanted is not None:
+            out.print(f"Works on for {duration_text(life.threshold)} with {percent_text(wanted)}", markup=False)
     if report.task and system.completion:
         task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
         chance = probability_text(system.completion.probability, system.completion.failure)

@@ -15,8 +15,9 @@ from robophm.transports.source import SignalSource
 @contextmanager
 def progress(console: Console, source: SignalSource, what: str) -> Iterator[Callable[[Monitor], None] | None]:
     """A callback for every tick of a replay that moves a bar along the recording's time; None off a terminal."""
-    spans = [(info.first, info.last) for info in source.topics() if info.first is not None and info.last is not None]
-    if not console.is_terminal or not spans:
+    topics = source.topics() if console.is_terminal else []
+    spans = [(info.first, info.last) for info in topics if info.first is not None and info.last is not None]
+    if not spans:
         yield None
         return
     first, last = min(begin for begin, _ in spans), max(end for _, end in spans)

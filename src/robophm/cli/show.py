@@ -73,7 +73,7 @@ def svg_diagram(robot: Robot, unit: str) -> str:
 def promises_table(robot: Robot, found: Sequence[Promise], hours: float, unit: str) -> Table:
     """For people."""
     at = f"{number_text(hours)} h"
-    columns = ["when new, nominal", f"λ at {at}", f"R({at})", "mean time to failure"]
+    columns = ["when new, nominal", f"λ at {at} of operation", f"R({at})", "MTTF, calendar"]
     if found[0].legacy_hazard_rate is not None:
         columns += ["λ, 2020 tool", f"R({at}), 2020 tool"]
     rows = []

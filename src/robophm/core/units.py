@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)\Z", re.ASCII | re.DOTALL)
 # What may follow the number. pint's own grammar would compute 9**9**9; this one cannot be made to work hard.
-_FACTOR = re.compile(r"\s*([*·/]?)\s*(?:(10\^-?\d{1,2}|1(?!\d))|([^\W\d]+|[%°Ω]\w?)(?:(?:\^|\*\*)(-?\d))?)")
+_FACTOR = re.compile(r"\s*([*·/]?)\s*(?:(10\^-?\d{1,2}|1e-?\d{1,2}|1(?!\d))|([^\W\d]+|[%°Ω]\w?)(?:(?:\^|\*\*)(-?\d))?)")
 _DIFFERENCES = {"delta_degC": "K", "delta_degF": "delta_degF"}
 """What a user writes for a difference of temperatures, whose 0 is no melting ice."""
 _SPAN = 2.0**20  # wide, so that the 273.15 of a temperature costs the scale no digits
@@ -79,7 +79,7 @@ def _parse(unit: str) -> tuple[int, Any]:
         operator, ten, name, exponent = match.groups()
         sign = -1 if operator == "/" else 1
         if ten:
-            power += sign * int(ten[3:] or 0)
+            power += sign * int(re.split(r"[\^e]", f"{ten}^0")[1])
             continue
         try:
             result = result * _registry().Unit(name) ** (sign * int(exponent or 1))

@@ -1,8 +1,8 @@
 """A declared model: a formula whose inputs, ranges, units, source and every factor can be asked for.
 
 A hazard model gives a hazard rate, an acceleration gives a factor of it. Both are one function with keyword
-inputs and one declaration, from which come the checks of a design, its JSON Schema, ``robophm rate --explain``
-and the reference page.
+inputs and one declaration, from which come the checks of a design
+and what ``robophm rate`` lists and explains.
 """
 
 from __future__ import annotations
