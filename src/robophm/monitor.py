@@ -59,39 +59,28 @@ class Monitor:
         """Take one sample. What is not finite, or older than what has been integrated, is counted and dropped."""
         ledger = self.ledger
         at, signal, value = sample
-        if signal != CLOCK:
-            if not math.isfinite(value) and not self._late(at):
-                ledger.counts[f"not finite: {signal}"] += 1
-                return
-            if len(ledger.pending) >= MOST_PENDING:
-                self._make_room(at)
-        if self._late(at):
+        if ledger.integrated_to is not None and at <= ledger.integrated_to:
             if signal != CLOCK:
                 ledger.counts[f"late: {signal}"] += 1
             return
+        if signal != CLOCK and not math.isfinite(value):
+            ledger.counts[f"not finite: {signal}"] += 1
+            return
         if ledger.started is None or (ledger.integrated_to is None and at < ledger.started):
             ledger.started = at
-        if signal != CLOCK:
-            if len(ledger.pending) < MOST_PENDING:
-                ledger.pending.append(sample)
-            else:
-                ledger.counts[f"more than {MOST_PENDING:,} within {WINDOW // SECOND} s: {signal}"] += 1
-        if ledger.newest is None or at > ledger.newest:
-            ledger.newest = at
-            tick = (at - WINDOW) // self.period * self.period
-            if tick > (ledger.started if ledger.integrated_to is None else ledger.integrated_to):
-                self._integrate(tick)
-
-    def _late(self, at: int) -> bool:
-        return self.ledger.integrated_to is not None and at <= self.ledger.integrated_to
-
-    def _make_room(self, now: int) -> None:
-        """Integrate before the period is over, where a flood has filled the open window."""
-        ledger = self.ledger
-        until = max(now, ledger.newest or now) - WINDOW
         begun = ledger.started if ledger.integrated_to is None else ledger.integrated_to
-        if begun is not None and until > begun:
-            self._integrate(until)
+        later = ledger.newest is None or at > ledger.newest
+        newest = ledger.newest = at if later or ledger.newest is None else ledger.newest
+        full = len(ledger.pending) >= MOST_PENDING
+        if signal != CLOCK:
+            if full and newest - WINDOW <= begun:
+                ledger.counts[f"more than {MOST_PENDING:,} within {WINDOW // SECOND} s: {signal}"] += 1
+                return
+            ledger.pending.append(sample)
+        if later or full:  # a flood is integrated before its period is over
+            until = newest - WINDOW if full else (newest - WINDOW) // self.period * self.period
+            if until > begun:
+                self._integrate(until)
 
     def _integrate(self, until: int) -> None:
         ledger = self.ledger
