@@ -8,15 +8,9 @@ import numpy as np
 
 from benchmarks import Line, agree, benchmark, race
 from benchmarks.designs import MISSION, Twins, ages, twins
-from robophm.health.prognosis import Figures, Outlook, Plant
+from robophm.health.prognosis import Figures, Plant, nominal_outlook
 
 PEER = "RePyability"
-
-
-def look(plant: Plant, age: np.ndarray) -> Outlook:
-    """What a tick starts from: where every part stands at its new age."""
-    ones = np.ones(len(age))
-    return Outlook(plant, age, plant.lifewise("increment", np.zeros(len(age)), age), ones, ones, plant.usage)
 
 
 def of_peer(twin: Twins, age: np.ndarray) -> tuple[float, float, float]:
@@ -34,10 +28,10 @@ def tick(parts: int) -> Iterator[Line]:
     assert task is not None
 
     def ours(age: np.ndarray) -> Figures:
-        return look(plant, age).figures(diagram, task, remaining_life=False)
+        return nominal_outlook(plant, age).figures(diagram, task, remaining_life=False)
 
     def completion(age: np.ndarray) -> float:
-        return look(plant, age).completion(diagram, task).probability
+        return nominal_outlook(plant, age).completion(diagram, task).probability
 
     def given_state(age: np.ndarray) -> float:
         return float(twin.rbd.sf_given_state(MISSION, dict(zip(twin.names, age.tolist(), strict=True))))
@@ -74,7 +68,7 @@ def remaining_life() -> Iterator[Line]:
     state = dict(zip(twin.names, age.tolist(), strict=True))
 
     def ours() -> list[float]:
-        life = look(plant, age).remaining_life(twin.robot.diagram)
+        life = nominal_outlook(plant, age).remaining_life(twin.robot.diagram)
         return [life.early, life.median, life.late, life.mean]
 
     def theirs() -> list[float]:

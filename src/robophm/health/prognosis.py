@@ -285,15 +285,16 @@ def outlooks(plant: Plant, exposure: Exposure, ledger: Ledger) -> Mapping[View, 
         usage_now=usage,
         usage_ahead=np.where(usage > 0, usage, plant.usage),
     )
-    return {"nominal": _nominal(plant, clock_age), "sensor_based": sensor_based}
+    return {"nominal": nominal_outlook(plant, clock_age), "sensor_based": sensor_based}
 
 
 def as_designed(plant: Plant) -> Outlook:
     """A new robot, nominal."""
-    return _nominal(plant, plant.initial)
+    return nominal_outlook(plant, plant.initial)
 
 
-def _nominal(plant: Plant, age: Array) -> Outlook:
+def nominal_outlook(plant: Plant, age: Array) -> Outlook:
+    """A robot at these ages of its failure modes [unit of each clock], at design stress."""
     ones = np.ones(len(age))
     return Outlook(plant, age, _since_new(plant, age), ones, ones, plant.usage, plant.usage)
 
