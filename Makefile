@@ -4,7 +4,7 @@ PYTHON ?= $(shell sh tools/find-python)
 BIN := .venv/bin
 CHECKED := src tests benchmarks
 
-.PHONY: setup demo test test-full lint bench bench-setup clean
+.PHONY: help setup demo lint test test-full bench clean
 .DEFAULT_GOAL := help
 
 help:
@@ -13,12 +13,8 @@ help:
 	@echo "make bench  speed, as ratios against named peers (docs/benchmarks.md)"
 	@echo "make clean  remove what the others made"
 
-setup: .venv/ready
-
-.venv/ready: pyproject.toml constraints.txt tools/make-venv
-	@sh tools/make-venv "$(PYTHON)"
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[dev]"
-	@touch $@
+setup:
+	@sh tools/setup "$(PYTHON)"
 
 demo: setup
 	@$(BIN)/robophm demo --output demo-output
@@ -32,14 +28,11 @@ lint: setup
 test: lint
 	$(BIN)/pytest -n 2
 
-test-full: lint
-	ROBOPHM_FULL=1 $(BIN)/pytest -n 2
+# There are no tests yet that take too long for `make test`.
+test-full: test
 
-.venv/bench-ready: .venv/ready
+bench: setup
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[bench]"
-	@touch $@
-
-bench: .venv/bench-ready
 	$(BIN)/python -m benchmarks
 
 clean:

@@ -121,6 +121,7 @@ def print_report(report: HealthReport, unit: str) -> None:
     clocks = {"operating": "h of operation", "calendar": "h in all", "kilometres": "km"}
     lived = ", ".join(f"{number_text(v)} {clocks.get(n, n)}" for n, v in report.clocks.items())
     out.print(f"Observed: {lived if report.time is not None else 'nothing yet; sensor-based is nominal'}", markup=False)
+    out.print("R is survival since new over that time; λ, remaining life and PoTC are given that it works now.")
     system = report.system.sensor_based
     if system.remaining_life:
         life = system.remaining_life
