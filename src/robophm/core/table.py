@@ -24,7 +24,7 @@ class Source:
     """How the transcription was checked."""
 
     def __str__(self) -> str:
-        return f"{self.title} §{self.section}, p. {self.page}" if self.section else self.title
+        return f"{self.title} §{self.section}, p. {self.page}" if self.section != "–" else self.title
 
 
 @dataclass(frozen=True)

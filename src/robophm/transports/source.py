@@ -154,5 +154,4 @@ def existing(path: Path) -> Path:
     if path.exists():
         return path
     beside: Iterable[Path] = path.parent.iterdir() if path.parent.is_dir() else ()
-    alike = (other.name for other in beside if other.suffix == path.suffix)
-    raise SourceError(f"{path}: no such file{nearest(path.name, alike)}")
+    raise SourceError(f"{path}: no such file{nearest(path.name, (other.name for other in beside))}")

@@ -7,7 +7,7 @@ from robophm.hazard.model import Array, Factor, Range, hazard_model
 
 
 @hazard_model(
-    source=Source("the user's own figure", "", "", "as stated in the design"),
+    source=Source("the user's own figure", "–", "–", "as stated in the design"),
     inputs={"rate": Range(0.0, 1e6, "1/h", "hazard rate")},
 )
 def hazard_rate(rate: Array) -> Factor:
