@@ -99,7 +99,7 @@ def show(
     legacy: Annotated[bool, typer.Option("--legacy", help="beside the figures of the 2020 tool")] = False,
     as_json: Json = False,
 ) -> None:
-    """Draw a design and state what it promises when new: hazard rate, reliability, mean time to failure."""
+    """Draw a design and state what it promises when new."""
     from robophm.cli.show import draw, promises, promises_table, svg_diagram
     from robophm.design.file import load
     from robophm.health.report import plain
@@ -201,7 +201,7 @@ def predict(
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
-    """What lies ahead of a robot: remaining life, and whether a task will be completed."""
+    """Say what lies ahead: remaining life, task completion."""
     from robophm.core.units import quantity
     from robophm.design.build import Fault, plain_task
     from robophm.design.file import load
@@ -279,7 +279,7 @@ def replay(
 
 @app.command()
 def schema() -> None:
-    """Print the JSON Schema of the design file, for an editor's completion."""
+    """Print the JSON Schema of the design file."""
     from robophm.design.schema import json_schema
 
     typer.echo(json_text(json_schema()))
@@ -292,7 +292,7 @@ def demo(
     ),
     seed: Annotated[int, typer.Option(help="of the synthetic robot")] = 1,
 ) -> None:
-    """A synthetic robot works for a day; watch its health live, and read the report."""
+    """Watch a synthetic robot work for a day."""
     from robophm.cli.demo import run
 
     run(output, seed)
@@ -300,7 +300,7 @@ def demo(
 
 @app.command()
 def doctor(as_json: Json = False) -> None:
-    """Say what is installed here and whether robophm works with it."""
+    """Say what is installed here and whether it works."""
     from robophm.cli.doctor import run
 
     run(as_json=as_json)
