@@ -147,28 +147,22 @@ def _outlook_curves(robot: Robot, report: HealthReport) -> Iterable[Html]:
 
 
 def _subject_table(subjects: Iterable[Subject]) -> Html:
-    columns = (
-        "",
-        "λ nominal [1/h]",
-        "λ sensor-based [1/h]",
-        "R nominal",
-        "R sensor-based",
-        "RUL median",
-        "PoTC",
-        "flags",
-    )
     rows = []
     for one in subjects:
-        life, task = one.sensor_based.remaining_life, one.sensor_based.completion
+        nominal, lived = one.nominal, one.sensor_based
+        life, task = lived.remaining_life, lived.completion
         rows.append((
-            one.path, one.nominal.hazard_rate, one.sensor_based.hazard_rate,
-            percent_text(one.nominal.reliability, one.nominal.unreliability),
-            percent_text(one.sensor_based.reliability, one.sensor_based.unreliability),
+            one.path, nominal.hazard_rate, lived.hazard_rate,
+            percent_text(nominal.reliability, nominal.unreliability),
+            percent_text(lived.reliability, lived.unreliability),
             duration_text(life.median) if life else None,
             percent_text(task.probability, task.failure) if task else None,
             ", ".join(one.flags) or None,
         ))  # fmt: skip
-    return table_html(columns, rows, "RUL and PoTC are sensor-based, given that the module works now", "lrrrrrrl")
+    columns = ["", "λ nominal [1/h]", "λ sensor [1/h]", "R nominal", "R sensor", "RUL median", "PoTC", "flags"]
+    shown = len(columns) if any(row[-1] for row in rows) else len(columns) - 1
+    caption = "sensor: sensor-based; RUL and PoTC are, given that the module works now"
+    return table_html(columns[:shown], [row[:shown] for row in rows], caption, "lrrrrrrl"[:shown])
 
 
 def _contributors(report: HealthReport) -> Html:
