@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
@@ -259,12 +260,13 @@ def replay(
         warn(warning)
     with open_source(*recordings) as source:
         signals = available(robot, source, skip_missing=skip_missing)  # before a store is made for it
-        kept: Store = SqliteStore(store) if store else MemoryStore()
-        with kept, _progress(source, "replaying") as tick:
-            if store and kept.progress(robot.name, recording_key(source, signals)).complete:
+        # Without a store the course is kept only for a page that shows it: its reports cost time.
+        kept: Store | None = SqliteStore(store) if store else MemoryStore() if report else None
+        with kept or nullcontext(), _progress(source, "replaying") as tick:
+            if kept and kept.progress(robot.name, recording_key(source, signals)).complete:
                 warn(f"this recording is already in {store}; it is not counted again")
             health = replay_recording(robot, source, store=kept, skip_missing=skip_missing, on_tick=tick)
-            history = list(kept.history(robot.name)) if report else []
+            history = list(kept.history(robot.name)) if kept and report else []
     if report:
         write(report, health_page(robot, health, history))
     if as_json:

@@ -64,13 +64,11 @@ class Figures:
 class System:
     """A diagram prepared, and the failure modes that it hangs on, those of one life distribution side by side."""
 
-    def __init__(self, robot: Robot, diagram: Block) -> None:
+    def __init__(self, plant: Plant, diagram: Block) -> None:
         self.structure = Structure(diagram)
-        first = np.cumsum([0, *(len(component.modes) for component in robot.all_components())])
-        row = {unit: i for i, component in enumerate(robot.all_components()) for unit in component.units}
+        row, first = plant.row, plant.first_mode
         drawn = sorted({row[unit] for unit in self.structure.names})
-        components = tuple(robot.all_components())
-        parts = [components[i] for i in drawn]
+        parts = [plant.components[i] for i in drawn]
         self.modes = np.concatenate([np.arange(first[i], first[i + 1]) for i in drawn])
         """Indices of its failure modes among the robot's."""
         self._starts = np.cumsum([0, *(len(part.modes) for part in parts[:-1])])
@@ -79,7 +77,7 @@ class System:
         self._units = np.array([place[row[unit]] for unit in self.structure.names])
         self.monitored = np.array([part.monitored for part in parts])[self._units]
         """Of each unit of the structure."""
-        self._lives = side_by_side([robot.modes[i].life for i in self.modes])
+        self._lives = side_by_side([plant.robot.modes[i].life for i in self.modes])
 
     def of_components(self, of_modes: Array) -> Array:
         """Sums over the failure modes of each component (they are in series), times its equal parts."""
@@ -109,19 +107,23 @@ class Plant:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.components = tuple(robot.all_components())
+        self.row = {unit: i for i, part in enumerate(self.components) for unit in part.units}
+        """Which component a unit of a diagram is of."""
+        self.first_mode = np.cumsum([0, *(len(part.modes) for part in self.components)])
+        """Where the failure modes of each component begin among the robot's."""
         self.by_age = np.array([mode.scaling == "age" for mode in robot.modes])
         self.initial = np.array([mode.initial_exposure for mode in robot.modes])
         self.usage = np.array([robot.usage.per_operating_hour(mode.clock) for mode in robot.modes])
         self.calendar = np.array([mode.clock == "calendar" for mode in robot.modes])
         self.by_distance = np.array([mode.clock == "kilometres" for mode in robot.modes])
         self._systems: dict[int, tuple[Block, System]] = {}
-        self.everything = System(robot, Series(*(unit for part in self.components for unit in part.units)))
+        self.everything = System(self, Series(*(unit for part in self.components for unit in part.units)))
         """All parts, to ask each of them."""
 
     def system(self, diagram: Block) -> System:
         """A diagram prepared; once for each."""
         if id(diagram) not in self._systems:  # by identity: to hash ten thousand blocks costs more than to fold them
-            self._systems[id(diagram)] = diagram, System(self.robot, diagram)
+            self._systems[id(diagram)] = diagram, System(self, diagram)
         return self._systems[id(diagram)][1]
 
 
