@@ -25,6 +25,10 @@ Life = tuple[float, float | None]
 """Scale [h] and, where the part ages, the Weibull shape."""
 
 
+FUNCTIONS = {"drive": range(6), "see": (0, 1, 2, 6, 7), "lift": (0, 1, 8, 9)}
+"""Modules that each function of a robot of a hundred parts needs: three are shared."""
+
+
 @dataclass(frozen=True)
 class Twins:
     """The same robot, ours and theirs; ages and lives in the order of ``names``."""
@@ -61,6 +65,11 @@ def twins(parts: int) -> Twins:
     return Twins(parse("\n".join(_yaml(lives))), *_diagram(lives))
 
 
+def uncertain(parts: int) -> Robot:
+    """Ours, of all whose rates nothing is known but their order of magnitude."""
+    return parse("\n".join((*_yaml(draw(parts)), "uncertainty: {error_factor: 3}")))
+
+
 def _groups(names: list[str]) -> Iterator[tuple[int, list[str]]]:
     start = 0
     for k, n in GROUPS:
@@ -69,7 +78,11 @@ def _groups(names: list[str]) -> Iterator[tuple[int, list[str]]]:
 
 
 def _yaml(lives: dict[str, Life]) -> Iterator[str]:
-    yield from ("schema_version: 1", "name: Bench", f"task: {{duration: {MISSION} h}}", "modules:")
+    yield from ("schema_version: 1", "name: Bench", f"task: {{duration: {MISSION} h}}")
+    if len(lives) == 100:
+        yield "functions:"
+        yield from (f"  {name}: {{series: [{', '.join(f'M{i}' for i in m)}]}}" for name, m in FUNCTIONS.items())
+    yield "modules:"
     for module in dict.fromkeys(name.split("/")[0] for name in lives):
         inside = {name.split("/")[1]: life for name, life in lives.items() if name.startswith(module + "/")}
         yield f"  {module}:"
@@ -86,6 +99,13 @@ def _yaml(lives: dict[str, Life]) -> Iterator[str]:
         for name, (scale, shape) in inside.items():
             life = f"life: {{distribution: weibull, scale: {scale!r} h, shape: {shape!r}}}"
             yield f"      {name}: {{monitored: true, {life if shape else f'rate: {1 / scale!r} /h'}}}"
+
+
+def function(name: str) -> Any:
+    """The peer's diagram of a function of a robot of a hundred parts."""
+    lives = draw(100)
+    modules = tuple(f"M{i}/" for i in FUNCTIONS[name])
+    return _diagram({part: life for part, life in lives.items() if part.startswith(modules)})[0]
 
 
 def _diagram(lives: dict[str, Life]) -> tuple[Any, tuple[str, ...], dict[str, Any], tuple[str, ...]]:

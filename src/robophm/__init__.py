@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from robophm.blocks.reliability import Structure
     from robophm.core.errors import RobophmError
     from robophm.design.file import load
-    from robophm.design.robot import Robot, Task
+    from robophm.design.robot import Robot
+    from robophm.design.task import Leg, Task
+    from robophm.design.task_file import load_plan
     from robophm.health.report import HealthReport
     from robophm.life import life_distribution
     from robophm.monitor import Monitor, replay
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = [
     "HealthReport",
     "KOutOfN",
+    "Leg",
     "Monitor",
     "Parallel",
     "RobophmError",
@@ -34,6 +37,7 @@ __all__ = [
     "Unit",
     "life_distribution",
     "load",
+    "load_plan",
     "open_source",
     "replay",
 ]
@@ -44,7 +48,9 @@ _HOMES = {
     "blocks.reliability": ("Structure",),
     "core.errors": ("RobophmError",),
     "design.file": ("load",),
-    "design.robot": ("Robot", "Task"),
+    "design.robot": ("Robot",),
+    "design.task": ("Leg", "Task"),
+    "design.task_file": ("load_plan",),
     "health.report": ("HealthReport",),
     "life": ("life_distribution",),
     "monitor": ("Monitor", "replay"),

@@ -15,14 +15,17 @@ import time
 from bisect import bisect_right
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 from robophm.core.errors import SourceError, UnitError, nearest
 from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
 from robophm.core.units import conversion
-from robophm.design.robot import Robot, Task
-from robophm.health.exposure import Exposure, Ledger
-from robophm.health.prognosis import Plant
+from robophm.design.robot import Robot
+from robophm.design.task import Knowledge, Plan, Task
+from robophm.health.exposure import Exposure
+from robophm.health.ledger import Ledger
+from robophm.health.plant import Plant
+from robophm.health.prognosis import FutureName
 from robophm.health.report import HealthReport, health_report
 from robophm.stores.store import Progress, Store
 from robophm.transports.message_units import field_unit
@@ -34,6 +37,18 @@ WINDOW = SECOND
 
 MOST_PENDING = 500_000
 """Samples that the open window holds at most; a flood within one window beyond it is counted and dropped."""
+
+
+class ReportOptions(TypedDict, total=False):
+    """What ``health_report`` takes besides."""
+
+    task: Task | None
+    remaining_life: bool
+    future: FutureName
+    plan: Plan | None
+    knowledge: Knowledge | None
+    draws: int
+    parts: bool
 
 
 class Monitor:
@@ -48,6 +63,8 @@ class Monitor:
         on_tick: Callable[[Monitor], None] | None = None,
     ) -> None:
         """Start, or go on from a ledger. ``period`` [s] is the step of integration; ``on_tick`` follows each."""
+        self.marks: list[tuple[int, Callable[[Ledger], None]]] = []
+        """Times [ns], ascending, and what is to be done with the ledger of each; taken away as they are reached."""
         self.robot = robot
         self.plant = Plant(robot)
         self.exposure = Exposure(robot)
@@ -87,14 +104,33 @@ class Monitor:
         ledger.pending.sort()
         split = bisect_right(ledger.pending, until, key=lambda sample: sample.time)
         ready, ledger.pending = ledger.pending[:split], ledger.pending[split:]
+        while self.marks and self.marks[0][0] <= until:
+            mark, then = self.marks.pop(0)
+            then(self._at(mark, ready))
         self.exposure.integrate(ledger, ready, until)
         if self.on_tick:
             self.on_tick(self)
 
-    def report(self, *, task: Task | None = None, remaining_life: bool = True, settled: bool = True) -> HealthReport:
+    def _at(self, time: int, ready: list[Sample]) -> Ledger:
+        """The ledger of this time; the robot's own goes on in whole periods, as without marks."""
+        ledger = self.ledger.copy()
+        ledger.pending = []
+        begun = ledger.started if ledger.integrated_to is None else ledger.integrated_to
+        if begun is None or time > begun:
+            self.exposure.integrate(ledger, ready[: bisect_right(ready, time, key=lambda sample: sample.time)], time)
+        return ledger
+
+    def reach_marks(self) -> None:
+        """Do what the marks that are left ask for, none with a ledger later than the newest sample."""
+        if (newest := self.ledger.newest) is not None:
+            for mark, then in self.marks:
+                then(self._at(min(mark, newest), sorted(self.ledger.pending)))
+        self.marks.clear()
+
+    def report(self, *, settled: bool = True, **options: Unpack[ReportOptions]) -> HealthReport:
         """The robot's health now. ``settled`` takes the open window in, up to the newest sample."""
         ledger = self.exposure.settled(self.ledger) if settled else self.ledger
-        return health_report(self.plant, self.exposure, ledger, task=task, remaining_life=remaining_life)
+        return health_report(self.plant, self.exposure, ledger, **options)
 
 
 def replay(

@@ -140,7 +140,7 @@ def test_more_columns_than_fit_at_once(monkeypatch):
     structure = Structure(KOutOfN(2, "a", Series("b", "c"), Parallel("a", "c", "d")))
     q = np.random.default_rng(1).uniform(0, 1, (4, 5, 7))
     at_once = structure.state(1 - q, q, q)
-    monkeypatch.setattr(reliability, "_AT_ONCE", 50)
+    monkeypatch.setattr(reliability, "AT_ONCE", 50)
     assert_allclose(structure.state(1 - q, q, q), at_once, rtol=0)
     assert structure.state(q[:, :, :0], q[:, :, :0]).works.shape == (5, 0)
 

@@ -25,6 +25,7 @@ def test_rows_columns_and_notes():
     assert len(TABLE) == 2
     assert TABLE.notes == {"A": "first, with a note", "B": ""}
     assert str(SOURCE) == "Handbook §1.2, p. 3"
+    assert str(Source("Handbook", "1.2", "Table 4", "x")) == "Handbook §1.2, Table 4"
 
 
 def test_whether_a_row_is_there_can_be_asked():

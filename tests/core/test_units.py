@@ -138,3 +138,11 @@ def test_hostile_units_of_signals():
 
 def test_a_million_hours_may_be_written_either_way() -> None:
     assert quantity("0.3 /1e6 h", "1/h") == quantity("0.3 /10^6 h", "1/h") == 3e-7
+
+
+@pytest.mark.parametrize(
+    ("text", "inside", "value"),
+    [("5 °C/W", "K/W", 5.0), ("5 degC/W", "K/W", 5.0), ("9 degF/W", "K/W", 5.0), ("5 K/W", "K/W", 5.0)],
+)
+def test_a_temperature_beside_another_unit_is_a_difference(text, inside, value):
+    assert quantity(text, inside) == pytest.approx(value, rel=1e-12)

@@ -79,7 +79,8 @@ def test_the_reference_is_25_degrees_unless_it_is_stated():
 
 
 def test_nothing_is_accelerated_where_nothing_is_measured():
-    assert modes("acceleration: {model: q10}\ncomponents: {A: {rate: 1 FIT}}")["A"].stresses == ()
+    (unmeasured,) = modes("acceleration: {model: q10}\ncomponents: {A: {rate: 1 FIT}}").values()
+    assert (len(unmeasured.stresses), unmeasured.measured) == (1, ())  # a task may still state the stress
     assert modes("signals: {temperature: {topic: /t, field: t}}\ncomponents: {A: {rate: 1 FIT}}")["A"].stresses == ()
 
 
@@ -93,7 +94,7 @@ def test_the_nearest_environment_wins():
         "modules: {M: {environment: GM, components: "
         f"{{B: {capacitor % ''}, D: {capacitor % 'environment: GF, '}}}}}}}"
     )
-    assert {path: mode.hazard.design["environment"] for path, mode in found.items()} == {
+    assert {path: mode.stresses[0].design["environment"] for path, mode in found.items()} == {
         "M/B": "GM",
         "M/D": "GF",
         "A": "GB",
@@ -117,6 +118,17 @@ components:
         assert channel.scale * 77 + channel.offset == pytest.approx(25 + shift, rel=1e-12)
         assert (channel.low, channel.high) == pytest.approx((-40 + shift, 100 + shift), rel=1e-12)
         assert (channel.max_age, channel.stale, channel.unit) == (120 * 10**9, "worst", "degF")
+
+
+def test_a_share_of_a_rated_value():
+    text = """
+acceleration: {model: cubic_load}
+signals: {load: {topic: /joint_states, field: "effort[1]", unit: N*m, rated: 80, range: [-160, 200], offset: 0.25}}
+components: {A: {rate: 1 FIT}}
+"""
+    channel = modes(text)["A"].stresses[0].channels["load"]
+    assert channel.scale * 40 + channel.offset == pytest.approx(0.5 + 0.25, rel=1e-15)
+    assert (channel.low, channel.high, channel.unit) == (-2 + 0.25, 2.5 + 0.25, "N*m")
 
 
 def test_the_nearest_clock_wins():
@@ -182,6 +194,22 @@ def test_what_is_drawn_nowhere_and_what_nobody_takes_are_warnings():
     text = "signals: {temperature: {topic: /t, field: t}}\nclocks: {kilometres: {topic: /o, speed: v}}\n"
     text += "components:\n  A: {rate: 1 FIT}\n  B: {rate: 1 FIT}\ndiagram: A"
     assert robot(text).warnings == ("B: used in no diagram", "signals/temperature: no part below takes this input")
+
+
+def test_a_part_does_not_listen_to_what_its_own_kind_does_not_need():
+    """A Zener diode has no voltage stress; a rectifier beside it, under the same signals, has."""
+    text = """
+signals: {voltage: {topic: /v, field: data}, temperature: {topic: /t, field: data}}
+environment: GM
+components:
+  Zener: {hazard: {model: mil_hdbk_217f.diode_low_frequency, inputs:
+    {kind: zener, temperature: 40 degC, power: 0 W, contact: bonded}}}
+  Rectifier: {hazard: {model: mil_hdbk_217f.diode_low_frequency, inputs:
+    {kind: rectifier, temperature: 40 degC, power: 0 W, contact: bonded, voltage: 12 V, rated_voltage: 40 V}}}
+"""
+    found = modes(text)
+    assert signals(found["Zener"]) == {"temperature": "/t.data"}
+    assert signals(found["Rectifier"]) == {"temperature": "/t.data", "voltage": "/v.data"}
 
 
 @pytest.mark.parametrize(

@@ -158,7 +158,7 @@ FAULTS = {
     ),
     "k above n": (TWO + "diagram: {k_of_n: {k: 3, of: [A, B]}}\n", 6, "k = 3 of n = 2 blocks; expected 1 ≤ k ≤ n"),
     "k zero": (TWO + "diagram: {k_of_n: {k: 0, of: [A, B]}}\n", 6, "k_of_n/k: expected greater than or equal to 1"),
-    "empty group": (TWO + "diagram: {series: []}\n", 6, "diagram/series: List should have at least 1 item"),
+    "empty group": (TWO + "diagram: {series: []}\n", 6, "diagram/series: is empty; expected at least one"),
     "two kinds of block": (
         TWO + "diagram: {series: [A], parallel: [B]}\n",
         6,
@@ -222,6 +222,12 @@ FAULTS = {
     "infinite patience": (signal("topic: /a, field: x, max_age: 1e400 s"), 6, "max_age: 1e400 is not a finite number"),
     "negative patience": (TWO + "max_gap: -1 s\n", 6, "max_gap: -1 s is too small; expected at least 0 s"),
     "patience without unit": (TWO + "max_gap: 5\n", 6, "max_gap: '5' has no unit; expected e.g. '5 s'"),
+    "rated of what is no share": (
+        signal("topic: /a, field: x, rated: 80"),
+        6,
+        "signals/temperature: 'rated' is given, but this input is measured in degC, not as a share",
+    ),
+    "rated at nothing": (signal("topic: /a, field: x, rated: 0"), 6, "rated: expected greater than 0, not 0"),
     "offset of no signal": (
         HOT.replace("FIT", "FIT, offsets: {temprature: 5 K}") + "signals: {temperature: {topic: /a, field: x}}\n",
         4,

@@ -24,19 +24,19 @@ PARTS = "components: {A: {rate: 1e-5 /h, quantity: 2}, B: {rate: 3e-5 /h}, C: {r
 )
 def test_by_hand(diagram, expected):
     robot = parse(f"{HEAD}{PARTS}diagram: {diagram}")
-    assert legacy_rate(robot) == pytest.approx(expected, rel=1e-14)
-    assert legacy_reliability(robot, 1000) == pytest.approx(math.exp(-1000 * expected), rel=1e-14)
+    assert legacy_rate(robot) == pytest.approx(expected, rel=1e-14, abs=0)
+    assert legacy_reliability(robot, 1000) == pytest.approx(math.exp(-1000 * expected), rel=1e-14, abs=0)
 
 
 def test_two_equal_units_in_parallel_come_out_worse_than_one():
     robot = parse(f"{HEAD}components: {{A: {{rate: 3e-5 /h}}, B: {{rate: 3e-5 /h}}}}\ndiagram: {{parallel: [A, B]}}")
-    assert legacy_rate(robot) == pytest.approx(4e-5, rel=1e-14)
+    assert legacy_rate(robot) == pytest.approx(4e-5, rel=1e-14, abs=0)
 
 
 def test_modules_are_rolled_up_one_by_one():
     text = "modules: {M: {components: {A: {rate: 1e-5 /h}, B: {rate: 3e-5 /h}}, diagram: {parallel: [A, B]}}}\n"
     robot = parse(f"{HEAD}{text}components: {{C: {{rate: 1e-5 /h}}}}")
-    assert legacy_rate(robot) == pytest.approx(4e-5 / 1.5 + 1e-5, rel=1e-14)
+    assert legacy_rate(robot) == pytest.approx(4e-5 / 1.5 + 1e-5, rel=1e-14, abs=0)
 
 
 @pytest.mark.parametrize(
@@ -56,4 +56,4 @@ def test_series_agrees_with_the_sum_of_the_papers_table(examples):
     """Communication is all in series: Σ quantity · rate of its rows in Table 17."""
     communication = load(examples / "ota" / "robot.yaml").modules[2]
     total = 9 * 4.53e-7 + 9 * 1.66e-7 + 6.54e-6 + 5.9e-7 + 2.3e-7 + 1.7e-7 + 4 * 8e-8 + 5.9e-7 + 2.43e-6 + 7.5e-7
-    assert legacy_rate(communication) == pytest.approx(total, rel=1e-12)
+    assert legacy_rate(communication) == pytest.approx(total, rel=1e-12, abs=0)

@@ -1,12 +1,13 @@
 """Factors of the hazard rate against their closed forms; 1 at the reference stress, exactly."""
 
 import math
+from decimal import Decimal, getcontext
 
 import numpy as np
 import pytest
 
 from robophm.core.errors import ModelError, PlugError
-from robophm.hazard.acceleration import ACCELERATIONS, acceleration_model
+from robophm.hazard.acceleration import ACCELERATIONS, acceleration_model, stress_inputs
 from robophm.hazard.handbooks.mil_hdbk_217f import handbook_arrhenius
 
 ARRHENIUS = {"temperature": "60 degC", "activation_energy": "0.7 eV"}
@@ -18,7 +19,15 @@ def factor(name, **given):
 
 
 def test_these_are_the_accelerations():
-    assert {name: model.name for name, model in ACCELERATIONS.items()} == {"arrhenius": "arrhenius", "q10": "q10"}
+    assert {name: model.name for name, model in ACCELERATIONS.items()} == {
+        "arrhenius": "arrhenius",
+        "eyring": "eyring",
+        "q10": "q10",
+        "peck": "peck",
+        "coffin_manson": "coffin_manson",
+        "cubic_load": "cubic_load",
+        "inverse_power": "inverse_power",
+    }
     with pytest.raises(PlugError, match="no acceleration 'arhenius'; did you mean 'arrhenius'"):
         acceleration_model("arhenius")
 
@@ -57,7 +66,7 @@ def test_the_handbook_and_the_physical_arrhenius_differ():
     assert physical == pytest.approx(rounded, rel=5e-3)
 
 
-@pytest.mark.parametrize("name", ACCELERATIONS)
+@pytest.mark.parametrize("name", ["arrhenius", "q10"])
 def test_rises_with_temperature_and_flags_what_is_outside(name):
     model = acceleration_model(name)
     design = model.settle(
@@ -67,6 +76,21 @@ def test_rises_with_temperature_and_flags_what_is_outside(name):
     assert np.all(np.diff(value) > 0)
     assert extrapolated.tolist() == [True, False, False, False, False, True]
     assert value[3] == 1
+
+
+def test_laws_of_load_and_voltage():
+    assert factor("cubic_load", load=1.5) == pytest.approx(3.375, rel=1e-15)
+    assert factor("cubic_load", load=0.5, reference_load=0.25) == pytest.approx(8, rel=1e-15)
+    assert factor("cubic_load", load=0) == 0
+    at = {"voltage": "12 V", "reference_voltage": "24 V"}
+    assert factor("inverse_power", **at, exponent=5) == pytest.approx(1 / 32, rel=1e-15)
+
+
+def test_a_load_and_its_opposite_count_alike():
+    model = acceleration_model("cubic_load")
+    value, extrapolated = model.evaluate({**model.settle({"load": 1}), "load": np.array([-2.0, 2.0, 101.0])})
+    assert value.tolist() == [8, 8, pytest.approx(101**3)]
+    assert extrapolated.tolist() == [False, False, True]
 
 
 def test_below_absolute_zero_nothing_turns_over():
@@ -85,3 +109,99 @@ def test_inputs_that_are_not_taken():
         factor("q10", temperature="60 degC", Q=2)
     with pytest.raises(ModelError, match=r"^q10: q 0\.5 is outside 1 … 10$"):
         factor("q10", temperature="60 degC", q=0.5)
+
+
+def by_decimals(activation_energy, reference, temperature):
+    """Arrhenius in 40 decimals."""
+    getcontext().prec = 40
+    kelvin = [Decimal(str(t)) + Decimal("273.15") for t in (reference, temperature)]
+    return (Decimal(str(activation_energy)) / Decimal("8.617333e-5") * (1 / kelvin[0] - 1 / kelvin[1])).exp()
+
+
+@pytest.mark.parametrize("exponent", [0, 1, 2.5])
+@pytest.mark.parametrize("temperature", [-40, 25, 60, 150])
+def test_eyring_is_arrhenius_and_a_power_of_the_kelvins(temperature, exponent):
+    found = factor("eyring", temperature=f"{temperature} degC", activation_energy="0.7 eV", exponent=exponent)
+    kelvins = (Decimal(temperature) + Decimal("273.15")) / Decimal("298.15")
+    assert found == pytest.approx(float(by_decimals(0.7, 25, temperature) * kelvins ** Decimal(exponent)), rel=1e-13)
+
+
+def test_eyring_without_its_power_is_arrhenius():
+    assert factor("eyring", **ARRHENIUS, exponent=0) == factor("arrhenius", **ARRHENIUS)
+    assert factor("eyring", **ARRHENIUS) == pytest.approx(factor("arrhenius", **ARRHENIUS) * 333.15 / 298.15, rel=1e-15)
+
+
+def test_peck_closed_form():
+    """From 25 degC, 50 % to the standard test at 85 degC, 85 %: n = 3 and 0.9 eV (Hallberg and Peck 1991)."""
+    at = {"humidity": "85 %", "reference_humidity": "50 %", "temperature": "85 degC"}
+    expected = (Decimal(85) / 50) ** 3 * by_decimals(0.9, 25, 85)
+    assert factor("peck", **at, exponent=3, activation_energy="0.9 eV") == pytest.approx(float(expected), rel=1e-13)
+    default = (Decimal(85) / 50) ** Decimal("2.66") * by_decimals(0.79, 25, 85)
+    assert factor("peck", **at) == pytest.approx(float(default), rel=1e-13)
+
+
+def test_peck_is_a_power_of_humidity_and_of_nothing_else_at_the_reference_temperature():
+    at = {"reference_humidity": "40 percent", "temperature": "25 degC"}
+    assert factor("peck", **at, humidity="80 percent") == pytest.approx(2**2.66, rel=1e-15)
+    assert factor("peck", **at, humidity="40 percent") == 1
+    assert factor("peck", **at, humidity="0 percent") == 0
+    assert factor("peck", **at, humidity="80 percent", exponent=0) == 1
+
+
+@pytest.mark.parametrize(
+    ("swing", "exponent", "expected"), [(80, 2, 4), (40, 2, 1), (20, 4, 1 / 16), (120, 1.9, 3**1.9)]
+)
+def test_coffin_manson_closed_form(swing, exponent, expected):
+    at = {"temperature_swing": f"{swing} K", "reference_temperature_swing": "40 delta_degC", "exponent": exponent}
+    assert factor("coffin_manson", **at) == pytest.approx(expected, rel=1e-15)
+
+
+def test_what_is_measured_of_each():
+    assert {name: stress_inputs(model) for name, model in ACCELERATIONS.items()} == {
+        "arrhenius": ("temperature",),
+        "eyring": ("temperature",),
+        "q10": ("temperature",),
+        "peck": ("humidity", "temperature"),
+        "coffin_manson": ("temperature_swing",),
+        "cubic_load": ("load",),
+        "inverse_power": ("voltage",),
+    }
+
+
+GIVEN = {
+    "arrhenius": ARRHENIUS,
+    "eyring": ARRHENIUS,
+    "q10": {"temperature": "25 degC"},
+    "peck": {"humidity": "50 %", "reference_humidity": "50 %", "temperature": "25 degC"},
+    "coffin_manson": {"temperature_swing": "40 K", "reference_temperature_swing": "40 K", "exponent": 2},
+    "cubic_load": {"load": 1},
+    "inverse_power": {"voltage": "5 V", "reference_voltage": "5 V", "exponent": 3},
+}
+
+
+@pytest.mark.parametrize("name", ACCELERATIONS)
+def test_more_stress_never_helps_and_arrays_are_scalars_side_by_side(name):
+    model = acceleration_model(name)
+    design = model.settle(GIVEN[name])
+    for key in stress_inputs(model):
+        entry = model.numbers[key]
+        values = np.linspace(max(entry.low, 0.0 if key in ("load", "voltage") else -np.inf), entry.high, 300)
+        value, extrapolated = model.evaluate({**design, key: values})
+        assert value.shape == (300,)
+        assert not extrapolated.any()
+        assert np.all(np.diff(value) > 0)
+        assert value[::50].tolist() == [float(model.evaluate({**design, key: one}).value) for one in values[::50]]
+
+
+@pytest.mark.parametrize("name", ACCELERATIONS)
+def test_a_broken_sensor_gives_no_negative_or_infinite_factor(name):
+    model = acceleration_model(name)
+    design = model.settle(GIVEN[name])
+    for key in stress_inputs(model):
+        entry = model.numbers[key]
+        broken = np.array([-2e3, entry.low - 1, entry.high + 1, 2e3])
+        broken = broken[(broken < entry.low) | (broken > entry.high)]
+        value, extrapolated = model.evaluate({**design, key: broken})
+        assert np.all(value >= 0)
+        assert np.all(np.isfinite(value))
+        assert extrapolated.all()

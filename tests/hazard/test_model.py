@@ -5,7 +5,8 @@ import pytest
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source
-from robophm.hazard.model import Choice, Factor, Range, acceleration, hazard_model
+from robophm.hazard.handbooks import handbook_model
+from robophm.hazard.model import BLOCK, Choice, Factor, Range, acceleration, hazard_model
 
 SOURCE = Source("Handbook", "1.2", "3", "made up")
 
@@ -25,6 +26,15 @@ def model(load, kind, extra=None):
     """
     more = Factor("c", 0.0 if extra is None else extra)
     return Factor("a", 2.0 if kind == "bad" else 1.0) * (Factor("b", load, outside=np.asarray(load) > 5) + more) * 3
+
+
+def test_an_option_is_meant_in_any_case_and_by_its_other_names():
+    choice = Choice(("CDR", "power_rectifier", "cdr_old"), aliases={"mlcc": "CDR", "power_rectifier": "cdr_old"})
+    meant = {"CDR": "CDR", "cdr": "CDR", " MLCC ": "CDR", "Power  Rectifier": "power_rectifier"}
+    assert {said: choice.option(said) for said in meant} == meant
+    assert choice.option("power_rectifier") == "power_rectifier"
+    assert choice.option("CD R") is None
+    assert choice.option("") is None
 
 
 def test_products_and_sums_remember_their_parts():
@@ -61,3 +71,22 @@ def test_a_function_that_takes_something_else_is_not_declared():
         hazard_model(source=SOURCE, inputs={"x": Range(0, 1, "", "x")})(lambda y: Factor("y", y))
     with pytest.raises(TypeError, match="no docstring, whose first line is the formula"):
         acceleration(source=SOURCE, inputs={"x": Range(0, 1, "", "x")})(lambda x: Factor("x", x))
+
+
+def test_many_samples_are_taken_in_blocks():
+    """As many as one block, one more, and more blocks: each as it is in a handful, in its place."""
+    capacitor = handbook_model("mil_hdbk_217f.capacitor")
+    design = capacitor.settle({
+        "style": "CDR", "capacitance": "1 uF", "temperature": "25 degC", "dc_voltage": "10 V", "rated_voltage": "50 V",
+        "environment": "GM",
+    })  # fmt: skip
+    random = np.random.default_rng(8)
+    for size in (BLOCK, BLOCK + 1, 2 * BLOCK + 7):
+        samples = {"temperature": random.uniform(-80, 170, size), "dc_voltage": random.uniform(-10, 60, size)}
+        value, extrapolated = capacitor.evaluate({**design, **samples})
+        assert value.shape == extrapolated.shape == (size,)
+        for start in (0, BLOCK - 5, size - 10):
+            few = slice(start, start + 10)
+            alone = capacitor.evaluate({**design, **{name: line[few] for name, line in samples.items()}})
+            assert value[few].tolist() == alone.value.tolist()
+            assert extrapolated[few].tolist() == alone.extrapolated.tolist()

@@ -14,18 +14,16 @@ from mpmath import mp, mpf
 
 from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
 from robophm.design.file import parse
-from robophm.design.robot import Robot, Task
-from robophm.health.exposure import Exposure, Ledger
-from robophm.health.prognosis import (
-    Completion,
-    Figures,
-    Outlook,
-    Plant,
-    RemainingLife,
-    as_designed,
-    outlooks,
-)
-from robophm.health.report import HealthReport
+from robophm.design.robot import Robot
+from robophm.design.task import Knowledge, Leg, Task
+from robophm.health.exposure import Exposure
+from robophm.health.ledger import Ledger
+from robophm.health.mission import Completion, completion
+from robophm.health.plant import Plant
+from robophm.health.prognosis import Outlook, RemainingLife, as_designed, outlooks
+from robophm.health.report import VIEWS, Figures, HealthReport
+from robophm.health.report import figures as all_figures
+from robophm.health.uncertainty import life_uncertainty
 from robophm.monitor import Monitor
 
 START = 1_700_000_000 * SECOND
@@ -42,11 +40,11 @@ def exact(value: Any, rel: float = 1e-12) -> Any:
 def figures(components: dict[str, Any], ahead: Task | None = None, **more: Any) -> Figures:
     """Of a robot as its design says, with the initial exposure that its parts have."""
     design = robot(components, **more)
-    return as_designed(Plant(design)).figures(design.diagram, ahead)
+    return all_figures(as_designed(Plant(design)), design.diagram, ahead)
 
 
 def hours(duration: float) -> Task:
-    return Task(0.0, duration)
+    return Task.plain(0.0, duration)
 
 
 def life(found: Figures) -> RemainingLife:
@@ -140,7 +138,7 @@ def test_tails_of_a_task(distribution: str) -> None:
     design = robot({"a": part, "b": part}, diagram={"parallel": ["a", "b"]})
     alone = design.modes[0].life
     for ahead in (float(alone.quantile(1e-15)), float(alone.age_at(70.0))):
-        found = as_designed(Plant(design)).completion(design.diagram, hours(ahead))
+        found = completion(as_designed(Plant(design)), hours(ahead))
         H = mpf(float(alone.cumulative_hazard(ahead)))
         assert found.failure == exact(mp.expm1(-H) ** 2)
         assert found.probability == exact(1 - mp.expm1(-H) ** 2)
@@ -160,14 +158,14 @@ OUTLOOK = as_designed(Plant(DESIGN))
 
 
 def test_an_empty_task_is_always_completed() -> None:
-    found = OUTLOOK.completion(DESIGN.diagram, Task(0.0, 0.0))
+    found = completion(OUTLOOK, Task.plain(0.0, 0.0), DESIGN.diagram)
     assert (found.probability, found.failure) == (1.0, 0.0)
 
 
 @given(st.floats(0, 1e6), st.floats(0, 1e6), st.floats(0, 1e4), st.floats(0, 1e4))
 def test_a_longer_task_never_helps(distance: float, farther: float, duration: float, longer: float) -> None:
-    short = OUTLOOK.completion(DESIGN.diagram, Task(distance, duration))
-    long = OUTLOOK.completion(DESIGN.diagram, Task(distance + farther, duration + longer))
+    short = completion(OUTLOOK, Task.plain(distance, duration), DESIGN.diagram)
+    long = completion(OUTLOOK, Task.plain(distance + farther, duration + longer), DESIGN.diagram)
     assert long.probability <= short.probability * (1 + 1e-15)
     assert long.failure >= short.failure * (1 - 1e-15)
     assert long.probability + long.failure == pytest.approx(1, rel=1e-15)
@@ -185,8 +183,8 @@ def test_a_longer_task_never_helps(distance: float, farther: float, duration: fl
 def test_units_of_a_task_change_nothing(written: dict[str, str]) -> None:
     design = robot(MIXED, usage=USAGE, diagram=DIAGRAM, task=written)
     assert design.task
-    found = OUTLOOK.completion(DESIGN.diagram, design.task)
-    expected = OUTLOOK.completion(DESIGN.diagram, Task(2500, 2500 / 0.3 / 3600))
+    found = completion(OUTLOOK, design.task, DESIGN.diagram)
+    expected = completion(OUTLOOK, Task.plain(2500, 2500 / 0.3 / 3600), DESIGN.diagram)
     assert found.probability == exact(expected.probability)
     assert found.failure == exact(expected.failure)
 
@@ -201,23 +199,35 @@ def test_every_clock_advances_in_a_task_and_in_the_life_ahead() -> None:
     per_hour = {"operating": 0.5, "calendar": 1.0, "kilometres": 1.0, "cycles": 20.0}  # half of the day
     for clock, mode in zip(clocks, design.components, strict=True):
         (alone,) = (block for block in design.diagram.blocks if block.name == mode.path)  # type: ignore[attr-defined]
-        assert outlook.completion(alone, Task(5000.0, 3.0)).probability == exact(mp.exp(-mpf(0.001) * advance[clock]))
+        found = completion(outlook, Task.plain(5000.0, 3.0), alone)
+        assert found.probability == exact(mp.exp(-mpf(0.001) * advance[clock]))
         assert outlook.remaining_life(alone).mean == exact(1 / (mpf(0.001) * per_hour[clock]), 1e-10)
 
 
-def test_what_cannot_have_survived() -> None:
+def test_a_robot_that_works_has_survived_whatever_its_odds() -> None:
+    """Its only part is known to work by that, however unlikely it was to."""
     found = figures({"part": {"rate": "1 /h", "initial_exposure": "1e6 h"}}, hours(1))
     assert found.reliability == 0
+    assert (task(found).probability, life(found).mean) == (exact(mp.exp(-1)), exact(1, 1e-10))
+
+
+def test_redundancy_that_cannot_have_survived() -> None:
+    part = {"rate": "1 /h", "initial_exposure": "1e6 h", "quantity": 2, "required": 1}
+    found = figures({"part": part}, hours(1))
     assert (task(found).probability, task(found).failure) == (0, 1)
     assert found.remaining_life == RemainingLife(0, 0, 0, 0)
 
 
 def test_a_broken_arm_does_not_zero_a_task_that_only_drives() -> None:
-    parts = {"arm": {"rate": "1 /h", "initial_exposure": "1e6 h"}, "wheels": {"rate": "1e-3 /h"}}
+    parts = {"arm": {"rate": "1 /h"}, "wheels": {"rate": "1e-3 /h"}}
     design = robot(parts, functions={"drive": "wheels"})
-    outlook = as_designed(Plant(design))
-    assert outlook.completion(design.functions["drive"], hours(1)).probability == exact(mp.exp(-mpf(0.001)))
-    assert outlook.completion(design.diagram, hours(1)).probability == 0
+    outlook = as_designed(Plant(design), Knowledge(failed=frozenset({"arm"})))
+    drive, everything = Task((Leg(1.0, functions=("drive",)),)), hours(1)
+    assert completion(outlook, drive).probability == exact(mp.exp(-mpf(0.001)))
+    assert completion(outlook, drive, design.functions["drive"]).probability == exact(mp.exp(-mpf(0.001)))
+    assert completion(outlook, everything) == Completion(0.0, 1.0)
+    assert outlook.remaining_life(design.diagram) == RemainingLife(0, 0, 0, 0)
+    assert outlook.hazard_rate(design.diagram) == math.inf
 
 
 @pytest.mark.parametrize("beta", [1.1, 1.5])
@@ -240,6 +250,16 @@ def test_remaining_life_of_each_distribution_is_finite_and_in_order(distribution
     assert 0 < found.early < found.median < found.late < math.inf
     of_part = robot({"part": part}).modes[0].life
     assert found.mean == exact(of_part.mean_residual_life(50.0), 1e-9)
+
+
+@pytest.mark.parametrize("quantity", [1, 5])
+def test_hazards_that_add_up_to_more_than_a_number_holds(quantity: int) -> None:
+    """Far ahead: H of one part, 7.9e307 after 1e160 h, is a number, and that of ten or of twice five is none."""
+    weibull = {"rate": "1e-6 /h", "life": {"distribution": "weibull", "shape": 2}, "quantity": quantity}
+    found = life(figures({f"part {i}": weibull for i in range(10 // quantity)}))
+    eta = mpf(10) ** 6 / mp.gamma(mpf(3) / 2)
+    assert found.median == exact(eta * mp.sqrt(mp.log(2) / 10), 1e-10)
+    assert found.mean == exact(mpf(10) ** 6 / mp.sqrt(10), 1e-9)
 
 
 def test_survival_ahead_is_since_new() -> None:
@@ -315,7 +335,7 @@ def test_stress_ahead_ages_or_weighs_as_it_did(scaling: str) -> None:
 def test_without_a_past_the_future_is_nominal() -> None:
     design = robot(PART, signals=HOT)
     views = outlooks(Plant(design), Exposure(design), Ledger.new(design))
-    nominal, lived = (views[view].figures(design.diagram, hours(25)) for view in ("nominal", "sensor_based"))
+    nominal, lived = (all_figures(views[view], design.diagram, hours(25)) for view in VIEWS)
     assert nominal == lived
 
 
@@ -386,7 +406,7 @@ def test_a_clock_goes_on_as_it_lately_went() -> None:
     assert report.system.nominal.hazard_rate == exact(1e-3)
     assert report.system.sensor_based.hazard_rate == exact(1.8e-3)
     assert report.remaining_life().mean == exact(1 / mpf("1.8e-3"), 1e-10)
-    assert report.completion(Task(2000.0, 1.0)).probability == exact(mp.exp(-mpf("2e-3")))  # a task says how far
+    assert report.completion(Task.plain(2000.0, 1.0)).probability == exact(mp.exp(-mpf("2e-3")))  # a task says how far
 
 
 def test_equal_parts_of_a_component_are_stated_together() -> None:
@@ -421,3 +441,17 @@ def test_the_calendar_runs_on_while_the_robot_rests() -> None:
     assert curve.works[0] == exact(mp.exp(-mpf("0.1")))
     median = outlook.remaining_life(design.diagram).median
     assert outlook.survival_curve(design.diagram, np.array([median / 10])).works[0] == exact(0.5)
+
+
+def test_a_rate_under_which_the_robot_could_not_have_lived_says_nothing_of_what_is_ahead() -> None:
+    """A silent pair of 1e5 h: at 1e-2 /h it would work with probability e⁻¹⁰⁰⁰, which no number holds."""
+    part = {"rate": "1e-4 /h", "initial_exposure": "1e5 h", "uncertainty": {"samples": ["1e-4 /h", "1e-2 /h"]}}
+    built = robot({"pair": part | {"quantity": 2, "required": 1}})
+    found = life_uncertainty(as_designed(Plant(built)), built.diagram, draws=200).all_sources
+
+    def survives(hours: float) -> mpf:
+        works = mp.exp(-mpf("1e-4") * (mpf(10) ** 5 + hours))
+        return works * (2 - works)
+
+    for level, time in zip((0.05, 0.5, 0.95), found, strict=True):
+        assert survives(time) / survives(0) == exact(1 - level, 1e-6)

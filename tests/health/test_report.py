@@ -12,8 +12,8 @@ from mpmath import mp, mpf
 
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
-from robophm.design.robot import Task
-from robophm.health.report import HealthReport
+from robophm.design.task import Leg, Plan, Task
+from robophm.health.report import VIEWS, HealthReport
 from robophm.monitor import Monitor
 
 START = 1_700_000_040 * SECOND
@@ -49,6 +49,24 @@ def test_time_of_a_wanted_survival() -> None:
     assert report({"part": WORN}).remaining_life().threshold is None
 
 
+@pytest.mark.parametrize("duration", [5.0, 0.0])
+def test_a_plan_is_of_the_life_ahead_and_not_of_the_task(duration: float) -> None:
+    """Every day hot for 5 h, 4 times the rate, or not on at all; the task states no stress: as of late, nominal."""
+    hot = {"temperature": {"topic": "/t", "field": "c", "unit": "degC"}}
+    part = WORN | {"acceleration": {"model": "q10"}}
+    design = {"schema_version": 1, "name": "R", "components": {"part": part}, "signals": hot, "task": TASK}
+    observer = Monitor(parse(json.dumps(design)))
+    observer.observe(Sample(START, "/t.c", 25.0))
+    found = observer.report(plan=Plan((Task((Leg(duration, stresses={"temperature": 45.0}),)),), every=24.0))
+    for view in VIEWS:
+        assert found.completion(Task.plain(0.0, 10.0), view).failure == pytest.approx(float(-mp.expm1(-mpf("0.01"))))
+        assert found.reliability(10.0, view) == pytest.approx(float(mp.exp(-mpf("0.11"))))
+    assert found.system.sensor_based.completion == found.completion(Task.plain(0.0, 10.0))
+    round_ = mp.exp(-4 * mpf("0.001") * duration)  # and then 19 h off
+    mean = (250 * (1 - round_) + 19 * round_) / (1 - round_) if duration else math.inf
+    assert found.remaining_life().mean == pytest.approx(float(mean), rel=1e-6)
+
+
 @pytest.mark.parametrize(
     "part",
     [
@@ -64,7 +82,7 @@ def test_json_has_no_infinity_and_no_nan(part: dict[str, Any]) -> None:
     text = json.dumps(health.to_json(), allow_nan=False)
     read = json.loads(text)
     assert (read["schema_version"], read["robot"], read["time"]) == (1, "R", START)
-    assert read["task"] == {"distance": 0, "duration": 10}
+    assert (read["task"]["distance"], read["task"]["duration"], len(read["task"]["legs"])) == (0, 10, 1)
     for subject, told in zip(health.subjects, read["subjects"], strict=True):
         for view in ("nominal", "sensor_based"):
             rate = getattr(subject, view).hazard_rate
@@ -109,7 +127,7 @@ def test_a_notebook_shows_names_as_they_are() -> None:
 def test_short_names() -> None:
     health = report({"part": WORN}, modules={"arm": {"components": {"hand": WORN}}}, functions={"hold": "arm"})
     assert health.reliability(hours=100) == pytest.approx(math.exp(-0.4), rel=1e-12)
-    assert health.completion(Task(0.0, 50.0)).probability == pytest.approx(math.exp(-0.1), rel=1e-12)
+    assert health.completion(Task.plain(0.0, 50.0)).probability == pytest.approx(math.exp(-0.1), rel=1e-12)
     assert health.remaining_life("nominal").median == pytest.approx(500 * math.log(2), rel=1e-12)
     assert [subject.path for subject in health.subjects] == ["R", "arm", "hold"]
     assert health.subject("arm").sensor_based == health.subject("hold").sensor_based

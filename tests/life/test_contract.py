@@ -4,7 +4,7 @@ import math
 import pickle
 import subprocess
 import sys
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, fields, replace
 
 import numpy as np
 import pytest
@@ -71,6 +71,21 @@ def test_increments_add_up(name, data):
     assert life.cumulative_hazard(a) + whole == pytest.approx(life.cumulative_hazard(a + d + e), rel=1e-11)
     assert life.increment(a, 0) == 0
     assert life.increment(a, math.inf) == math.inf
+
+
+@every
+@given(data=st.data())
+def test_powers_of_age_say_so(name, data):
+    """H(θ·age) = θ^β·H(age) exactly where a distribution states its degree β; without a location these three do."""
+    life, age, ratio = data.draw(lives(name)), data.draw(grid), data.draw(st.floats(0.01, 100))
+    if "location" in life.dimensions and name != "extreme_value":
+        life = replace(life, location=data.draw(st.sampled_from([0.0, life.location])))
+    unshifted = getattr(life, "location", 0.0) == 0
+    assert (life.degree is not None) == (name in ("exponential", "rayleigh", "weibull") and unshifted)
+    if life.degree is not None:
+        assert life.cumulative_hazard(ratio * age) == pytest.approx(
+            ratio**life.degree * life.cumulative_hazard(age), rel=1e-12, abs=1e-290
+        )
 
 
 @every

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import ast
 import math
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import HOUR, SECOND
 from robophm.transports.recording import Recording
 from robophm.transports.synthetic import MODULES, STATIONS, SyntheticOta, _first_order
+from robophm.transports.tasks import DoneTask, PlannedTask, tasks_of
 
 NOON = 1_709_553_600 * SECOND
 DAY = 24 * HOUR
@@ -107,6 +110,85 @@ def test_sensors_are_near_the_truth(drive: SyntheticOta) -> None:
     assert x == drive.x.tolist()
 
 
+# What it says of its tasks
+
+
+def told(path: Path, topic: str) -> list[tuple[int, str]]:
+    """Receipt and text of each message, by rosbags alone."""
+    from rosbags.highlevel import AnyReader
+
+    with AnyReader([path]) as reader:
+        wanted = [connection for connection in reader.connections if connection.topic == topic]
+        return [
+            (time, reader.deserialize(raw, connection.msgtype).data)
+            for connection, time, raw in reader.messages(wanted)
+        ]
+
+
+@pytest.fixture(scope="module")
+def recorded_day(day: SyntheticOta, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return day.record(tmp_path_factory.mktemp("day") / "day.mcap")
+
+
+def test_tasks_are_true_to_the_drive(day: SyntheticOta, recorded_day: Path) -> None:
+    """Times are those between looks, places those of the robot then, and the way between them was straight."""
+    times, places = told(recorded_day, "/ota/task_time"), told(recorded_day, "/ota/task_position")
+    assert len(times) == len(places) > 500
+    path = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(day.x), np.diff(day.y)))])
+    latest = 0
+    for (receipt, text), (other, positions) in zip(times, places, strict=True):
+        took, where = ast.literal_eval(text), ast.literal_eval(positions)
+        end = int(np.searchsorted(day.times, receipt)) - 1
+        assert 0 < receipt - day.times[end] < 10**6
+        assert 0 < other - receipt < 10**6
+        looks = [end - round(sum(took[number:])) for number in range(len(took) + 1)]  # a look a second
+        assert latest <= day.times[looks[0]]
+        assert day.times[end] - day.times[looks[0]] == round(sum(took)) * SECOND  # not across the night
+        assert where == [[day.x[look], day.y[look]] for look in looks]
+        driven = [math.dist(one, other) for one, other in pairwise(where)]
+        np.testing.assert_allclose(np.diff(path[looks]), driven, rtol=1e-9)
+        latest = day.times[end]
+    assert {len(ast.literal_eval(text)) for _, text in times} == {1, 2}
+
+
+def test_plans_are_followed(day: SyntheticOta, recorded_day: Path) -> None:
+    with Recording(recorded_day) as recording:
+        tasks = list(tasks_of(recording))
+        paths = [task for task in tasks_of(recording, ["/ota/plan"]) if isinstance(task, PlannedTask)]
+        assert not recording.notes
+    assert [type(task) for task in tasks[:4]] == [PlannedTask, DoneTask] * 2
+    plans = [task for task in tasks if isinstance(task, PlannedTask)]
+    done = [task for task in tasks if isinstance(task, DoneTask)]
+    assert len(plans) == len(done) == len(paths)
+    assert 0 < plans[0].time - day.times[0] < 10**6
+    for plan, task, whole in zip(plans, done, paths, strict=True):
+        assert abs(plan.time - task.start) < 10**6
+        assert [leg.distance for leg in plan.legs] == pytest.approx([leg.distance for leg in task.legs], abs=0.2)
+        assert whole.legs[0].distance == pytest.approx(sum(leg.distance for leg in plan.legs), rel=1e-12)
+        assert whole.legs[0].speed is None
+        looks = slice(*np.searchsorted(day.times, [task.start, task.end]))
+        fastest = max(leg.speed or 0.0 for leg in plan.legs)
+        assert day.speed[looks].max() == pytest.approx(fastest, abs=1e-9)
+        for leg, ahead in zip(task.legs, plan.legs, strict=True):  # it also turns, speeds up and waits
+            assert leg.duration * 3600 > ahead.distance / (ahead.speed or 0.0) - 1
+
+
+def test_tasks_read_alike_in_three_formats(tmp_path: Path) -> None:
+    drive = SyntheticOta(seed=4, duration=600 * SECOND)
+    found = []
+    for suffix in (".bag", ".mcap", ".db3"):
+        with Recording(drive.record(tmp_path / f"drive{suffix}")) as recording:
+            found.append((list(tasks_of(recording)), list(tasks_of(recording, ["/ota/plan"]))))
+    assert found[0] == found[1] == found[2]
+    assert len(found[0][0]) > 5
+
+
+def test_tasks_between_two_looks_are_not_told() -> None:
+    slow = SyntheticOta(duration=2 * DAY, period=60 * SECOND)
+    counts = {info.topic: info.messages for info in slow.topics()}
+    assert 0 < counts["/ota/task_time"] == counts["/ota/task_position"] < counts["/ota/robot_task_list"]
+
+
 def test_period_and_hours() -> None:
     slow = SyntheticOta(duration=60 * SECOND, period=10 * SECOND)
     assert slow.times.tolist() == [NOON + n * 10 * SECOND for n in range(6)]
@@ -148,7 +230,9 @@ def test_other_readers_agree(recorded: dict[str, Path], drive: SyntheticOta) -> 
         return float(message)
 
     fields = {
-        info.topic: [field.replace("[]", "[7]") for field in info.fields if "cell" not in field]
+        info.topic: [
+            field.replace("[]", "[1]" if "poses" in field else "[7]") for field in info.fields if "cell" not in field
+        ]
         for info in drive.topics()
     }
     ours: dict[tuple[str, str], list[float]] = {}

@@ -83,6 +83,40 @@ class DecisionDiagram:
         return failed[self._root], change[self._root], differ[self._root_works]
 
 
+class Difference:
+    """What separates two coherent structures of the same independent variables, the second of which implies the first.
+
+    ``gates`` as of a DecisionDiagram; ``first`` and ``second`` are numbers of inputs, a first of None always
+    works. Raises StructureError where the diagram would exceed LIMIT.
+    """
+
+    def __init__(self, variables: int, gates: Sequence[Gate], first: int | None, second: int) -> None:
+        table = _Table(variables)
+        function = [table.node(x, _WORKS, _FAILED) for x in range(variables)]
+        for k, inputs in gates:
+            function.append(table.at_least(k, [function[i] for i in inputs]))
+        f, g = _WORKS if first is None else function[first], function[second]
+        roots = [_pair(_WORKS, f), _pair(f, g), _pair(g, _FAILED)]
+        pair = _below(roots, (_NEVER, _ALWAYS), table.split_pair, table.level_pair)
+        self._pairs = _levels(
+            (table.level_pair(gh), *(pair[part] for part in table.split_pair(gh))) for gh in list(pair)[2:]
+        )
+        self._roots = [pair[root] for root in roots]
+        self.size = len(pair)
+        """Number of pairs: what an evaluation holds per column."""
+
+    def evaluate(self, failed: Array, works: Array) -> Array:
+        """P(first has failed), P(first works, second has failed), P(second works); shape (3, columns).
+
+        ``failed`` + ``works`` = 1 of each variable, shape (variables, columns). Every term is positive.
+        """
+        differ = np.zeros((self.size, failed.shape[1]))
+        differ[1] = 1.0
+        for x, rows, (high, low) in self._pairs:
+            differ[rows] = works[x] * differ[high] + failed[x] * differ[low]
+        return differ[self._roots]
+
+
 class _Table:
     """The nodes of a diagram: node g decides variable ``level[g]`` into ``split(g)``; no two are alike."""
 

@@ -5,8 +5,7 @@ Nothing is ever subtracted: what works and what has failed are carried side by s
 the units before i be as of now and those after i as of the end, for each i; going from the end to now, the
 system changes at exactly one unit, and c = Σᵢ cᵢ · P(i makes the difference) is a sum of positive terms.
 
-Modules, whose parts are used nowhere else, are found by Dutuit and Rauzy, "A linear-time algorithm to find
-modules of fault trees", IEEE Trans. Reliab. 45 (1996), and folded; what shares parts is decided jointly.
+Modules, whose parts are used nowhere else, are folded; what shares parts is decided jointly.
 """
 
 from __future__ import annotations
@@ -21,14 +20,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robophm.blocks.decision_diagram import Array, DecisionDiagram
-from robophm.blocks.diagram import Block, KOutOfN, Parallel, Unit
+from robophm.blocks.diagram import Block
+from robophm.blocks.graph import ALL, ANY, UNIT, Gate, graph, modules
 from robophm.core.errors import StructureError
 
 Rows = NDArray[np.intp]
 Solve = Callable[[Array, Array, Array, Array, Array], tuple[Array, Array, Array]]
 """(b, c, s, works now, failed at the end) of the inputs, along the first axis → (b, c, s) of the block."""
 
-_AT_ONCE = 200_000  # numbers that one array may hold, so that it stays in cache; more columns take turns
+AT_ONCE = 200_000
+"""Numbers that one array may hold, so that it stays in cache; more columns take turns."""
 
 
 class State(NamedTuple):
@@ -52,20 +53,28 @@ class Transition(NamedTuple):
     survives: Array
     """Probability that it works at the end of the task."""
 
+    def given_works(self) -> tuple[Array, Array]:
+        """P(fails in the task) and P(survives it), given that it works now; 1 and 0 where it cannot."""
+        works = np.asarray(self.fails + self.survives)
+        fails = np.divide(self.fails, works, out=np.ones_like(works), where=works > 0)
+        return fails, np.divide(self.survives, works, out=np.zeros_like(works), where=works > 0)
+
 
 class Structure:
     """A block diagram prepared once and evaluated many times; exact for any nesting and any sharing of parts.
 
+    Of several diagrams, which share no parts, every result has one more axis, the first: the diagrams.
     Raises StructureError where the shared parts are too many to solve exactly (decision_diagram.LIMIT).
     """
 
     names: tuple[str, ...]
     """The distinct units in drawing order: row i of every array below is unit i."""
 
-    def __init__(self, diagram: Block) -> None:
-        plan = _Plan(diagram)
+    def __init__(self, *diagrams: Block) -> None:
+        plan = _Plan(diagrams)
         self.names = tuple(plan.names)
-        self._steps, self._rows, self._system = plan.steps(), plan.rows, plan.system
+        self._steps, self._rows = plan.steps(), plan.rows
+        self._systems: list[int] | int = plan.systems if len(diagrams) > 1 else plan.systems[0]
         self._width = max(self._rows, *(step.size for step in self._steps), 1)
 
     def state(self, works: ArrayLike, failed: ArrayLike, density: ArrayLike = 0.0) -> State:
@@ -91,8 +100,9 @@ class Structure:
         units = _broadcast(n, b, c, s)
         shape = units.shape[2:]
         units = units.reshape(3, n, -1)
-        system = np.empty((3, units.shape[2]))
-        turn = max(1, _AT_ONCE // self._width)
+        several = (len(self._systems),) if isinstance(self._systems, list) else ()
+        system = np.empty((3, *several, units.shape[2]))
+        turn = max(1, AT_ONCE // self._width)
         for start in range(0, units.shape[2], turn):
             columns = units[:, :, start : start + turn]
             rows = np.empty((3, self._rows, columns.shape[2]))
@@ -101,8 +111,8 @@ class Structure:
                 failed, change, works = rows[:, step.inputs]
                 sides = (works + change, failed + change) if task else (works, failed)
                 rows[:, step.rows] = step.solve(failed, change, works, *sides)
-            system[:, start : start + turn] = rows[:, self._system]
-        failed, change, works = system.reshape(3, *shape)
+            system[..., start : start + turn] = rows[:, self._systems]
+        failed, change, works = system.reshape(3, *several, *shape)
         return failed, change, works
 
 
@@ -119,9 +129,11 @@ class _Step(NamedTuple):
 class _Plan:
     """How a diagram is solved: each module is a row of numbers, made from the rows of the modules in it."""
 
-    def __init__(self, diagram: Block) -> None:
-        self.names, self._gates = _graph(diagram)
-        self._module = _modules(self._gates)
+    def __init__(self, diagrams: Sequence[Block]) -> None:
+        self.names, self._gates, tops = graph(*diagrams)
+        if len(diagrams) > 1:
+            self._gates.append(Gate(ALL, tops))  # no system, but what they hang together by
+        self._module = modules(self._gates)
         uses = Counter(node for gate in self._gates for node in gate.inputs)
         self._own = [module and uses[node] == 1 for node, module in enumerate(self._module)]
         self._level = [0] * len(self.names)  # of each row: how many steps lie below it
@@ -131,31 +143,31 @@ class _Plan:
         self._row: dict[int, int] = {}  # of each module
         units = count()
         for node, gate in enumerate(self._gates):
-            if gate.k == _UNIT:
+            if gate.k == UNIT:
                 self._row[node] = next(units)
-            elif self._module[node]:
+            elif self._module[node] and (len(diagrams) == 1 or gate is not self._gates[-1]):
                 self._row[node] = self._module_row(gate)
-        self.system, self.rows = self._row[len(self._gates) - 1], len(self._level)
+        self.systems, self.rows = [self._row[top] for top in tops], len(self._level)
 
     def steps(self) -> list[_Step]:
         steps = self._decisions.copy()
         for (level, k, n), gates in self._folds.items():
             inputs, rows = np.array([ins for ins, _ in gates]).T, np.array([row for _, row in gates])
-            steps.append(_Step(level, partial(_fold, k), inputs, rows, n * len(gates)))
+            steps.append(_Step(level, partial(fold, k), inputs, rows, n * len(gates)))
         return sorted(steps, key=lambda step: step.level)
 
-    def _module_row(self, gate: _Gate) -> int:
+    def _module_row(self, gate: Gate) -> int:
         """Inputs that only this gate uses are folded; those that share modules are decided jointly."""
         own, shared = self._apart(gate)
         rows = [self._row[node] for node in own]
-        if shared and gate.k > _ANY:
+        if shared and gate.k > ANY:
             return self._decide(gate)
-        return self._fold(gate.k, rows + [self._decide(_Gate(gate.k, group)) for group in self._groups(shared)])
+        return self._fold(gate.k, rows + [self._decide(Gate(gate.k, group)) for group in self._groups(shared)])
 
-    def _apart(self, gate: _Gate) -> tuple[list[int], list[int]]:
+    def _apart(self, gate: Gate) -> tuple[list[int], list[int]]:
         """The inputs that may be folded apart, and the rest; a k-of-n counts all or none of them apart."""
         own = [node for node in gate.inputs if self._own[node]]
-        if gate.k > _ANY and len(own) < len(gate.inputs):
+        if gate.k > ANY and len(own) < len(gate.inputs):
             return [], list(gate.inputs)
         return own, [node for node in gate.inputs if not self._own[node]]
 
@@ -193,10 +205,10 @@ class _Plan:
         self._folds[level, k or len(rows), len(rows)].append((rows, row))
         return row
 
-    def _decide(self, gate: _Gate) -> int:
+    def _decide(self, gate: Gate) -> int:
         """The row of a gate whose inputs share modules: a decision diagram over the modules below."""
         variables: dict[int, int] = {}  # row of each, in drawing order; ~node is all that only node uses
-        gates: dict[int, _Gate] = {}
+        gates: dict[int, Gate] = {}
         todo = list(reversed(gate.inputs))
         while todo:
             node = todo.pop()
@@ -209,7 +221,7 @@ class _Plan:
             own, shared = self._apart(top)
             if len(own) > 1:
                 variables[~node] = self._fold(top.k, [self._row[i] for i in own])
-                gates[node] = _Gate(top.k, [~node, *shared])
+                gates[node] = Gate(top.k, [~node, *shared])
             todo += reversed([i for i in gates[node].inputs if i >= 0])
         place = {node: i for i, node in enumerate([*variables, *sorted(gates)])}
         joint = [*(gates[node] for node in sorted(gates)), gate]
@@ -227,77 +239,6 @@ class _Plan:
         return self._level[-1], len(self._level) - 1
 
 
-class _Gate(NamedTuple):
-    """At least k of the inputs work; _ALL, _ANY, or _UNIT for a unit, which has none."""
-
-    k: int
-    inputs: Sequence[int]
-
-
-_UNIT, _ALL, _ANY = -1, 0, 1
-
-
-def _graph(diagram: Block) -> tuple[list[str], list[_Gate]]:
-    """Names of the units and all that the diagram draws, each thing once, inputs before their gates."""
-    names: list[str] = []
-    gates: list[_Gate] = []
-    known: dict[object, int] = {}  # name, or (k, inputs) → node
-    node: dict[int, int] = {}  # by id(): a block's own hash would recurse
-    todo = [diagram]
-    while todo:
-        block = todo[-1]
-        if isinstance(block, Unit):
-            key: object = block.name
-            if key not in known:
-                known[key] = len(gates)
-                names.append(block.name)
-                gates.append(_Gate(_UNIT, ()))
-        else:
-            missing = [inner for inner in block.blocks if id(inner) not in node]
-            if missing:
-                todo += reversed(missing)
-                continue
-            inputs = tuple(node[id(inner)] for inner in block.blocks)
-            k = block.k if isinstance(block, KOutOfN) else _ANY if isinstance(block, Parallel) else _ALL
-            if k == len(inputs):
-                k = _ALL
-            if k <= _ANY:
-                inputs = tuple(dict.fromkeys(inputs))  # what is drawn twice there adds nothing
-            key = (k, inputs)
-            if len(inputs) == 1:
-                known[key] = inputs[0]
-            elif key not in known:
-                known[key] = len(gates)
-                gates.append(_Gate(k, inputs))
-        node[id(block)] = known[key]
-        todo.pop()
-    return names, gates
-
-
-def _modules(gates: Sequence[_Gate]) -> list[bool]:
-    """Whether the nodes below each node are used nowhere else (Dutuit and Rauzy 1996)."""
-    first, leave, last = ([0] * len(gates) for _ in range(3))
-    todo = [len(gates) - 1]
-    for clock in count(1):
-        if not todo:
-            break
-        node = todo.pop()
-        if node < 0:
-            leave[~node] = clock
-            continue
-        last[node] = clock
-        if not first[node]:
-            first[node] = clock
-            todo += [~node, *gates[node].inputs]
-    earliest, latest, module = first.copy(), last.copy(), []  # visits of a node and of all below it
-    for node, (_, inputs) in enumerate(gates):
-        low = min((earliest[i] for i in inputs), default=first[node] + 1)
-        high = max((latest[i] for i in inputs), default=0)
-        module.append(first[node] < low and high < leave[node])
-        earliest[node], latest[node] = min(first[node], low), max(last[node], high)
-    return module
-
-
 def _broadcast(n: int, *arrays: ArrayLike) -> Array:
     """The arrays stacked, shape (arrays, n, ...): first axes are the units, trailing axes broadcast."""
     units = [np.asarray(array, dtype=np.float64) for array in arrays]
@@ -309,10 +250,10 @@ def _broadcast(n: int, *arrays: ArrayLike) -> Array:
     return np.stack(np.broadcast_arrays(*units, np.empty((n,) + (1,) * (axes - 1)))[:-1])
 
 
-def _fold(k: int, b: Array, c: Array, s: Array, works: Array, lost: Array) -> tuple[Array, Array, Array]:
-    """k of n independent inputs along the first axis."""
+def fold(k: int, b: Array, c: Array, s: Array, works: Array, lost: Array) -> tuple[Array, Array, Array]:
+    """k of n independent inputs along the first axis, as (b, c, s); ``works`` now, ``lost`` at the end."""
     if 2 * k > len(b) + 1:  # the dual is shorter: k work unless n + 1 - k have failed
-        s, c, b = _fold(len(b) + 1 - k, s, c, b, lost, works)
+        s, c, b = fold(len(b) + 1 - k, s, c, b, lost, works)
         return b, c, s
     if k == 1:
         before = _before(lost)

@@ -51,6 +51,7 @@ def robophm(
     """The honest health of a robot: hazard rate, reliability, remaining life and task completion."""
 
 
+Legacy = Annotated[bool, typer.Option("--legacy", help="beside the figures of the 2020 tool")]
 Design = Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")]
 Json = Annotated[bool, typer.Option("--json", help="print one JSON document on stdout")]
 
@@ -97,7 +98,7 @@ def show(
     hours: Annotated[float, typer.Option(help="operating hours at which to state λ and R")] = 1000.0,
     unit: Unit = "1/h",
     svg: Annotated[Path | None, typer.Option(help="also draw the diagram into this SVG file")] = None,
-    legacy: Annotated[bool, typer.Option("--legacy", help="beside the figures of the 2020 tool")] = False,
+    legacy: Legacy = False,
     as_json: Json = False,
 ) -> None:
     """Draw a design and state what it promises when new."""
@@ -175,17 +176,21 @@ def rate(
             )
         return
     inputs = chosen.settle(given)
+    taken = [f"{name} '{word}' is taken as {inputs[name]}" for name, word in given.items()
+             if isinstance(chosen.inputs[name], Choice) and inputs[name] != word]  # fmt: skip
     result = chosen.explain(inputs)
     answer = float(np.asarray(result.value))
     factors = [(f.symbol, float(np.asarray(f.value)), f.note) for f in result.leaves()]
     if as_json:
         listed = [{"symbol": s, "value": v, "note": n} for s, v, n in factors]
-        units = {n: e.unit for n, e in chosen.inputs.items() if not isinstance(e, Choice)}
+        units = {n: e.unit for n, e in chosen.numbers.items()}
         print_json({"model": chosen.name, "inputs": inputs, "units": units, "hazard_rate": answer, "unit": chosen.unit,
                     "formula": chosen.formula, "source": str(chosen.source), "factors": listed})  # fmt: skip
         return
     shown = rate_text(answer, unit) if chosen.unit == "1/h" else f"{number_text(answer)} {chosen.unit}"
     out.print(f"{chosen.name}: {shown}", markup=False)
+    for note in taken:
+        out.print(note, markup=False)
     if explain:
         out.print(f"{chosen.formula}\n{chosen.source} ({chosen.source.status})", markup=False)
         for symbol, number, note in factors:
@@ -193,23 +198,92 @@ def rate(
 
 
 @app.command()
+def models(
+    kind: Annotated[str | None, typer.Argument(help="of part, e.g. motor, 'chip resistor'; none lists all")] = None,
+    reference: Annotated[bool, typer.Option("--reference", help="print the reference page, Markdown")] = False,
+    as_json: Json = False,
+) -> None:
+    """The hazard models for a kind of part."""
+    from robophm.cli.models import find
+    from robophm.cli.models import reference as page
+
+    if reference:
+        typer.echo("\n".join(page()))
+        return
+    found = find(kind)
+    if as_json:
+        print_json({
+            "models": [
+                {"name": name, "formula": model.formula, "unit": model.unit, "description": model.description,
+                 "source": str(model.source), "status": model.source.status}
+                for name, model in found.items()
+            ]
+        })  # fmt: skip
+        return
+    rows = [(name, model.formula, f"{model.source} ({model.source.status})") for name, model in found.items()]
+    print_table(console(), table("Hazard models and accelerations", ("model", "formula", "source"), rows))
+
+
+Store_ = Annotated[Path | None, typer.Option("--store", help="the robot's past, as kept by replay")]
+Failed = Annotated[list[str] | None, typer.Option(metavar="PART", help="is known to have failed")]
+Working = Annotated[list[str] | None, typer.Option(metavar="PART", help="is known to work now")]
+Draws = Annotated[int, typer.Option(help="of uncertain rates and loads; 0 for none", min=0, max=100_000)]
+
+
+MOST_DRAWN = 30_000_000
+"""Rates that are drawn in all: ten arrays of so many numbers are 2.4 GB."""
+
+
+def _affordable(draws: int, robot: Any) -> None:
+    most = MOST_DRAWN // max(sum(mode.uncertainty is not None for mode in robot.modes), 1)
+    if draws > most:
+        raise RobophmError(f"--draws {draws}: too many for so many uncertain rates; expected at most {most}")
+
+
+def _known_future(name: str) -> str:
+    from robophm.core.errors import nearest
+
+    if name not in FUTURES:
+        raise typer.BadParameter(f"no future '{name}'{nearest(name, FUTURES)}")
+    return name
+
+
+FUTURES = ("recent", "last", "nominal")
+Future_ = Annotated[
+    str, typer.Option("--future", help="stress and usage to come: recent, last or nominal", callback=_known_future)
+]
+
+
+@app.command()
 def predict(
     design: Design,
-    store: Annotated[Path | None, typer.Option(help="the robot's past, as kept by replay")] = None,
+    store: Store_ = None,
     distance: Annotated[str | None, typer.Option(help="of the task, e.g. '250 m'")] = None,
     speed: Annotated[str | None, typer.Option(help="of the task, e.g. '0.3 m/s'")] = None,
     duration: Annotated[str | None, typer.Option(help="of the task, instead of a speed, e.g. '20 min'")] = None,
+    future: Future_ = "recent",
+    plan: Annotated[Path | None, typer.Option(help="tasks.yaml or .csv that it does again and again")] = None,
+    failed: Failed = None,
+    working: Working = None,
+    parts: Annotated[bool, typer.Option("--parts", help="remaining life of every component too")] = False,
+    draws: Draws = 2000,
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
     """Say what lies ahead: remaining life, task completion."""
+    from robophm.cli.output import print_parts
+    from robophm.cli.task import with_knowledge
     from robophm.core.units import quantity
-    from robophm.design.build import Fault, plain_task
+    from robophm.design.build_task import plain_task
+    from robophm.design.fault import Fault
     from robophm.design.file import load
-    from robophm.health.exposure import Ledger
+    from robophm.design.task import Plan
+    from robophm.design.task_file import load_plan
+    from robophm.health.ledger import Ledger
     from robophm.monitor import Monitor
 
     robot = load(design)
+    _affordable(draws, robot)
     task = robot.task
     if (distance, speed, duration) != (None, None, None):
         try:
@@ -220,13 +294,92 @@ def predict(
             )
         except Fault as fault:
             raise RobophmError(f"task: {fault}") from None
+    tasks = load_plan(plan, robot) if plan else None
+    knowledge = with_knowledge(tasks or Plan(()), robot, failed or (), working or ()).knowledge
     monitor = Monitor(robot, _kept(store, robot, Ledger) if store else None)
-    report = monitor.report(task=task)
+    chosen: Any = future
+    report = monitor.report(task=task, future=chosen, plan=tasks, knowledge=knowledge, draws=draws, parts=parts)
     if as_json:
         print_json(report.to_json())
     else:
         print_report(report, unit)
+        if parts:
+            print_parts(report)
     if report.breaches:
+        raise typer.Exit(BREACHED)
+
+
+SkipMissing = Annotated[bool, typer.Option("--skip-missing", help="bound topics that are not recorded stay silent")]
+Seed = Annotated[int, typer.Option(help="of all that is drawn at random")]
+
+
+@app.command()
+def task(
+    design: Design,
+    tasks: Annotated[
+        Path | None, typer.Argument(help="tasks.yaml, tasks.csv, or a recording; default: the design's task")
+    ] = None,
+    store: Store_ = None,
+    failed: Failed = None,
+    working: Working = None,
+    future: Future_ = "recent",
+    repeat: Annotated[int, typer.Option(help="do the list so often, one after the other", min=1, max=1_000_000)] = 1,
+    threshold: Annotated[float | None, typer.Option(help="for --repeat; default the design's", min=0, max=1)] = None,
+    draws: Draws = 2000,
+    seed: Seed = 0,
+    topic: Annotated[
+        list[str] | None, typer.Option(help="of a recording: what tells of tasks, or where the robot was")
+    ] = None,
+    speed: Annotated[str | None, typer.Option(help="of a recording's planned legs that state none")] = None,
+    function: Annotated[list[str] | None, typer.Option(help="that a recording's tasks need")] = None,
+    skip_missing: SkipMissing = False,
+    legacy: Legacy = False,
+    as_json: Json = False,
+) -> None:
+    """Say whether a robot can do its tasks: the probability that each will be completed, and what decides it."""
+    from robophm.cli import task_recording
+    from robophm.cli.task import Question, run, with_knowledge
+    from robophm.core.errors import nearest
+    from robophm.core.units import quantity
+    from robophm.design.file import load
+    from robophm.design.task import Plan
+    from robophm.design.task_file import load_plan
+    from robophm.health.ledger import Ledger
+    from robophm.transports.recording import SUFFIXES, Recording
+
+    robot = load(design)
+    _affordable(draws, robot)
+    chosen: Any = future
+    if unknown := [name for name in function or () if name not in robot.functions]:
+        raise RobophmError(f"no function '{unknown[0]}'{nearest(unknown[0], robot.functions)}")
+    ledger = _kept(store, robot, Ledger) if store else None
+    if tasks is not None and (tasks.is_dir() or tasks.suffix.lower() in SUFFIXES):
+        listed = {"--repeat": repeat != 1, "--threshold": threshold is not None, "--future": future != "recent"}
+        if given := [name for name, stated in listed.items() if stated]:
+            raise RobophmError(f"{given[0]} is of a list of tasks; {tasks} is a recording")
+        knowledge = with_knowledge(Plan(()), robot, failed or (), working or ()).knowledge
+        at = quantity(speed, "m/s") if speed is not None else None
+        if at is not None and not at > 0:
+            raise UnitError(f"--speed {speed}: expected above zero")
+        with Recording(tasks) as source:
+            breached = task_recording.run(
+                robot, ledger, source, topic or (), speed=at, functions=function or (), knowledge=knowledge,
+                skip_missing=skip_missing, legacy=legacy, as_json=as_json,
+            )  # fmt: skip
+    else:
+        if tasks is None and robot.task is None:
+            raise RobophmError(f"{design}: has no task; expected one in it, or a tasks file")
+        if given := [
+            name for name, value in (("--topic", topic), ("--speed", speed), ("--function", function)) if value
+        ]:
+            raise RobophmError(f"{given[0]} is of a recording; expected a .bag, .db3 or .mcap with it")
+        if threshold is not None and repeat == 1:
+            raise RobophmError("--threshold is of --repeat; of single tasks it is the design's")
+        plan = load_plan(tasks, robot) if tasks else Plan((robot.task,) if robot.task else ())
+        plan = with_knowledge(plan, robot, failed or (), working or ())
+        question = Question(plan, chosen, repeat, threshold, draws, seed, legacy)
+        breached = run(robot, ledger, question, as_json=as_json)
+    if breached:
         raise typer.Exit(BREACHED)
 
 
@@ -238,9 +391,7 @@ def replay(
         Path | None, typer.Option(help="keep the robot's past in this SQLite file, and go on from it")
     ] = None,
     report: Annotated[Path | None, typer.Option(help="write a page about its health, HTML")] = None,
-    skip_missing: Annotated[
-        bool, typer.Option("--skip-missing", help="bound topics that are not recorded stay silent")
-    ] = False,
+    skip_missing: SkipMissing = False,
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
@@ -279,6 +430,87 @@ def replay(
         raise typer.Exit(BREACHED)
 
 
+@app.command("import-bom")
+def import_bom(
+    source: Annotated[Path, typer.Argument(help="the parts list", metavar="PARTS.CSV|XLSX|ODS")],
+    design: Annotated[
+        Path, typer.Argument(help="the design to make, or to bring up to the list", metavar="ROBOT.YAML")
+    ],
+    module: Annotated[
+        str | None, typer.Option(help="where they belong, e.g. 'Power/Motor board'; default the robot")
+    ] = None,
+    mapping: Annotated[Path | None, typer.Option(help="what the columns mean, as --save-mapping wrote it")] = None,
+    save_mapping: Annotated[Path | None, typer.Option(help="write what the columns were taken for")] = None,
+    environment: Annotated[str | None, typer.Option(help="symbol; default the design's, or GM: ground, mobile")] = None,
+    temperature: Annotated[str, typer.Option(help="around the parts")] = "40 degC",
+    stress: Annotated[float, typer.Option(help="applied by rated voltage or power", min=0, max=1)] = 0.5,
+    quality: Annotated[str | None, typer.Option(help="level; default each model's own")] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="say what would be done, and write no design")] = False,
+    as_json: Json = False,
+) -> None:
+    """Put the parts of a list into a design, rated where enough is known, and say what was assumed."""
+    from robophm.cli.import_bom import Wishes, run
+
+    wishes = Wishes(module, mapping, save_mapping, environment, temperature, stress, quality, dry_run, as_json)
+    run(source, design, wishes)
+
+
+@app.command("import-legacy")
+def import_legacy(
+    source: Annotated[Path, typer.Argument(help="phm_configurations_*.yaml of the 2020 tool", metavar="SOURCE.YAML")],
+    design: Annotated[Path, typer.Argument(help="the design file to write", metavar="ROBOT.YAML")],
+    force: Annotated[bool, typer.Option("--force", help="also where that file exists")] = False,
+    as_json: Json = False,
+) -> None:
+    """Make a design of a file of the 2020 tool, and say what is odd in it."""
+    from robophm.cli.import_legacy import run
+
+    run(source, design, force=force, as_json=as_json)
+
+
+@app.command()
+def calibrate(
+    predictions: Annotated[
+        Path,
+        typer.Argument(
+            help="what was predicted and what happened, or a fleet's folder", metavar="PREDICTIONS.CSV|FLEET"
+        ),
+    ],
+    report: Annotated[Path | None, typer.Option(help="write a page about it, HTML")] = None,
+    controls: Annotated[
+        bool, typer.Option("--controls", help="of a fleet: also models that are wrong, which must be found out")
+    ] = False,
+    jobs: Annotated[int, typer.Option(help="of a fleet: processes that share the work", min=1, max=256)] = 1,
+    as_json: Json = False,
+) -> None:
+    """Say whether predictions were honest."""
+    from robophm.calibration.fleet import files
+    from robophm.calibration.predictions import read_predictions
+    from robophm.calibration.score import score
+    from robophm.cli.calibrate import breached, of_fleet, print_calibration
+    from robophm.report.calibration_page import calibration_page
+
+    if predictions.is_dir():
+        may_write(report, *files(predictions))
+        said = of_fleet(predictions, controls=controls, jobs=jobs)
+    else:
+        if controls:
+            raise RobophmError("--controls is of a fleet's folder; a file has the models that it has")
+        may_write(report, predictions)
+        said = read_predictions(predictions)
+    calibration = score(said)
+    if report:
+        write(report, calibration_page(calibration, predictions.name))
+    if as_json:
+        print_json(calibration.to_json())
+    else:
+        print_calibration(console(), calibration)
+        if report:
+            console().print(f"Report: {report}", markup=False)
+    if breached(calibration):
+        raise typer.Exit(BREACHED)
+
+
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of the design file."""
@@ -298,6 +530,24 @@ def demo(
     from robophm.cli.demo import run
 
     run(output, seed)
+
+
+@app.command()
+def simulate(
+    design: Design,
+    output: Annotated[Path, typer.Option(help="folder for the fleet; must not exist, or be empty")],
+    robots: Annotated[int, typer.Option(help="how many")] = 20,
+    tasks: Annotated[int, typer.Option(help="that each of them does, and the rest of that round of its plan")] = 10,
+    seed: Annotated[int | None, typer.Option(help="writes the same fleet again; default: a fresh one")] = None,
+    uncertain_rates: Annotated[
+        bool, typer.Option("--uncertain-rates", help="each robot draws its true rates from the design's uncertainty")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Let robots of a design work and really fail: their recordings, tasks and failures."""
+    from robophm.cli.simulate import run
+
+    run(design, output, robots, tasks, seed, uncertain_rates=uncertain_rates, as_json=as_json)
 
 
 @app.command()

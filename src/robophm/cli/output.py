@@ -17,6 +17,7 @@ from rich.text import Text
 
 from robophm.core.errors import RobophmError
 from robophm.health.report import HealthReport
+from robophm.health.uncertainty import Interval
 from robophm.report.words import duration_text, number_text, percent_text, probability_text, rate_text
 
 SCHEMA_VERSION = 1
@@ -133,6 +134,13 @@ def print_report(report: HealthReport, unit: str) -> None:
         wanted = report.outlooks["sensor_based"].plant.robot.thresholds.survival
         if life.threshold is not None and wanted is not None:
             out.print(f"Works on for {duration_text(life.threshold)} with {percent_text(wanted)}", markup=False)
+    if sure := report.uncertainty:
+        of_rates, of_load = sure.rates_known != sure.all_sources, sure.load_known != sure.all_sources
+        unsure = [name for name, is_it in (("rates", of_rates), ("the load (drawn from its past)", of_load)) if is_it]
+        out.print(f"  with {' and '.join(unsure)} unsure: {_span(sure.all_sources)}", markup=False)
+        if of_rates and of_load:
+            out.print(f"  if rates were known exactly: {_span(sure.rates_known)}", markup=False)
+            out.print(f"  if the load went on as of late: {_span(sure.load_known)}", markup=False)
     if report.task and system.completion:
         task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
         chance = probability_text(system.completion.probability, system.completion.failure)
@@ -142,6 +150,22 @@ def print_report(report: HealthReport, unit: str) -> None:
         out.print(line, style="yellow", markup=False)
     for breach in report.breaches:
         out.print(f"threshold breached: {breach}", style="bold red", markup=False)
+
+
+def print_parts(report: HealthReport) -> None:
+    """Remaining life of every component, the shortest first."""
+    lives = [(part, part.remaining_life) for part in report.components if part.remaining_life]
+    rows = [
+        (part.path, duration_text(life.early), duration_text(life.median), duration_text(life.late))
+        for part, life in sorted(lives, key=lambda pair: pair[1].median)
+    ]
+    title = "Remaining life of each component alone, calendar time"
+    print_table(console(), table(title, ("", "5 % by", "median", "95 % by"), rows, figures=(1, 2, 3)))
+
+
+def _span(interval: Interval) -> str:
+    low, median, high = (duration_text(time) for time in interval)
+    return f"median {median}, 90 % between {low} and {high}"
 
 
 def may_write(path: Path | None, *inputs: Path) -> None:

@@ -1,4 +1,4 @@
-"""A progress bar for what goes through a recording, on a terminal alone."""
+"""Progress bars, on a terminal alone."""
 
 from __future__ import annotations
 
@@ -21,7 +21,22 @@ def progress(console: Console, source: SignalSource, what: str) -> Iterator[Call
         yield None
         return
     first, last = min(begin for begin, _ in spans), max(end for _, end in spans)
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True) as bar:
+    with _bar(console) as bar:
         task = bar.add_task(what, total=max(last - first, 1))
         yield lambda monitor: bar.update(task, completed=(monitor.ledger.integrated_to or first) - first)
+
+
+@contextmanager
+def counted(console: Console, what: str) -> Iterator[Callable[[int, int], None]]:
+    """A callback for how many of how many are done, that moves a bar; nothing off a terminal."""
+    if not console.is_terminal:
+        yield lambda done, total: None
+        return
+    with _bar(console) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def _bar(console: Console) -> Progress:
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    return Progress(*columns, console=console, transient=True)

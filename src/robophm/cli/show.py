@@ -12,7 +12,8 @@ from rich.table import Table
 from robophm.cli.output import table
 from robophm.design.legacy import legacy_rate, legacy_reliability
 from robophm.design.robot import Module, Robot
-from robophm.health.prognosis import Plant, as_designed
+from robophm.health.plant import Plant
+from robophm.health.prognosis import as_designed
 from robophm.report.diagram_svg import diagram_svg
 from robophm.report.diagram_text import diagram_text
 from robophm.report.labels import part_labels

@@ -20,11 +20,16 @@ class Source:
     section: str
     """e.g. 10.1"""
     page: str
+    """"–" where it is not known."""
     status: str
     """How the transcription was checked."""
 
     def __str__(self) -> str:
-        return f"{self.title} §{self.section}, p. {self.page}" if self.section != "–" else self.title
+        if self.section == "–":
+            return self.title
+        numbered = any(letter.isdigit() for letter in self.page[:3])  # 10-1 or A-3, not "Table 4"
+        page = f", {'p. ' if numbered else ''}{self.page}" if self.page != "–" else ""
+        return f"{self.title} §{self.section}{page}"
 
 
 @dataclass(frozen=True)

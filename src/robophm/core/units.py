@@ -81,6 +81,8 @@ def _parse(unit: str) -> tuple[int, Any]:
         if ten:
             power += sign * int(re.split(r"[\^e]", f"{ten}^0")[1])
             continue
+        if name in ("degC", "°C", "degF", "°F") and name != unit.strip():
+            name = f"delta_{name}"  # a share of a temperature is of a difference: '5 °C/W'
         try:
             result = result * _registry().Unit(name) ** (sign * int(exponent or 1))
         except (pint.PintError, AttributeError, ValueError):

@@ -12,7 +12,6 @@ from typing import Any, Literal
 
 from robophm.blocks import diagram as blocks
 from robophm.core.errors import (
-    DesignError,
     ModelError,
     PlugError,
     RobophmError,
@@ -23,6 +22,8 @@ from robophm.core.errors import (
 from robophm.core.signal import SECOND, signal_name
 from robophm.core.units import conversion, quantity
 from robophm.design import schema
+from robophm.design.build_task import build_task
+from robophm.design.fault import Fault, Path, written
 from robophm.design.robot import (
     CLOCK_UNITS,
     Channel,
@@ -32,31 +33,22 @@ from robophm.design.robot import (
     Module,
     Robot,
     Stress,
-    Task,
     Thresholds,
+    Uncertainty,
     Usage,
 )
-from robophm.hazard.acceleration import acceleration_model
+from robophm.hazard.acceleration import PER_CYCLE, acceleration_model, stress_inputs
+from robophm.hazard.formula import formula_model
 from robophm.hazard.handbooks import handbook_model
-from robophm.hazard.model import Model
+from robophm.hazard.model import Model, Range
 from robophm.life import life_distribution
 from robophm.life.distribution import LifeDistribution
-
-Path = tuple[str, ...]
 
 PLAUSIBLE = {"degC": (-100.0, 500.0)}
 """What a signal may measure where its binding states no range, by the unit of the model input."""
 
 MOST_PARTS = 1000
 """Equal parts of a component that can be told apart; n equal parts in series may be many more."""
-
-
-class Fault(DesignError):  # noqa: N818  what geologists and engineers call it
-    """A design error at a place in the file, before the file's name and line are known."""
-
-    def __init__(self, place: Path, message: str) -> None:
-        super().__init__(message)
-        self.place = place
 
 
 @dataclass(frozen=True)
@@ -67,6 +59,8 @@ class _Scope:
     signals: Mapping[str, tuple[Path, schema.SignalBinding]] = field(default_factory=dict)
     clocks: Mapping[str, tuple[Path, schema.ClockBinding]] = field(default_factory=dict)
     acceleration: schema.Accelerations | None = None
+    uncertainty: tuple[Path, schema.Uncertainty] | None = None
+    duty: float = 1.0
 
     def within(self, place: Path, level: Any) -> _Scope:
         return _Scope(
@@ -74,6 +68,8 @@ class _Scope:
             {**self.signals, **{name: ((*place, "signals", name), b) for name, b in level.signals.items()}},
             {**self.clocks, **{name: ((*place, "clocks", name), b) for name, b in level.clocks.items()}},
             level.acceleration if level.acceleration is not None else self.acceleration,
+            ((*place, "uncertainty"), level.uncertainty) if level.uncertainty else self.uncertainty,
+            self.duty if level.duty is None else level.duty,
         )
 
 
@@ -118,7 +114,7 @@ class _Builder:
             if place not in self.used_signals
         ]
         content = json.dumps(design.model_dump(mode="json"), sort_keys=True, ensure_ascii=False)
-        return Robot(
+        robot = Robot(
             **{key: getattr(whole, key) for key in ("modules", "components", "wiring", "diagram", "description")},
             path=design.name,
             functions=functions,
@@ -126,11 +122,11 @@ class _Builder:
             clocks=clocks,
             powered=self._powered(),
             max_gap=round(design.max_gap * SECOND),
-            task=self._task(),
             thresholds=Thresholds(**design.thresholds.model_dump()),
             warnings=tuple(warnings),
             design_hash=hashlib.sha256(content.encode()).hexdigest(),
         )
+        return replace(robot, task=build_task(design.task, robot, ("task",))) if design.task else robot
 
     def _module(self, path: Path, place: Path, level: schema._Group, above: _Scope) -> Module:
         scope = above.within(place, level)
@@ -191,7 +187,9 @@ class _Builder:
         if apart and part.quantity > MOST_PARTS:
             raise Fault((*place, "quantity"), f"{part.quantity} parts told apart; expected at most {MOST_PARTS}")
         names = tuple(f"{name}[{i}]" for i in range(1, part.quantity + 1)) if apart else (name,)
-        component = Component(name, part.quantity, required, part.monitored, modes, names, part.description or "")
+        component = Component(
+            name, part.quantity, required, part.monitored, modes, names, scope.duty, part.description or ""
+        )
         self.components[name] = component
         self.places[name] = place
         return component
@@ -202,7 +200,7 @@ class _Builder:
         clock_unit = CLOCK_UNITS[mode.clock]
         if mode.rate is not None and mode.hazard is not None:
             raise Fault((*place, "rate"), "both 'rate' and 'hazard' are given; expected one of the two")
-        hazard = self._hazard(place, mode.hazard, part, scope) if mode.hazard else None
+        hazard = self._hazard(place, mode.hazard, part, scope, clock_unit) if mode.hazard else None
         if hazard and hazard.model.unit != f"1/{clock_unit}":
             raise Fault(
                 place,
@@ -210,16 +208,22 @@ class _Builder:
             )
         rate: float | None = None
         if mode.rate is not None:
-            rate = _written((*place, "rate"), mode.rate, f"1/{clock_unit}")
+            rate = written((*place, "rate"), mode.rate, f"1/{clock_unit}")
         elif hazard:
             rate = hazard.reference
+        if rate is not None and not math.isfinite(rate):
+            raise Fault((*place, "hazard"), f"hazard rate {rate:g}; expected a number: the formula has none here")
         if rate is not None and not rate > 0:
             at, said = ("hazard", f"{rate:g}") if hazard else ("rate", mode.rate)
             raise Fault((*place, at), f"hazard rate {said}; expected above zero: a part that never fails is no part")
         life, rate = self._life((*place, "life"), mode.life, rate, clock_unit, place)
+        if hazard and "b10" in hazard.design and getattr(life, "shape", 1.0) != hazard.design["shape"]:
+            raise Fault(
+                (*place, "life"),
+                f"{mode.life.distribution} has not the shape {hazard.design['shape']:g} by which the mean follows "
+                "from the B10; expected e.g. {distribution: weibull, shape: 2}, the same in both",
+            )
         stresses = self._accelerations(place, mode, part, hazard, scope)
-        if hazard and hazard.channels:
-            stresses = (hazard, *stresses)
         if mode.clock in ("kilometres", "cycles", "starts") and getattr(self.design.usage, mode.clock) is None:
             raise Fault(
                 ("usage",),
@@ -228,7 +232,7 @@ class _Builder:
             )
         initial = 0.0
         if mode.initial_exposure is not None:
-            initial = _written((*place, "initial_exposure"), mode.initial_exposure, clock_unit)
+            initial = written((*place, "initial_exposure"), mode.initial_exposure, clock_unit)
             if not initial >= 0:
                 raise Fault(
                     (*place, "initial_exposure"),
@@ -237,16 +241,60 @@ class _Builder:
         measured = scope.clocks.get(mode.clock)
         return FailureMode(
             "/".join(path), rate, life, mode.clock, self._measured_clock(mode.clock, *measured) if measured else None,
-            mode.scaling, initial, stresses, hazard, mode.source or "",
+            mode.scaling, initial, (hazard, *stresses) if hazard else stresses, mode.source or self._said_source(mode),
+            self._uncertainty(place, mode, rate, f"1/{clock_unit}", scope),
         )  # fmt: skip
 
-    def _hazard(self, place: Path, hazard: schema.Hazard, part: schema.Component, scope: _Scope) -> Stress:
+    @staticmethod
+    def _said_source(mode: schema.FailureMode) -> str:
+        """Where the hazard itself says its rate is from."""
+        return str(mode.hazard.source or mode.hazard.inputs.get("source", "")) if mode.hazard else ""
+
+    @staticmethod
+    def _uncertainty(
+        place: Path, mode: schema.FailureMode, rate: float, unit: str, scope: _Scope
+    ) -> Uncertainty | None:
+        own = ((*place, "uncertainty"), mode.uncertainty) if mode.uncertainty else scope.uncertainty
+        if own is None:
+            return None
+        place, said = own
+        samples = tuple(written((*place, "samples"), one, unit) / rate for one in said.samples or ())
+        if not all(one > 0 for one in samples):
+            raise Fault((*place, "samples"), "a sample is not above zero; expected hazard rates")
+        return Uncertainty(said.error_factor, said.failures, samples or None)
+
+    def _hazard(
+        self, place: Path, hazard: schema.Hazard, part: schema.Component, scope: _Scope, clock_unit: str
+    ) -> Stress:
         place = (*place, "hazard")
-        model = _plug((*place, "model"), handbook_model, hazard.model)
+        if hazard.formula is not None:
+            model = self._formula(place, hazard, clock_unit)
+            values = {name: variable.value for name, variable in hazard.variables.items()}
+            return self._stress((*place, "variables"), model, values, part, scope)
+        model = _plug((*place, "model"), handbook_model, str(hazard.model))
         inputs: dict[str, object] = dict(hazard.inputs)
         if "environment" in model.inputs and scope.environment and "environment" not in inputs:
             inputs["environment"] = scope.environment
         return self._stress((*place, "inputs"), model, inputs, part, scope)
+
+    @staticmethod
+    def _formula(place: Path, hazard: schema.Hazard, clock_unit: str) -> Model:
+        ranges = {}
+        for name, said in hazard.variables.items():
+            try:
+                conversion(said.unit, said.unit)
+            except UnitError as error:
+                raise Fault((*place, "variables", name, "unit"), str(error)) from None
+            low, high = said.range or (-math.inf, math.inf)
+            ranges[name] = Range(low, high, said.unit, said.description or name)
+        try:
+            return formula_model(
+                str(hazard.formula), str(hazard.unit), ranges, str(hazard.source), inside=f"1/{clock_unit}"
+            )
+        except UnitError as error:
+            raise Fault((*place, "unit"), str(error)) from None
+        except ModelError as error:
+            raise Fault((*place, "formula"), str(error)) from None
 
     def _accelerations(
         self,
@@ -262,27 +310,33 @@ class _Builder:
         if chosen is None or chosen == "none":
             return ()
         stresses: list[Stress] = []
-        for written in chosen if isinstance(chosen, list) else [chosen]:
+        for said in chosen if isinstance(chosen, list) else [chosen]:
             at = (*place, "acceleration")
-            model = _plug((*at, "model"), acceleration_model, written.model)
-            parameters = dict(written.model_extra or {})
-            stress_input = next(iter(model.inputs))
-            if stress_input in parameters:
+            model = _plug((*at, "model"), acceleration_model, said.model)
+            parameters = dict(said.model_extra or {})
+            if model.name in PER_CYCLE and mode.clock not in ("cycles", "starts"):
                 raise Fault(
-                    (*at, stress_input),
-                    f"'{stress_input}' is what is measured; expected reference_{stress_input} here",
+                    at, f"{model.name} is of cycles, but its clock is '{mode.clock}'; expected cycles or starts"
                 )
-            reference = f"reference_{stress_input}"
-            parameters[stress_input] = parameters.get(reference, _default(model, reference))
-            if hazard and (hazard.channels or stress_input in hazard.model.inputs):
-                raise Fault(
-                    at,
-                    f"double acceleration: {hazard.model.name} answers to '{stress_input}' itself; expected one",
-                )
-            if any(stress_input in earlier.design for earlier in stresses):
-                raise Fault(at, f"double acceleration: two factors of '{stress_input}'")
+            for stress_input in stress_inputs(model):
+                if stress_input in parameters:
+                    raise Fault(
+                        (*at, stress_input),
+                        f"'{stress_input}' is what is measured; expected reference_{stress_input} here",
+                    )
+                reference = f"reference_{stress_input}"
+                if (at_design := parameters.get(reference, _default(model, reference))) is None:
+                    raise Fault(at, f"{model.name} needs '{reference}', at which the stated rate holds")
+                parameters[stress_input] = at_design
+                if hazard and (hazard.channels or stress_input in hazard.model.inputs):
+                    raise Fault(
+                        at,
+                        f"double acceleration: {hazard.model.name} answers to '{stress_input}' itself; expected one",
+                    )
+                if any(stress_input in earlier.design for earlier in stresses):
+                    raise Fault(at, f"double acceleration: two factors of '{stress_input}'")
             stresses.append(self._stress(at, model, parameters, part, scope))
-        return tuple(stress for stress in stresses if stress.channels)
+        return tuple(stresses)
 
     def _stress(
         self, place: Path, model: Model, inputs: Mapping[str, object], part: schema.Component, scope: _Scope
@@ -294,7 +348,7 @@ class _Builder:
             raise Fault((*place, named) if named else place, str(error)) from None
         channels = {}
         for name, entry in model.numbers.items():
-            if name in scope.signals:
+            if name in scope.signals and name in design:  # what this part does not need, it does not listen to
                 at, binding = scope.signals[name]
                 channels[name] = self._channel(at, binding, entry.unit, part.offsets.get(name))
         return Stress(model, design, channels)
@@ -303,9 +357,15 @@ class _Builder:
         self.used_signals[place] = None
         try:
             written = unit if binding.unit is None else binding.unit
-            scale, offset = conversion(written, unit)
+            if binding.rated is None:
+                scale, offset = conversion(written, unit)
+            elif unit:
+                raise UnitError(f"'rated' is given, but this input is measured in {unit}, not as a share")
+            else:
+                scale, offset = conversion(written, written).scale / binding.rated, 0.0
             difference = f"delta_{unit}" if unit in ("degC", "degF") else unit
             low, high = PLAUSIBLE.get(unit, (-math.inf, math.inf))
+            conversion_offset = offset
             if binding.range is not None:
                 low, high = sorted(scale * end + offset for end in binding.range)
             for extra in (binding.offset, more):
@@ -317,7 +377,8 @@ class _Builder:
             raise Fault(place, str(error)) from None
         if binding.range is None and binding.stale == "worst":
             raise Fault(place, "stale: worst needs a 'range'; expected e.g. range: [-20, 80]")
-        return Channel(signal, written, scale, offset, low, high, round(binding.max_age * SECOND), binding.stale)
+        shift = offset - conversion_offset
+        return Channel(signal, written, scale, offset, low, high, round(binding.max_age * SECOND), binding.stale, shift)
 
     def _measured_clock(self, clock: str, place: Path, binding: schema.ClockBinding) -> MeasuredClock:
         self.used_signals[place] = None
@@ -356,7 +417,7 @@ class _Builder:
             power = distribution.dimensions[name]
             inside = {1: unit, 0: "", -1: f"1/{unit}"}[power]
             listed = isinstance(value, list)
-            numbers = [_written((*place, name), one, inside) for one in (value if listed else [value])]
+            numbers = [written((*place, name), one, inside) for one in (value if listed else [value])]
             parameters[name] = numbers if listed else numbers[0]
         try:
             if rate is None:
@@ -387,10 +448,6 @@ class _Builder:
         usage = self.design.usage
         return Usage(usage.operating, usage.kilometres or 0.0, usage.cycles or 0.0, usage.starts or 0.0)
 
-    def _task(self) -> Task | None:
-        task = self.design.task
-        return plain_task(task.distance, task.speed, task.duration) if task else None
-
     def _binding(self, place: Path) -> schema.SignalBinding:
         level: Any = self.design
         for step in place:
@@ -404,26 +461,6 @@ class _Builder:
         for kind in ("modules", "components"):
             for name, child in getattr(level, kind, {}).items():
                 yield from self._signal_places((*place, kind, name), child)
-
-
-def plain_task(distance: float | None, speed: float | None, duration: float | None) -> Task:
-    """A task of a distance [m], a speed [m/s] and a duration [h], two of the three or a duration alone.
-
-    Raises Fault where they say too little, too much, or nothing that can be driven.
-    """
-    for name, value in (("distance", distance), ("speed", speed), ("duration", duration)):
-        if value is not None and not (math.isfinite(value) and value >= 0):
-            raise Fault(("task", name), f"{name} {value:g} is negative; expected at least zero")
-    if duration is None:
-        if distance is None or not speed:
-            raise Fault(("task",), "expected a distance with a speed above zero, or a duration")
-        duration = distance / speed / 3600
-        if not math.isfinite(duration):
-            raise Fault(("task",), f"{distance:g} m at {speed:g} m/s is not a finite duration")
-        return Task(distance, duration)
-    if speed is not None and distance is not None:
-        raise Fault(("task",), "distance, speed and duration are given; expected two of them")
-    return Task(distance if distance is not None else (speed or 0.0) * duration * 3600, duration)
 
 
 class _Expansion:
@@ -523,16 +560,6 @@ def _drawn(level: Any) -> Iterable[str]:
                 stack.extend(getattr(inner, "of", inner) or ())
     for module in level.modules.values():
         yield from _drawn(module)
-
-
-def _written(place: Path, value: object, unit: str) -> float:
-    try:
-        number = quantity(value, unit)
-    except UnitError as error:
-        raise Fault(place, str(error)) from None
-    if not math.isfinite(number):
-        raise Fault(place, f"{value} is not a finite number")
-    return number
 
 
 def _plug(place: Path, find: Any, name: str) -> Any:

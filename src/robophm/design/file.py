@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from robophm.core.errors import DesignError, nearest
 from robophm.core.files import write_atomically
@@ -23,40 +23,58 @@ MAX_VALUES = 1_000_000
 
 MAX_DEPTH = 100
 
+SCHEMA_VERSION = 1
+"""Of design files and task lists; a file that says another number is refused."""
+
 Lines = dict[tuple[str, ...], int]
+_Model = TypeVar("_Model", bound="BaseModel")
 
 
 def load(path: str | os.PathLike[str]) -> Robot:
     """Read a robot's design. Raises DesignError, one line with file, line, place, what was expected."""
-    return parse(_read(Path(path)), str(path))
+    return parse(read(Path(path)), str(path))
 
 
 def parse(text: str, name: str = "design") -> Robot:
     """A robot from the text of a design file; ``name`` is what errors call it. Raises DesignError."""
-    data, lines = _values(text, name)
-    from pydantic import ValidationError  # a robot that is not read from a file needs no pydantic
+    data, lines = mapping(text, name, "design")
+    from robophm.design.build import build
+    from robophm.design.fault import Fault
+    from robophm.design.schema import RobotFile  # a robot that is not read from a file needs no pydantic
 
-    from robophm.design.build import Fault, build
-    from robophm.design.schema import SCHEMA_VERSION, RobotFile
+    said = validated(RobotFile, data, name, lines)
+    try:
+        return build(said)
+    except Fault as fault:
+        raise DesignError(located(name, lines, fault.place, str(fault))) from None
 
+
+def mapping(text: str, name: str, what: str) -> tuple[dict[str, Any], Lines]:
+    """The plain values of a YAML text that says its schema version, and the line of each. Raises DesignError."""
+    data, lines = values(text, name)
     if not isinstance(data, dict):
         raise DesignError(
-            f"{name}: holds no design; expected a mapping that starts with 'schema_version: {SCHEMA_VERSION}'"
+            f"{name}: holds no {what}; expected a mapping that starts with 'schema_version: {SCHEMA_VERSION}'"
         )
     found = data.get("schema_version")
     if type(found) is not int or found != SCHEMA_VERSION:
         line = lines.get(("schema_version",), 1)
         raise DesignError(f"{name}:{line}: schema_version: {found!r:.60}; expected {SCHEMA_VERSION}")
+    return data, lines
+
+
+def validated(model: type[_Model], data: dict[str, Any], name: str, lines: Lines) -> _Model:
+    """What a file says, checked key by key. Raises DesignError with the line of the first fault."""
+    from pydantic import ValidationError
+
     try:
-        return build(RobotFile.model_validate(data))
+        return model.model_validate(data)
     except ValidationError as error:
         details = error.errors(include_url=False)
         details.sort(key=lambda detail: detail["type"] != "extra_forbidden")  # a misspelt key explains a missing one
-        place, message = _first_fault(details[0], lines)
+        place, message = _first_fault(details[0], lines, model)
         more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
-        raise DesignError(_located(name, lines, place, message) + more) from None
-    except Fault as fault:
-        raise DesignError(_located(name, lines, fault.place, str(fault))) from None
+        raise DesignError(located(name, lines, place, message) + more) from None
 
 
 class DesignFile:
@@ -65,7 +83,7 @@ class DesignFile:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         """Open a file. Raises DesignError where it is not a valid design."""
         self.path = Path(path)
-        text = _read(self.path)
+        text = read(self.path)
         parse(text, str(path))
         self.document: Any = _yaml().load(text)
 
@@ -80,14 +98,21 @@ class DesignFile:
 
         Raises DesignError, the file as it was, where the document is no valid design or cannot be written.
         """
-        text = self.text()
-        robot = parse(text, str(self.path))
-        try:
-            write_atomically(self.path.with_name(self.path.name + ".bak"), self.path.read_bytes())
-            write_atomically(self.path, text)
-        except OSError as error:
-            raise DesignError(f"{self.path}: cannot be saved: {error.strerror}; the file is as it was") from None
-        return robot
+        return rewrite(self.path, self.text())
+
+
+def rewrite(path: Path, text: str) -> Robot:
+    """Put another text into a design file atomically, what was there kept beside it as ``<name>.bak``.
+
+    Raises DesignError, the file as it was, where the text is no valid design or cannot be written.
+    """
+    robot = parse(text, str(path))
+    try:
+        write_atomically(path.with_name(path.name + ".bak"), path.read_bytes())
+        write_atomically(path, text)
+    except OSError as error:
+        raise DesignError(f"{path}: cannot be saved: {error.strerror}; the file is as it was") from None
+    return robot
 
 
 def _yaml() -> Any:
@@ -95,21 +120,24 @@ def _yaml() -> Any:
 
     yaml = YAML(typ="rt")
     yaml.preserve_quotes = True
-    yaml.width = 110
+    yaml.width = MAX_BYTES  # a line is as long as its author made it
+    yaml.brace_single_entry_mapping_in_flow_sequence = True
     yaml.indent(mapping=2, sequence=4, offset=2)
     return yaml
 
 
-def _read(path: Path) -> str:
+def read(path: Path) -> str:
+    """The text of a file of at most MAX_BYTES. Raises DesignError."""
     try:
         if not path.exists():
             beside = [other.name for other in path.parent.iterdir()] if path.parent.is_dir() else []
-            hint = nearest(path.name, [name for name in beside if name.endswith((".yaml", ".yml"))])
+            suffixes = (".csv",) if path.suffix.lower() == ".csv" else (".yaml", ".yml")
+            hint = nearest(path.name, [name for name in beside if name.lower().endswith(suffixes)])
             raise DesignError(f"{path}: no such file{hint}")
         with path.open("rb") as stream:
             content = stream.read(MAX_BYTES + 1)  # a device never ends, whatever size it says
         if len(content) > MAX_BYTES:
-            raise DesignError(f"{path}: is more than {MAX_BYTES / 1e6:.0f} MB; a design is at most that")
+            raise DesignError(f"{path}: is more than {MAX_BYTES / 1e6:.0f} MB; a design or task list is at most that")
         return content.decode("utf-8-sig")
     except OSError as error:
         raise DesignError(f"{path}: cannot be read: {error.strerror}") from None
@@ -117,7 +145,7 @@ def _read(path: Path) -> str:
         raise DesignError(f"{path}: is not UTF-8 text (byte {error.start})") from None
 
 
-def _values(text: str, name: str) -> tuple[Any, Lines]:
+def values(text: str, name: str) -> tuple[Any, Lines]:
     """The plain values of a YAML text, and the line of each."""
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
@@ -187,12 +215,13 @@ def _text(place: tuple[str, ...]) -> str:
     return "/".join(place) + ": " if place else ""
 
 
-def _located(name: str, lines: Lines, place: tuple[str, ...], message: str) -> str:
+def located(name: str, lines: Lines, place: tuple[str, ...], message: str) -> str:
+    """A fault with the file, the line and the place in it."""
     known = next((place[:n] for n in range(len(place), -1, -1) if place[:n] in lines), ())
     return f"{name}:{lines.get(known, 1)}: {_text(place)}{message}"
 
 
-def _first_fault(detail: ErrorDetails, lines: Lines) -> tuple[tuple[str, ...], str]:
+def _first_fault(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> tuple[tuple[str, ...], str]:
     """Place and message of a pydantic error: its location less the names of union branches."""
     place: tuple[str, ...] = ()
     for i, step in enumerate(detail["loc"]):
@@ -200,24 +229,28 @@ def _first_fault(detail: ErrorDetails, lines: Lines) -> tuple[tuple[str, ...], s
         if (*place, str(step)) in lines or (last and detail["type"] in ("missing", "extra_forbidden")):
             place = (*place, str(step))
     if detail["type"] == "extra_forbidden":
-        key, known = place[-1], _keys(place[:-1])
+        key, known = place[-1], _keys(place[:-1], lines, model)
         if key in known:  # of a block, which is of one kind
             return place, f"'{key}' stands beside another kind of block; expected one of {', '.join(known)}"
         return place, f"unknown key '{key}'{nearest(key, known)}"
     if detail["type"] == "missing":
         return place[:-1], f"needs '{place[-1]}'"
     if detail["type"] == "string_pattern_mismatch":
-        return place, f"{detail['input']!r:.60} is not a name; expected text without / [ ] and line breaks"
+        strokes = "/" in detail["ctx"]["pattern"]
+        never = "/ [ ] and line breaks" if strokes else "control characters"
+        return place, f"{detail['input']!r:.60} is not a name; expected text without {never}"
     if detail["type"] in ("model_type", "dict_type", "model_attributes_type"):
         return place, f"expected keys with values, not {detail['input']!r:.60}"
+    if detail["type"] == "too_short":
+        return place, "is empty; expected at least one"
     message = detail["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
     given = detail["input"]
     says_it = isinstance(given, dict | list) or detail["type"] == "value_error"
     return place, message if says_it else f"{message}, not {given!r:.60}"
 
 
-def _keys(place: tuple[str, ...]) -> list[str]:
-    """The keys that a mapping at this place of a design may have."""
+def _keys(place: tuple[str, ...], lines: Lines, root: type[BaseModel]) -> list[str]:
+    """The keys that a mapping at this place of a file may have."""
     from robophm.design import schema
 
     inside: dict[str, type[BaseModel]] = {
@@ -226,17 +259,23 @@ def _keys(place: tuple[str, ...]) -> list[str]:
         "failure_modes": schema.FailureMode,
         "signals": schema.SignalBinding,
         "clocks": schema.ClockBinding,
+        "tasks": schema.Leg,
+        "legs": schema.Leg,
     }
     itself: dict[str, type[BaseModel]] = {
         "life": schema.Life,
         "hazard": schema.Hazard,
         "usage": schema.Usage,
-        "task": schema.Task,
+        "task": schema.Leg,
+        "uncertainty": schema.Uncertainty,
+        "knowledge": schema.Knowledge,
         "thresholds": schema.Thresholds,
         "powered": schema.PowerBinding,
         "k_of_n": schema.KOutOfNGroup,
     }
     if not place:
-        return list(schema.RobotFile.model_fields)
+        return list(root.model_fields)
+    if (*place, "legs") in lines:
+        return list(schema.Task.model_fields)
     model = inside[place[-2]] if len(place) > 1 and place[-2] in inside else itself.get(place[-1])
     return list(model.model_fields) if model else ["series", "parallel", "k_of_n"]

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
+from robophm.design.task import Task
 from robophm.hazard.model import Evaluation, Model
 from robophm.life.distribution import LifeDistribution
 
@@ -43,6 +44,8 @@ class Channel:
     max_age: int
     """Nanoseconds that the last value holds."""
     stale: Literal["nominal", "hold", "worst"]
+    shift: float = 0.0
+    """What of the offset is no conversion of units: how much more the part has than its sensor reads."""
 
 
 @dataclass(frozen=True)
@@ -67,13 +70,14 @@ class Stress:
     model: Model
     design: Mapping[str, str | float]
     """Settled inputs at design-time stress x₀."""
-    channels: Mapping[str, Channel]
+    channels: Mapping[str, Channel] = field(default_factory=dict)
     """The inputs that are measured."""
 
     @cached_property
     def key(self) -> tuple[object, ...]:
         """Equal where two stresses give the same factor always."""
-        return (self.model.name, tuple(sorted(self.design.items())), tuple(sorted(self.channels.items())))
+        model = (self.model.name, self.model.formula, *((n, e.low, e.high) for n, e in self.model.numbers.items()))
+        return (model, tuple(sorted(self.design.items())), tuple(sorted(self.channels.items())))
 
     @cached_property
     def reference(self) -> float:
@@ -83,13 +87,25 @@ class Stress:
     def factor(self, observed: Mapping[str, Array]) -> Evaluation:
         """ψ(x) = λ(x)/λ(x₀) for observed inputs, shape of their broadcast; and where a model range is left.
 
-        Where the formula breaks down there, and gives no positive number, ψ is 1.
+        Where the formula breaks down out of range, and gives no positive number, ψ is 1.
         """
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             value, extrapolated = self.model.evaluate({**self.design, **observed})
             factor = value / self.reference
-        sound = np.isfinite(factor) & (factor > 0)
+        sound = np.isfinite(factor) & ((factor > 0) | ((factor == 0) & ~extrapolated))  # no load is no wear
         return Evaluation(np.where(sound, factor, 1.0), extrapolated | ~sound)
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """How sure a rate is, as a distribution of its ratio to the stated rate."""
+
+    error_factor: float | None = None
+    """Lognormal of mean 1: 95th percentile over the median."""
+    failures: float | None = None
+    """Gamma of mean 1 and this shape."""
+    samples: tuple[float, ...] | None = None
+    """Equally likely."""
 
 
 @dataclass(frozen=True)
@@ -106,10 +122,15 @@ class FailureMode:
     initial_exposure: float
     """[unit of its clock]"""
     stresses: tuple[Stress, ...]
-    """Their factors multiply; empty where nothing measured changes the rate."""
-    hazard: Stress | None
-    """The handbook model behind the rate, where there is one."""
+    """What changes its rate; their factors multiply. The first may be the handbook model behind the rate."""
     source: str
+    uncertainty: Uncertainty | None = None
+    """None: the rate is taken as exact."""
+
+    @property
+    def measured(self) -> tuple[Stress, ...]:
+        """The stresses that sensors are bound to."""
+        return tuple(stress for stress in self.stresses if stress.channels)
 
     @property
     def key(self) -> str:
@@ -129,6 +150,8 @@ class Component:
     modes: tuple[FailureMode, ...]
     units: tuple[str, ...]
     """Names of its units in the diagrams: its path, or path[1] … path[quantity] where they are told apart."""
+    duty: float = 1.0
+    """Share at which it ages in a leg of a task that does not need it."""
     description: str = ""
 
     @property
@@ -185,14 +208,6 @@ class Usage:
     def per_operating_hour(self, clock: str) -> float:
         """How far a clock goes in one operating hour."""
         return 1.0 if clock in ("operating", "calendar") else float(getattr(self, clock))
-
-
-@dataclass(frozen=True)
-class Task:
-    """A plain task: ``distance`` [m] in ``duration`` [h]."""
-
-    distance: float
-    duration: float
 
 
 @dataclass(frozen=True)

@@ -16,14 +16,12 @@ from pydantic import (
     Field,
     Tag,
     WithJsonSchema,
+    field_validator,
     model_validator,
 )
 
 from robophm.core.errors import UnitError
 from robophm.core.units import quantity
-
-SCHEMA_VERSION = 1
-"""Of the design file; a file that says another number is refused."""
 
 LONGEST = 1e9
 """Seconds, some thirty years: what a time in a design may be, so that its nanoseconds can be counted."""
@@ -85,6 +83,7 @@ class SignalBinding(_Strict):
     field: str = Field(min_length=1, description="path of the number in the message, e.g. temperature or effort[2]")
     unit: str | None = Field(None, description="unit of the field; default: the unit that the model input has")
     range: tuple[float, float] | None = Field(None, description="what is outside, in that unit, is no sample")
+    rated: float | None = Field(None, gt=0, description="what counts as 1, in that unit; of an input such as load")
     offset: Written | None = Field(None, description="added to the value, e.g. 15 K for a part hotter than its module")
     max_age: _quantity("s", "how long the last value holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
     stale: Literal["nominal", "hold", "worst"] = Field("nominal", description="what applies when there is no value")
@@ -121,11 +120,46 @@ class PowerBinding(_Strict):
     field: str = Field(min_length=1)
 
 
-class Hazard(_Strict):
-    """A hazard rate by a handbook model."""
+class Variable(_Strict):
+    """A number in a formula: its value by design, and the unit in which the formula takes it."""
 
-    model: str = Field(description="e.g. mil_hdbk_217f.capacitor; `robophm rate` lists them")
+    value: Written
+    unit: str = Field("", description="in which the formula takes it, e.g. degC; default none")
+    range: tuple[float, float] | None = Field(None, description="where the formula holds, in that unit")
+    description: str = ""
+
+    @model_validator(mode="after")
+    def _range_ascends(self) -> Variable:
+        if self.range and not self.range[0] < self.range[1]:
+            raise ValueError(f"range {list(self.range)} does not ascend; expected the lower end first")
+        return self
+
+
+class Hazard(_Strict):
+    """A hazard rate by a handbook model, or by the user's own formula."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"oneOf": [{"required": ["model"]}, {"required": ["formula", "unit", "source"]}]}
+    )
+
+    model: str | None = Field(None, description="e.g. mil_hdbk_217f.capacitor; `robophm rate` lists them")
     inputs: dict[str, Written] = Field(default_factory=dict, description="design-time stresses and choices")
+    formula: str | None = Field(
+        None, description="e.g. base * exp(0.05 * (temperature - 25)), of numbers, variables and exp log sqrt …"
+    )
+    unit: str | None = Field(None, description="of the formula's result, e.g. 1/h or FPMH")
+    variables: dict[str, Variable] = Field(default_factory=dict, description="of the formula; each may be measured")
+    source: str | None = Field(None, min_length=1, max_length=500, description="where the formula is from")
+
+    @model_validator(mode="after")
+    def _model_or_formula(self) -> Hazard:
+        if (self.model is None) == (self.formula is None):
+            raise ValueError("expected either model or formula")
+        if self.model is not None and (self.unit is not None or self.variables or self.source is not None):
+            raise ValueError("a model has inputs; unit, variables and source are of a formula")
+        if self.formula is not None and (self.inputs or self.unit is None or self.source is None):
+            raise ValueError("a formula needs its unit and source, and has variables in place of inputs")
+        return self
 
 
 class Life(_Strict):
@@ -139,10 +173,24 @@ class Acceleration(_Strict):
     """How stress shortens life: a model and its parameters as further keys."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
-    model: str = Field(description="arrhenius or q10")
+    model: str = Field(description="q10, arrhenius, eyring, peck, coffin_manson, cubic_load or inverse_power")
 
 
 Accelerations = Acceleration | list[Acceleration] | Literal["none"]
+
+
+class Uncertainty(_Strict):
+    """How sure a rate is: exactly one of the three. Its mean is the stated rate."""
+
+    error_factor: float | None = Field(None, gt=1, le=1e6, description="lognormal: 95th percentile over the median")
+    failures: float | None = Field(None, gt=0, le=1e9, description="gamma: as sure as if so many had been seen")
+    samples: list[Written] | None = Field(None, min_length=2, max_length=100_000, description="equally likely rates")
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Uncertainty:
+        if sum(kind is not None for kind in (self.error_factor, self.failures, self.samples)) != 1:
+            raise ValueError("expected exactly one of error_factor, failures, samples")
+        return self
 
 
 class FailureMode(_Strict):
@@ -156,6 +204,10 @@ class FailureMode(_Strict):
     acceleration: Accelerations | None = None
     initial_exposure: Written | None = Field(None, description="what a used part has behind it, e.g. 1200 h")
     source: str | None = Field(None, description="where the rate is from")
+    uncertainty: Uncertainty | None = Field(None, description="how sure the rate is; inherited, default exact")
+
+
+Duty = Annotated[float, Field(ge=0, le=1, description="share at which parts age in a leg that does not need them")]
 
 
 class Component(FailureMode):
@@ -166,6 +218,7 @@ class Component(FailureMode):
     required: int | None = Field(None, strict=True, ge=1, description="how many of them must work; default all")
     environment: str | None = None
     monitored: bool = Field(False, description="known to work until reported failed")
+    duty: Duty | None = None
     signals: dict[str, SignalBinding] = Field(default_factory=dict)
     offsets: dict[str, Written] = Field(default_factory=dict, description="added to inherited signals, e.g. 15 K")
     clocks: dict[Clock, ClockBinding] = Field(default_factory=dict)
@@ -223,6 +276,8 @@ class _Group(_Strict):
     signals: dict[str, SignalBinding] = Field(default_factory=dict)
     clocks: dict[Clock, ClockBinding] = Field(default_factory=dict)
     acceleration: Accelerations | None = Field(None, description="of the constant-rate parts below")
+    uncertainty: Uncertainty | None = Field(None, description="of the rates below")
+    duty: Duty | None = None
     modules: dict[Name, Module] = Field(default_factory=dict)
     components: dict[Name, Component] = Field(default_factory=dict)
     diagram: Diagram | None = Field(None, description="how the blocks of this level are wired; default series")
@@ -241,12 +296,56 @@ class Usage(_Strict):
     starts: _quantity("start/h", "starts per operating hour", "0.1 start/h", 0.0) | None = None  # type: ignore[valid-type]
 
 
-class Task(_Strict):
-    """A plain task: a distance at a speed, or a duration."""
+class Leg(_Strict):
+    """A part of a task: two of distance, speed and duration, or a duration alone."""
 
     distance: _quantity("m", "to drive", "250 m", 0.0) | None = None  # type: ignore[valid-type]
     speed: _quantity("m/s", "while driving", "0.3 m/s", 0.0) | None = None  # type: ignore[valid-type]
     duration: _quantity("h", "instead of distance and speed, or with a distance", "20 min", 0.0) | None = None  # type: ignore[valid-type]
+    cycles: Annotated[float, Field(ge=0, description="in this leg; default by the usage per hour")] | None = None
+    starts: Annotated[float, Field(ge=0, description="in this leg; default by the usage per hour")] | None = None
+    functions: list[Name] = Field(default_factory=list, description="what must work; default the whole robot")
+    stresses: dict[str, Written] = Field(
+        default_factory=dict, description="what sensors would read: temperature, or Power/temperature below a module"
+    )
+
+    @field_validator("cycles", "starts", mode="before")
+    @classmethod
+    def _counted(cls, value: object) -> object:
+        if isinstance(value, bool):
+            raise ValueError(f"expected a number, not {value}")
+        return value
+
+
+class Task(_Strict):
+    """One job of the robot, leg after leg."""
+
+    name: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x09\x0b-\x1f\x7f-\x9f]*$")] = ""
+    legs: list[Leg] = Field(min_length=1, max_length=10_000)
+
+
+def _kind_of_task(value: object) -> str:
+    return "Task" if isinstance(value, Task) or (isinstance(value, dict) and "legs" in value) else "Leg"
+
+
+AnyTask = Annotated[Annotated[Task, Tag("Task")] | Annotated[Leg, Tag("Leg")], Discriminator(_kind_of_task)]
+"""A task, or its only leg."""
+
+
+class Knowledge(_Strict):
+    """What is known of parts, by their paths."""
+
+    failed: list[str] = Field(default_factory=list, description="have failed")
+    working: list[str] = Field(default_factory=list, description="work now")
+
+
+class TaskFile(_Strict):
+    """Tasks in their order, and what is known before the first."""
+
+    schema_version: Literal[1]
+    tasks: list[AnyTask] = Field(min_length=1, max_length=100_000)
+    knowledge: Knowledge = Field(default_factory=Knowledge)
+    every: _quantity("h", "the list is begun anew so often", "8 h", 0.0) | None = None  # type: ignore[valid-type]
 
 
 class Thresholds(_Strict):
@@ -269,7 +368,7 @@ class RobotFile(_Group):
     usage: Usage = Field(default_factory=Usage)
     powered: PowerBinding | None = None
     max_gap: _quantity("s", "after so long a silence the robot is off", "60 s", 0.0, LONGEST) = 60.0  # type: ignore[valid-type]
-    task: Task | None = None
+    task: AnyTask | None = None
     functions: dict[Name, Diagram] = Field(default_factory=dict, description="what the robot can do, each a diagram")
     thresholds: Thresholds = Field(default_factory=Thresholds)
 

@@ -25,6 +25,9 @@ Array = npt.NDArray[np.float64]
 PER_MILLION_HOURS = 1e-6
 """What turns the handbooks' failures per 10⁶ h into 1/h."""
 
+BLOCK = 2**16
+"""How many samples a formula takes at once: few enough that what it computes on the way stays in the cache."""
+
 
 @dataclass(frozen=True, eq=False)
 class Factor:
@@ -64,6 +67,18 @@ class Choice:
     options: Table | tuple[str, ...]
     description: str = ""
     default: str | None = None
+    aliases: Mapping[str, str] = field(default_factory=dict)
+    """What people call an option, in lower case, and the option: {"mlcc": "CDR"}."""
+    required: bool = True
+
+    def option(self, written: str) -> str | None:
+        """The option that a word means, in whatever case and with blanks for underscores; None where it means none."""
+        if written in self.options:
+            return written
+        said = " ".join(written.lower().split())
+        if said in self.aliases:
+            return self.aliases[said]
+        return next((option for option in self.options if option.lower() == said.replace(" ", "_")), None)
 
 
 @dataclass(frozen=True)
@@ -80,7 +95,19 @@ class Range:
     """+1 where the result never falls with this input, −1 where it never rises, 0 where it may do either."""
 
 
-Input = Choice | Range
+@dataclass(frozen=True)
+class Note:
+    """An input that is the user's own words, such as where a figure is from."""
+
+    description: str = ""
+    required: bool = True
+    default: None = None
+
+
+Input = Choice | Range | Note
+
+LONGEST_NOTE = 500
+"""Characters."""
 
 
 class Evaluation(NamedTuple):
@@ -100,6 +127,8 @@ class Model:
     unit: str
     inputs: Mapping[str, Input]
     function: Callable[..., Factor] = field(repr=False)
+    description: str = ""
+    """What of: the first line of its file, or what follows the formula."""
 
     @cached_property
     def numbers(self) -> Mapping[str, Range]:
@@ -119,13 +148,16 @@ class Model:
         for name, entry in self.inputs.items():
             value = given.get(name, entry.default)
             if value is None:
-                if isinstance(entry, Choice) or entry.required:
+                if entry.required:
                     raise ModelError(f"{self.name} needs the input '{name}' ({self.expected(name)})")
+            elif isinstance(entry, Note):
+                settled[name] = self._words(name, value)
             elif isinstance(entry, Choice):
-                if str(value) not in entry.options:
-                    hint = nearest(str(value), entry.options)
+                option = entry.option(str(value))
+                if option is None:
+                    hint = nearest(str(value), (*entry.options, *entry.aliases))
                     raise ModelError(f"{self.name}: {name} '{value}' is not one of its choices{hint}")
-                settled[name] = str(value)
+                settled[name] = option
             else:
                 try:
                     number = quantity(value, entry.unit) if name in given else float(entry.default or 0.0)
@@ -141,11 +173,18 @@ class Model:
                 raise ModelError(f"{self.name}: {factor.symbol} is outside the handbook's range: {factor.note}")
         return settled
 
+    def _words(self, name: str, value: object) -> str:
+        if not isinstance(value, str) or not value.strip() or len(value) > LONGEST_NOTE:
+            raise ModelError(f"{self.name}: {name} {value!r:.60}; expected {self.expected(name)}")
+        return " ".join(value.split())
+
     def expected(self, name: str) -> str:
         """What an input takes, in words."""
         entry = self.inputs[name]
         if isinstance(entry, Choice):
             return "one of " + ", ".join(entry.options)
+        if isinstance(entry, Note):
+            return f"words, at most {LONGEST_NOTE} characters"
         return f"{entry.low:g} … {entry.high:g} {entry.unit}".rstrip()
 
     def explain(self, inputs: Mapping[str, Any]) -> Factor:
@@ -157,17 +196,33 @@ class Model:
 
         Raises ModelError where the formula has no answer at all.
         """
+        lines = {name: np.asarray(inputs[name]) for name in self.numbers if np.ndim(inputs.get(name, 0.0))}
+        shapes = {line.shape for line in lines.values()}
+        if len(shapes) == 1 and len(shape := shapes.pop()) == 1 and shape[0] > BLOCK:
+            return self._evaluate_in_blocks(inputs, lines, shape[0])
         explained = self.explain(inputs)
         result = np.asarray(explained.value, dtype=float)
-        outside = np.zeros(result.shape, dtype=bool)
-        for factor in explained.leaves():
-            outside = outside | factor.outside
+        flags = [factor.outside for factor in explained.leaves()]
         for name, entry in self.numbers.items():
-            if name in inputs:
-                value = np.asarray(inputs[name])
-                outside = outside | (value < entry.low) | (value > entry.high)
+            if name in lines:
+                flags.append((lines[name] < entry.low) | (lines[name] > entry.high))
+            elif name in inputs:
+                flags.append(inputs[name] < entry.low or inputs[name] > entry.high)
+        # what is one for all samples costs no pass over them
+        outside = np.asarray(any(flag for flag in flags if not np.ndim(flag)))
+        for flag in flags:
+            outside = outside | flag if np.ndim(flag) else outside
         shape = np.broadcast_shapes(result.shape, outside.shape)  # an input that this choice of others does not use
         return Evaluation(np.broadcast_to(result, shape), np.broadcast_to(outside, shape))
+
+    def _evaluate_in_blocks(self, inputs: Mapping[str, Any], lines: Mapping[str, Array], size: int) -> Evaluation:
+        value, extrapolated = np.empty(size), np.empty(size, dtype=bool)
+        for start in range(0, size, BLOCK):
+            block = slice(start, start + BLOCK)
+            value[block], extrapolated[block] = self.evaluate({
+                **inputs, **{name: line[block] for name, line in lines.items()}
+            })  # fmt: skip
+        return Evaluation(value, extrapolated)
 
 
 def hazard_model(
@@ -195,5 +250,8 @@ def _declare(
     documentation = inspect.getdoc(function)
     if not documentation:
         raise TypeError(f"{function.__module__}.{function.__qualname__}: no docstring, whose first line is the formula")
-    formula = documentation.splitlines()[0]
-    return Model(name, formula, source, unit, inputs, function)
+    formula, _, more = documentation.partition("\n")
+    file = inspect.getmodule(function)
+    title = (inspect.getdoc(file) or "").partition("\n")[0] if unit else ""
+    description = " ".join(f"{title} {more}".split())
+    return Model(name, formula, source, unit, inputs, function, description)

@@ -8,184 +8,19 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from operator import attrgetter
-from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from robophm.core.errors import StoreError
 from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
 from robophm.design.robot import Channel, MeasuredClock, Robot, Stress
+from robophm.health.ledger import RECENT, Ledger, Step
 
 Array = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]
-
-RECENT = 600 * SECOND
-"""Nanoseconds over which the recent mean is taken: the last ten minutes."""
-
-_RECENT_STEP = 30 * SECOND  # the recent past is kept in steps of at least this, so that it stays small
-
-
-class Total:
-    """Sums that lose nothing: each is a double and the rounding left over from all additions (Neumaier 1974)."""
-
-    def __init__(self, high: Array, low: Array) -> None:
-        self.high = high
-        self.low = low
-
-    @classmethod
-    def zeros(cls, n: int) -> Total:
-        """n empty sums."""
-        return cls(np.zeros(n), np.zeros(n))
-
-    def add(self, more: Array) -> None:
-        """Add to every sum; shape (n,)."""
-        total = self.high + more
-        shifted = total - self.high
-        self.low = self.low + ((self.high - (total - shifted)) + (more - shifted))
-        self.high = total
-
-    @property
-    def value(self) -> Array:
-        """The sums, shape (n,)."""
-        return self.high + self.low
-
-    def copy(self) -> Total:
-        """An independent copy."""
-        return Total(self.high.copy(), self.low.copy())
-
-
-class Recent(NamedTuple):
-    """What one step of the recent past added."""
-
-    end: int
-    operating: float
-    """[h]"""
-    age: Array
-    """Of each mode [unit of its clock]."""
-    effective: Array
-    """Of each mode, stress factor times age."""
-
-
-@dataclass
-class Ledger:
-    """A robot's past. Sums are by failure mode in design order, since new and without the initial exposure."""
-
-    modes: tuple[str, ...]
-    """Keys of the failure modes."""
-    age: Total
-    effective: Total
-    hazard: Total
-    """∫ψ·h₀(a)da, for the modes whose stress scales the hazard; zero for the others."""
-    clocks: Total
-    """Since the start: operating hours, calendar hours, and the robot's own measured clocks in design order."""
-    odometers: tuple[str, ...] = ()
-    """Names of the robot's own measured clocks."""
-    started: int | None = None
-    integrated_to: int | None = None
-    newest: int | None = None
-    heard: int | None = None
-    """Time of the last sample of the robot itself."""
-    off: int | None = None
-    """Time until which it was off last."""
-    last: dict[str, tuple[int, tuple[float, ...]]] = field(default_factory=dict)
-    """The last valid value of every channel, position and clock signal, by its key."""
-    pending: list[Sample] = field(default_factory=list)
-    """The open window: received, not yet integrated."""
-    counts: Counter[str] = field(default_factory=Counter)
-    """What was not taken, by reason and signal."""
-    stale: Counter[str] = field(default_factory=Counter)
-    """Nanoseconds of operation without a valid value, by channel key."""
-    extrapolated: Counter[str] = field(default_factory=Counter)
-    """Nanoseconds of operation outside a model's printed range, by mode."""
-    recent: list[Recent] = field(default_factory=list)
-
-    @classmethod
-    def new(cls, robot: Robot) -> Ledger:
-        """The ledger of a robot that has not lived yet."""
-        n = len(robot.modes)
-        return cls(
-            tuple(mode.key for mode in robot.modes),
-            Total.zeros(n),
-            Total.zeros(n),
-            Total.zeros(n),
-            Total.zeros(2 + len(robot.clocks)),
-            tuple(robot.clocks),
-        )
-
-    def copy(self) -> Ledger:
-        """An independent copy, to look ahead without consequence."""
-        return Ledger.from_json(self.to_json(), self.modes, self.odometers)
-
-    def to_json(self) -> dict[str, Any]:
-        """As plain values; floats come back bit for bit."""
-        totals = {name: getattr(self, name) for name in ("age", "effective", "hazard", "clocks")}
-        return {
-            "version": 1,
-            "modes": list(self.modes),
-            "odometers": list(self.odometers),
-            "totals": {name: [total.high.tolist(), total.low.tolist()] for name, total in totals.items()},
-            **{name: getattr(self, name) for name in ("started", "integrated_to", "newest", "heard", "off")},
-            "last": {key: [time, list(values)] for key, (time, values) in self.last.items()},
-            "pending": [list(sample) for sample in self.pending],
-            **{name: dict(getattr(self, name)) for name in ("counts", "stale", "extrapolated")},
-            "recent": [[r.end, r.operating, r.age.tolist(), r.effective.tolist()] for r in self.recent],
-        }
-
-    @classmethod
-    def of(cls, robot: Robot, data: Mapping[str, Any]) -> Ledger:
-        """A robot's ledger read back. Raises StoreError as ``from_json``."""
-        return cls.from_json(data, tuple(mode.key for mode in robot.modes), tuple(robot.clocks))
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any], modes: tuple[str, ...], odometers: tuple[str, ...]) -> Ledger:
-        """A ledger read back; an odometer that it has not begins at zero.
-
-        Raises StoreError where it was kept for other failure modes or another version.
-        """
-        if data.get("version") != 1:
-            raise StoreError(f"ledger version {data.get('version')}; expected 1")
-        kept = tuple(data["modes"])
-        if set(kept) != set(modes):
-            other = sorted(set(kept) ^ set(modes))
-            raise StoreError(
-                f"ledger was kept for other parts: '{other[0]}' is in {'it' if other[0] in kept else 'the design'} "
-                f"alone ({len(other)} in all); expected the design that it was kept for, or another store"
-            )
-        order = [kept.index(mode) for mode in modes]
-        totals = {
-            name: Total(*(np.array(part, dtype=float) for part in parts)) for name, parts in data["totals"].items()
-        }
-        for name in ("age", "effective", "hazard"):
-            totals[name] = Total(totals[name].high[order], totals[name].low[order])
-        clocks, counted = Total.zeros(2 + len(odometers)), totals["clocks"]
-        names = ["operating", "calendar", *data["odometers"]]
-        for i, name in enumerate(("operating", "calendar", *odometers)):
-            if name in names:
-                clocks.high[i], clocks.low[i] = counted.high[names.index(name)], counted.low[names.index(name)]
-        return cls(
-            modes,
-            totals["age"],
-            totals["effective"],
-            totals["hazard"],
-            clocks,
-            odometers,
-            started=data["started"],
-            integrated_to=data["integrated_to"],
-            newest=data["newest"],
-            heard=data["heard"],
-            off=data["off"],
-            last={key: (time, tuple(values)) for key, (time, values) in data["last"].items()},
-            pending=[Sample(*sample) for sample in data["pending"]],
-            counts=Counter(data["counts"]),
-            stale=Counter(data["stale"]),
-            extrapolated=Counter(data["extrapolated"]),
-            recent=[Recent(end, on, np.array(a)[order], np.array(u)[order]) for end, on, a, u in data["recent"]],
-        )
 
 
 class Exposure:
@@ -204,10 +39,10 @@ class Exposure:
         self.odometers = tuple(clock_of(name, measured) for name, measured in robot.clocks.items())
         for i, mode in enumerate(self.modes):
             clock, source = clock_of(mode.clock, mode.measured_clock), (mode.clock, mode.measured_clock)
-            key = (source, *(stress.key for stress in mode.stresses))
-            group = groups.setdefault(key, _Group(clock, tuple(_Input.all_of(stress) for stress in mode.stresses), []))
+            key = (source, *(stress.key for stress in mode.measured))
+            group = groups.setdefault(key, _Group(clock, tuple(_Input.all_of(stress) for stress in mode.measured), []))
             group.members.append(i)
-            for stress in mode.stresses:
+            for stress in mode.measured:
                 channels |= {channel_key(channel): channel for channel in stress.channels.values()}
         self.clocks = tuple(clocks.values())
         self.groups = tuple(groups.values())
@@ -215,17 +50,21 @@ class Exposure:
         self.initial = np.array([mode.initial_exposure for mode in self.modes])
         self._by_hazard = [mode.scaling == "hazard" for mode in self.modes]
 
-    def integrate(self, ledger: Ledger, samples: Sequence[Sample], until: int) -> None:
-        """Carry the ledger on to ``until`` [ns] with samples that are sorted and not later than it."""
+    def integrate(self, ledger: Ledger, samples: Sequence[Sample], until: int, duty: Array | None = None) -> None:
+        """Carry the ledger on to ``until`` [ns] with samples that are sorted and not later than it.
+
+        ``duty`` is the share at which each mode ages meanwhile, where a task is known not to need its part.
+        """
+        duty = np.ones(len(self.modes)) if duty is None else duty
         if ledger.integrated_to is None:
             ledger.integrated_to = ledger.started if ledger.started is not None else until
         if ledger.integrated_to < until - RECENT:  # a long silence: only its end is recent
             split = bisect_right(samples, until - RECENT, key=attrgetter("time"))
-            self._integrate(ledger, samples[:split], until - RECENT)
+            self._integrate(ledger, samples[:split], until - RECENT, duty)
             samples = samples[split:]
-        self._integrate(ledger, samples, until)
+        self._integrate(ledger, samples, until, duty)
 
-    def _integrate(self, ledger: Ledger, samples: Sequence[Sample], until: int) -> None:
+    def _integrate(self, ledger: Ledger, samples: Sequence[Sample], until: int, duty: Array) -> None:
         block = _Block(ledger, samples, until, self.robot)
         n = len(self.modes)
         age, effective, hazard = np.zeros(n), np.zeros(n), np.zeros(n)
@@ -243,31 +82,29 @@ class Exposure:
                 ledger.extrapolated.update({self.modes[i].path: over for i in group.members if over})
             for i in group.members:
                 if self._by_hazard[i]:
-                    start = self.initial[i] + ledger.age.high[i] + ledger.age.low[i]
-                    increments = self.modes[i].life.increment(start + clock(edges[:-1]), steps)
+                    start = self._initial(ledger, i) + ledger.age.high[i] + ledger.age.low[i]
+                    gone = duty[i] * clock(edges[:-1])
+                    increments = self.modes[i].life.increment(start + gone, duty[i] * steps)
                     hazard[i] = np.sum(increments if factor is None else factor * increments)
         operating = float(block.operating(block.ends)[1]) / HOUR
-        for total, more in ((ledger.age, age), (ledger.effective, effective), (ledger.hazard, hazard)):
+        for total, more in ((ledger.age, duty * age), (ledger.effective, duty * effective), (ledger.hazard, hazard)):
             total.add(more)
         counted = (float(elapsed[id(clock)](block.ends)[1]) for clock in self.odometers)
         ledger.clocks.add(np.array([operating, block.length / HOUR, *counted]))
+        inputs = {}
         for key, values in series.items():
             edges = block.edges([values])
-            missing = np.diff(block.operating(edges))[~values.fresh(edges[:-1])]
-            if (nanoseconds := round(float(missing.sum()))) > 0:
+            on, fresh = np.diff(block.operating(edges)), values.fresh(edges[:-1])
+            if (nanoseconds := round(float(on[~fresh].sum()))) > 0:
                 ledger.stale[key] += nanoseconds
-        self._remember(ledger, Recent(until, operating, age, effective))
+            if fresh.any():
+                heard = values.values[values.index(edges[:-1])[fresh]]
+                inputs[key] = float(np.sum(heard * on[fresh])), float(np.sum(on[fresh]))
+        ledger.remember(Step(until, block.length / HOUR, operating, age, effective, inputs))
         block.close(ledger)
 
-    @staticmethod
-    def _remember(ledger: Ledger, new: Recent) -> None:
-        last = ledger.recent[-1] if ledger.recent else None
-        if last and last.end // _RECENT_STEP == new.end // _RECENT_STEP:
-            both = (last.operating + new.operating, last.age + new.age, last.effective + new.effective)
-            ledger.recent[-1] = Recent(new.end, *both)
-        else:
-            ledger.recent.append(new)
-        ledger.recent = [step for step in ledger.recent if step.end > new.end - RECENT]
+    def _initial(self, ledger: Ledger, i: int) -> float:
+        return 0.0 if ledger.modes[i] in ledger.replaced else float(self.initial[i])
 
     def settled(self, ledger: Ledger) -> Ledger:
         """A copy of the ledger with its open window integrated too, up to the newest sample."""
@@ -302,6 +139,15 @@ class Exposure:
         hours = sum(step.operating for step in ledger.recent)
         age = sum((step.age for step in ledger.recent), np.zeros(len(self.modes)))
         return age / hours if hours > 0 else np.full(age.shape, np.nan)
+
+    def recent_inputs(self, ledger: Ledger) -> dict[str, float]:
+        """The mean of every channel, by its key, over the last ten minutes, as far as it had a valid value."""
+        sums: dict[str, tuple[float, float]] = {}
+        for step in ledger.recent:
+            for key, (value, time) in step.inputs.items():
+                before = sums.get(key, (0.0, 0.0))
+                sums[key] = before[0] + value, before[1] + time
+        return {key: value / time for key, (value, time) in sums.items() if time > 0}
 
     def silent(self, ledger: Ledger) -> list[str]:
         """The signals that are bound and have no valid value at the integrated-to time; edges once heard may rest."""

@@ -1,28 +1,32 @@
-"""From exposure to health: hazard rate now, survival since new, remaining life, completion of a task.
+"""From exposure to health: hazard rate now, survival since new, remaining life.
 
 An Outlook is one view of a robot: *nominal*, as designed, or *sensor-based*, as lived. Each knows the age of every
-failure mode and how fast it will age; every figure follows from that and a block diagram.
+failure mode and how it will go on; every figure follows from that and a block diagram.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from robophm.blocks.diagram import Block, Series
-from robophm.blocks.reliability import State, Structure, Transition
-from robophm.core.waiting_time import mean_time, time_at
-from robophm.design.robot import Robot, Task
-from robophm.health.exposure import Exposure, Ledger
-from robophm.life.distribution import side_by_side
+from robophm.blocks.diagram import Block
+from robophm.blocks.reliability import State, Transition
+from robophm.core.waiting_time import Curve, mean_time, time_at
+from robophm.design.task import Knowledge
+from robophm.health.exposure import Exposure
+from robophm.health.future import Future
+from robophm.health.ledger import Ledger
+from robophm.health.plant import Modes, Parts, Plant, column
 
 Array = npt.NDArray[np.float64]
 View = Literal["nominal", "sensor_based"]
+FutureName = Literal["nominal", "last", "recent"]
+"""As designed; as under the present stress; as in the last ten minutes."""
 
 
 @dataclass(frozen=True)
@@ -40,94 +44,6 @@ class RemainingLife:
 
 
 @dataclass(frozen=True)
-class Completion:
-    """Whether a task will be completed, given what is known now. Both probabilities have their own digits."""
-
-    probability: float
-    failure: float
-
-
-@dataclass(frozen=True)
-class Figures:
-    """The health of a robot, module or function in one view."""
-
-    hazard_rate: float
-    """Now, given what is known now [1/h of operation]."""
-    reliability: float
-    """Probability of having survived since new."""
-    unreliability: float
-    """Its complement, with its own digits."""
-    remaining_life: RemainingLife | None = None
-    completion: Completion | None = None
-
-
-class System:
-    """A diagram prepared, and the failure modes that it hangs on, those of one life distribution side by side."""
-
-    def __init__(self, plant: Plant, diagram: Block) -> None:
-        self.structure = Structure(diagram)
-        row, first = plant.row, plant.first_mode
-        drawn = sorted({row[unit] for unit in self.structure.names})
-        parts = [plant.components[i] for i in drawn]
-        self.modes = np.concatenate([np.arange(first[i], first[i + 1]) for i in drawn])
-        """Indices of its failure modes among the robot's."""
-        self._starts = np.cumsum([0, *(len(part.modes) for part in parts[:-1])])
-        self._multiplicity = np.array([part.multiplicity for part in parts], dtype=float)
-        place = {i: at for at, i in enumerate(drawn)}
-        self._units = np.array([place[row[unit]] for unit in self.structure.names])
-        self.monitored = np.array([part.monitored for part in parts])[self._units]
-        """Of each unit of the structure."""
-        self._lives = side_by_side([plant.robot.modes[i].life for i in self.modes])
-
-    def of_components(self, of_modes: Array) -> Array:
-        """Sums over the failure modes of each component (they are in series), times its equal parts."""
-        sums = np.add.reduceat(of_modes, self._starts, axis=0)
-        result: Array = _column(self._multiplicity, sums.ndim) * sums
-        return result
-
-    def of_units(self, of_modes: Array) -> Array:
-        """The same for every unit of the structure."""
-        result: Array = self.of_components(of_modes)[self._units]
-        return result
-
-    def lifewise(self, name: str, *arguments: Array) -> Array:
-        """One method of every mode's life distribution; arguments of shape (modes, ...)."""
-        shape = np.broadcast_shapes(*(argument.shape for argument in arguments))
-        result = np.empty(shape)
-        for members, life in self._lives:
-            # The parameters lie along the modes' axis, which the methods take as the last.
-            moved = [np.moveaxis(np.broadcast_to(argument, shape)[members], 0, -1) for argument in arguments]
-            result[members] = np.moveaxis(getattr(life, name)(*moved), -1, 0)
-        return result
-
-
-class Plant:
-    """What of a robot does not change while it lives: its diagrams prepared, its failure modes side by side."""
-
-    def __init__(self, robot: Robot) -> None:
-        self.robot = robot
-        self.components = tuple(robot.all_components())
-        self.row = {unit: i for i, part in enumerate(self.components) for unit in part.units}
-        """Which component a unit of a diagram is of."""
-        self.first_mode = np.cumsum([0, *(len(part.modes) for part in self.components)])
-        """Where the failure modes of each component begin among the robot's."""
-        self.by_age = np.array([mode.scaling == "age" for mode in robot.modes])
-        self.initial = np.array([mode.initial_exposure for mode in robot.modes])
-        self.usage = np.array([robot.usage.per_operating_hour(mode.clock) for mode in robot.modes])
-        self.calendar = np.array([mode.clock == "calendar" for mode in robot.modes])
-        self.by_distance = np.array([mode.clock == "kilometres" for mode in robot.modes])
-        self._systems: dict[int, tuple[Block, System]] = {}
-        self.everything = System(self, Series(*(unit for part in self.components for unit in part.units)))
-        """All parts, to ask each of them."""
-
-    def system(self, diagram: Block) -> System:
-        """A diagram prepared; once for each."""
-        if id(diagram) not in self._systems:  # by identity: to hash ten thousand blocks costs more than to fold them
-            self._systems[id(diagram)] = diagram, System(self, diagram)
-        return self._systems[id(diagram)][1]
-
-
-@dataclass(frozen=True)
 class Outlook:
     """One view of a robot now: where every failure mode stands, and how it goes on."""
 
@@ -136,122 +52,213 @@ class Outlook:
     """Effective age of each mode, initial exposure included [unit of its clock]."""
     cumulative_hazard: Array
     """Of each mode since new."""
+    seen_age: Array
+    """Effective age of each mode when its part was last known to work; 0 when it was new."""
+    unseen_hazard: Array
+    """Cumulative hazard since then."""
     factor_now: Array
     """Stress factor ψ under the present stress."""
-    factor_ahead: Array
-    """Stress factor of the future."""
     usage_now: Array
     """How far each clock goes in an operating hour, as observed."""
-    usage_ahead: Array
-    """How far it will go: as observed while it went at all, for a robot that stood will drive again; else by design."""
+    future: Future
+    """How stress and usage go on; a task takes from it what it does not state."""
+    inputs: Mapping[str, float] | None = None
+    """What a model input is where a task does not state it, by channel, else as designed; None: nothing a task states
+    matters."""
+    knowledge: Knowledge = field(default_factory=Knowledge)
+    plan: Future | None = None
+    """What its remaining life follows instead, where it has a plan."""
+
+    @property
+    def course(self) -> Future:
+        """What its remaining life follows."""
+        return self.plan or self.future
 
     def survival(self, diagram: Block) -> State:
         """Survival since new: nothing is known but the exposure."""
         system = self.plant.system(diagram)
-        lived = system.of_units(self.cumulative_hazard[system.modes])
+        lived = system.of_groups(system.of_units(self.cumulative_hazard[system.modes]))
         return system.structure.state(np.exp(-lived), -np.expm1(-lived))
 
     def hazard_rate(self, diagram: Block) -> float:
         """f/p now, given what is known now [1/h of operation]; infinite where the system has failed."""
         system = self.plant.system(diagram)
-        known, hazard = self._known(system), system.of_units(self._mode_hazard(system))
+        known = system.of_groups(self.known(system, system.needed))
         works = np.exp(-known)
-        state = system.structure.state(works, -np.expm1(-known), _finite(hazard) * works)
+        density = _finite(system.of_groups(system.of_units(self._mode_hazard(system)))) * works
+        state = system.structure.state(works, -np.expm1(-known), density)
         return float(_infinite(state.density / state.works)) if state.works > 0 else math.inf
 
     def component_hazard_rates(self) -> Array:
         """Of every component [1/h of operation], the equal parts of one together; shape (components,)."""
-        system = self.plant.everything
-        return self._all_parts(system.of_components(self._mode_hazard(system)))
+        everything = self.plant.everything
+        return self._by_component(everything.of_units(self._mode_hazard(everything)))
 
     def component_survival(self) -> Array:
         """Of every component since new, all of its parts; shape (components,)."""
-        return np.exp(-self._all_parts(self.plant.everything.of_components(self.cumulative_hazard)))
+        return np.exp(-self._by_component(self.plant.everything.of_units(self.cumulative_hazard)))
 
-    def _all_parts(self, of_components: Array) -> Array:
-        """Of components whose parts are told apart in diagrams, all parts together."""
-        shares = np.array([part.quantity / part.multiplicity for part in self.plant.components])
-        together: Array = of_components * shares
-        return together
+    def _by_component(self, of_units: Array) -> Array:
+        sums: Array = np.bincount(self.plant.component_of, of_units, len(self.plant.components)).astype(float)
+        return sums
 
-    def _mode_hazard(self, system: System) -> Array:
-        """Of each mode of a system, per operating hour."""
-        m = system.modes
+    def _mode_hazard(self, parts: Parts) -> Array:
+        """Of each mode, per operating hour."""
+        m = parts.modes
         speed = self.factor_now[m] * self.usage_now[m]
-        hazard: Array = np.where(speed > 0, _finite(system.lifewise("hazard", self.age[m])) * speed, 0.0)
+        hazard: Array = np.where(speed > 0, _finite(parts.lifewise("hazard", self.age[m])) * speed, 0.0)
         return hazard
 
-    def _known(self, system: System) -> Array:
-        """Cumulative hazard of each unit, less what is known not to have happened."""
-        return np.where(system.monitored, 0.0, system.of_units(self.cumulative_hazard[system.modes]))
+    def known(self, parts: Parts, needed: npt.NDArray[np.bool_], unseen: Array | None = None) -> Array:
+        """Cumulative hazard of each unit, less what is known not to have happened; infinite where it has.
 
-    def _aging(self, system: System) -> tuple[Array, Array]:
-        """What stress multiplies in the future: the advance of the age, or the hazard gathered over it."""
-        by_age, factor = self.plant.by_age[system.modes], self.factor_ahead[system.modes]
-        return np.where(by_age, factor, 1.0), np.where(by_age, 1.0, factor)
+        A unit that is monitored, known to work, or ``needed`` by a system that works, works. What is ``unseen`` of
+        each unit, shape (units, ...), is this outlook's own unless given.
+        """
+        plant = self.plant
+        works = needed | plant.monitored[parts.units]
+        if self.knowledge.working:
+            works = works | np.isin(parts.units, [plant.place[unit] for unit in self.knowledge.working])
+        if unseen is None:
+            unseen = parts.of_units(self.unseen_hazard[parts.modes])
+        known = np.where(column(works, unseen.ndim), 0.0, unseen)
+        if self.knowledge.failed:
+            failed = np.isin(parts.units, [plant.place[unit] for unit in self.knowledge.failed])
+            known = np.where(column(failed, unseen.ndim), math.inf, known)
+        return known
 
-    def ahead(self, diagram: Block, advance: Array) -> Transition:
-        """What the system does while every clock advances; ``advance`` has shape (modes of the robot, ...)."""
+    def gathered(self, parts: Parts, advance: Array, effective: Array) -> Array:
+        """What steps that follow one another add to the cumulative hazard of each unit; shape (units, steps, ...).
+
+        Arguments as of ``increments``.
+        """
+        return parts.of_units(self.increments(parts, advance, effective))
+
+    def increments(self, modes: Modes, advance: Array, effective: Array, ratios: Array | None = None) -> Array:
+        """What steps that follow one another add to the cumulative hazard of modes; shape (modes, steps, ...).
+
+        ``advance`` of each clock, and the same times its stress, have shape (modes of the robot, steps, ...). Rates
+        are as stated unless ``ratios`` to them are given, shape (these modes, draws): the axis after the steps.
+        """
+        m = modes.modes
+        gone, aged = advance[m], effective[m]
+        by_age = column(self.plant.by_age[m], aged.ndim)
+        start, step, weight = aged, aged, np.ones(1)
+        if not by_age.all():  # what stress multiplies: the advance of the age, or the hazard gathered over it
+            start = step = np.where(by_age, aged, gone)
+            stressed = np.divide(aged, gone, out=np.ones_like(aged), where=gone > 0)
+            weight = np.where(by_age, 1.0, stressed)
+        before = np.zeros_like(start)
+        np.cumsum(start[:, :-1], axis=1, out=before[:, 1:])
+        age = column(self.age[m], aged.ndim) + before
+        if ratios is not None:
+            drawn = ratios.reshape(len(m), 1, ratios.shape[1], *[1] * (aged.ndim - 3))
+            age, step = drawn * age, drawn * step
+        return weight * modes.lifewise("increment", age, step)
+
+    def ahead(self, diagram: Block, advance: Array, effective: Array) -> Transition:
+        """What the system does while every clock advances; arguments as of ``gathered`` without steps."""
         system = self.plant.system(diagram)
-        ndim = advance.ndim
-        aging, weight, age = (_column(one, ndim) for one in (*self._aging(system), self.age[system.modes]))
-        more = system.of_units(weight * system.lifewise("increment", age, aging * advance[system.modes]))
-        known = np.broadcast_to(_column(self._known(system), ndim), more.shape)
+        more = system.of_groups(self.gathered(system, advance[:, None], effective[:, None])[:, 0])
+        known = column(system.of_groups(self.known(system, system.needed)), more.ndim)
         return system.structure.transition(-np.expm1(-known), np.exp(-known) * -np.expm1(-more), np.exp(-known - more))
 
-    def remaining_life(self, diagram: Block) -> RemainingLife:
-        """Of the system under its future, operating by the design's share of the day."""
-        if not self.ahead(diagram, np.zeros(len(self.age))).survives > 0:
-            return RemainingLife(0.0, 0.0, 0.0, 0.0)
-        share = self.plant.robot.usage.operating
-        per_hour = np.where(self.plant.calendar, 1.0, share * self.usage_ahead)
+    def along(self, modes: Modes, future: Future, ratios: Array | None = None) -> Callable[[Array], Array]:
+        """What a future adds to the cumulative hazard of modes, as a function of hours; shape (modes, hours, draws).
+
+        Rates are as stated, in one draw, unless ``ratios`` to them are given, shape (modes, draws). Where changing
+        stress weighs a hazard, the first _MOST_KNOTS changes are followed one by one, fewer of very many modes or
+        draws; from then on the mean stress holds.
+        """
+        ratios = np.ones((len(modes.modes), 1)) if ratios is None else ratios
+        if not len(ratios):
+            return lambda hours: np.empty((0, len(hours), ratios.shape[1]))
+        weighing = ~self.plant.by_age[modes.modes] & (not future.changeless)
+        steady, weighed = (Modes(self.plant, modes.modes[which]) for which in (~weighing, weighing))
+        m, drawn = weighed.modes, _drawn_out(future)
+        most = np.clip(_AT_ONCE // max(len(m) * ratios.shape[1], 1), 1, _MOST_KNOTS + 1)
+        knots, gone, stressed = (one[..., :most] for one in (drawn.hours, drawn.advance, drawn.effective))
+        gathered = np.zeros((len(m), len(knots), ratios.shape[1]))
+        advance, effective = (np.diff(one)[..., None] for one in (gone, stressed))
+        gathered[:, 1:] = np.cumsum(self.increments(weighed, advance, effective, ratios[weighing]), axis=1)
+
+        def added(hours: Array) -> Array:
+            advance, effective = future.at(hours)
+            found = np.empty((len(weighing), len(hours), ratios.shape[1]))
+            once = self.increments(steady, advance[:, None, None], effective[:, None, None], ratios[~weighing])
+            found[~weighing] = np.moveaxis(once[:, 0], 1, 2)
+            if len(m):
+                k = np.searchsorted(knots, hours, side="right") - 1
+                step = np.maximum(advance[m] - gone[m][:, k], 0.0)
+                aged = effective[m] - stressed[m][:, k]
+                factor = np.divide(aged, step, out=np.ones_like(step), where=step > 0)
+                age = self.age[m, None] + gone[m][:, k]
+                drawn_age, drawn_step = (ratios[weighing][:, None] * one[..., None] for one in (age, step))
+                rest = weighed.lifewise("increment", drawn_age, drawn_step)
+                found[weighing] = gathered[:, k] + factor[..., None] * rest
+            return found
+
+        return added
+
+    def curve(self, diagram: Block, future: Future | None = None) -> Curve:
+        """P(fails within so many hours | what is known now), and P(survives them), along its course or a future."""
+        system = self.plant.system(diagram)
+        known = system.of_groups(self.known(system, system.needed))[:, None]
+        hazard = self.along(system, future or self.course)
+
+        def some(hours: Array) -> tuple[Array, Array]:
+            added = system.of_groups(system.of_units(hazard(hours)[..., 0]))
+            return system.structure.transition(
+                -np.expm1(-known), np.exp(-known) * -np.expm1(-added), np.exp(-known - added)
+            ).given_works()
+
+        turn = max(1, _IN_TURN // len(self.age))
 
         def curve(hours: Array) -> tuple[Array, Array]:
-            _, fails, survives = self.ahead(diagram, per_hour[:, None] * hours)
-            works = fails + survives
-            return fails / works, survives / works
+            fails, survives = np.hstack([some(hours[i : i + turn]) for i in range(0, len(hours), turn)])
+            return fails, survives
 
+        return curve
+
+    def remaining_life(self, diagram: Block, future: Future | None = None) -> RemainingLife:
+        """Of the system along its course, or a future."""
+        future = future or self.course
+        still = np.zeros(len(self.age))
+        if not self.ahead(diagram, still, still).survives > 0:
+            return RemainingLife(0.0, 0.0, 0.0, 0.0)
+        curve = self.curve(diagram, future)
         wanted = self.plant.robot.thresholds.survival
         survives = np.array([0.95, 0.5, 0.05, *([wanted] if wanted else [])])
         early, median, late, *threshold = (float(time) for time in time_at(curve, 1 - survives, survives))
-        return RemainingLife(mean_time(curve), median, early, late, *threshold)
-
-    def completion(self, diagram: Block, task: Task) -> Completion:
-        """P(the system works to the end of the task | what is known now)."""
-        advance = np.where(self.plant.by_distance, task.distance / 1000, self.usage_ahead * task.duration)
-        _, fails, survives = self.ahead(diagram, advance)
-        works = float(fails + survives)
-        return Completion(float(survives) / works, float(fails) / works) if works > 0 else Completion(0.0, 1.0)
+        return RemainingLife(mean_time(curve, _drawn_out(future).hours), median, early, late, *threshold)
 
     def survival_curve(self, diagram: Block, hours: Array) -> State:
-        """Survival since new after so many more operating hours, with its density; shape of ``hours``.
-
-        As in ``remaining_life`` an operating hour takes 1/share calendar hours.
-        """
+        """Survival since new after so many more operating hours at the mean pace of the future; shape of ``hours``."""
         system = self.plant.system(diagram)
         m = system.modes
-        aging, weight = (one[:, None] for one in self._aging(system))
-        share = self.plant.robot.usage.operating
-        age, usage = self.age[m, None], np.where(self.plant.calendar, 1 / share, self.usage_ahead)[m, None]
-        advance = aging * usage * hours
-        speed = self.factor_ahead[m, None] * usage
-        hazard = system.of_units(np.where(speed > 0, _finite(system.lifewise("hazard", age + advance)) * speed, 0.0))
-        more = weight * system.lifewise("increment", age, advance)
-        lived = system.of_units(self.cumulative_hazard[m, None] + more)
+        usage, factor = self.future.usage, self.future.factor
+        advance = usage[:, None] * hours
+        effective = factor[:, None] * advance
+        more = system.of_groups(self.gathered(system, advance[:, None], effective[:, None])[:, 0])
+        age = self.age[m, None] + np.where(self.plant.by_age[m, None], effective[m], advance[m])
+        speed = (factor * usage)[m, None]
+        hazard = np.where(speed > 0, _finite(system.lifewise("hazard", age)) * speed, 0.0)
+        lived = system.of_groups(system.of_units(self.cumulative_hazard[m]))[:, None] + more
         works = np.exp(-lived)
-        state = system.structure.state(works, -np.expm1(-lived), _finite(hazard) * works)
+        density = _finite(system.of_groups(system.of_units(hazard))) * works
+        state = system.structure.state(works, -np.expm1(-lived), density)
         return state._replace(density=_infinite(state.density))
 
-    def figures(self, diagram: Block, task: Task | None, *, remaining_life: bool = True) -> Figures:
-        """All figures of one system."""
-        state = self.survival(diagram)
-        return Figures(
-            self.hazard_rate(diagram),
-            float(state.works),
-            float(state.failed),
-            self.remaining_life(diagram) if remaining_life else None,
-            self.completion(diagram, task) if task else None,
-        )
+
+_IN_TURN = 1_000_000  # numbers that one array of times may hold: more times take turns
+_MOST_KNOTS = 256
+"""Of a future that begins anew for ever, how many are looked at one by one."""
+
+_AT_ONCE = 8_000_000  # numbers that one array may hold
+
+
+def _drawn_out(future: Future) -> Future:
+    return future if future.changeless else future.rounds(max(1, _MOST_KNOTS // (len(future.hours) - 1)))
 
 
 _HUGE = 1e300  # stands for an infinite hazard, that of infant mortality at age 0, where infinity times 0 would not
@@ -266,41 +273,84 @@ def _infinite(density: Array) -> Array:
     return np.where(density > 1e-30 * _HUGE, math.inf, density)
 
 
-def _column(values: Array, ndim: int) -> Array:
-    """Values of modes or parts, ready to broadcast over ``ndim`` − 1 further axes."""
-    return values.reshape(-1, *[1] * (ndim - 1))
+def outlooks(
+    plant: Plant, exposure: Exposure, ledger: Ledger, *,
+    future: FutureName = "recent", knowledge: Knowledge | None = None,
+) -> Mapping[View, Outlook]:  # fmt: skip
+    """Both views of a robot with a past: as designed, and as lived; on the same clocks.
+
+    ``future`` is the sensor-based one. Where nothing was observed it is the design's.
+    """
+    sensor_based = as_lived(plant, exposure, ledger, future=future, knowledge=knowledge)
+    initial = _initial(plant, ledger)
+    clock_age = initial + ledger.age.value
+    nominal = nominal_outlook(plant, clock_age, sensor_based.knowledge)
+    known, then = _seen(ledger)
+    seen = np.where(known, initial + then[:, 0], 0.0)
+    return {
+        "nominal": replace(nominal, seen_age=seen, unseen_hazard=_increment(plant, seen, clock_age)),
+        "sensor_based": sensor_based,
+    }
 
 
-def outlooks(plant: Plant, exposure: Exposure, ledger: Ledger) -> Mapping[View, Outlook]:
-    """Both views of a robot with a past: as designed, and as lived; on the same clocks."""
-    clock_age = plant.initial + ledger.age.value
-    recent, usage = exposure.recent_factor(ledger), exposure.recent_usage(ledger)
+def as_lived(
+    plant: Plant, exposure: Exposure, ledger: Ledger, *,
+    future: FutureName = "recent", knowledge: Knowledge | None = None,
+) -> Outlook:  # fmt: skip
+    """The sensor-based view alone."""
+    initial = _initial(plant, ledger)
+    effective = initial + np.where(plant.by_age, ledger.effective.value, ledger.age.value)
+    gathered = np.where(plant.by_age, effective, initial)
+
+    now = exposure.current_factor(ledger)
+    recent = exposure.recent_factor(ledger)
+    usage = exposure.recent_usage(ledger)
     usage = np.where(np.isnan(usage) | plant.calendar, plant.usage, usage)  # an hour of operation is an hour
-    effective = np.where(plant.by_age, plant.initial + ledger.effective.value, clock_age)
-    gathered = np.where(plant.by_age, effective, plant.initial)
-    sensor_based = Outlook(
+    factor = {"nominal": np.ones(len(now)), "last": now, "recent": np.where(np.isnan(recent), 1.0, recent)}[future]
+    ahead = plant.usage if future == "nominal" else np.where(usage > 0, usage, plant.usage)  # it will drive again
+
+    known, then = _seen(ledger)
+    # A mode whose stress scales the hazard has its past in the ledger's sum, as far as it was lived.
+    seen = np.where(known, np.where(plant.by_age, initial + then[:, 1], initial), 0.0)
+    return Outlook(
         plant,
         age=effective,
-        cumulative_hazard=_since_new(plant, gathered) + ledger.hazard.value,
-        factor_now=exposure.current_factor(ledger),
-        factor_ahead=np.where(np.isnan(recent), 1.0, recent),
+        cumulative_hazard=_increment(plant, np.zeros(len(now)), gathered) + ledger.hazard.value,
+        seen_age=seen,
+        unseen_hazard=_increment(plant, seen, gathered) + (ledger.hazard.value - then[:, 2]),
+        factor_now=now,
         usage_now=usage,
-        usage_ahead=np.where(usage > 0, usage, plant.usage),
+        future=Future.steady(future, plant, factor, ahead, plant.robot.usage.operating),
+        inputs={} if future == "nominal" else exposure.recent_inputs(ledger),
+        knowledge=knowledge or Knowledge(),
     )
-    return {"nominal": nominal_outlook(plant, clock_age), "sensor_based": sensor_based}
 
 
-def as_designed(plant: Plant) -> Outlook:
+def _initial(plant: Plant, ledger: Ledger) -> Array:
+    """What each mode had behind it when its part was put in."""
+    return np.where([mode in ledger.replaced for mode in ledger.modes], 0.0, plant.initial)
+
+
+def _seen(ledger: Ledger) -> tuple[npt.NDArray[np.bool_], Array]:
+    """Whether each mode was known to work, and its sums (age, effective, hazard) then; shapes (modes,), (modes, 3)."""
+    seen = [ledger.seen.get(mode) for mode in ledger.modes]
+    known = np.array([one is not None for one in seen], dtype=bool)
+    return known, np.array([(0.0, 0.0, 0.0) if one is None else one[1:] for one in seen]).reshape(-1, 3)
+
+
+def as_designed(plant: Plant, knowledge: Knowledge | None = None) -> Outlook:
     """A new robot, nominal."""
-    return nominal_outlook(plant, plant.initial)
+    return nominal_outlook(plant, plant.initial, knowledge)
 
 
-def nominal_outlook(plant: Plant, age: Array) -> Outlook:
+def nominal_outlook(plant: Plant, age: Array, knowledge: Knowledge | None = None) -> Outlook:
     """A robot at these ages of its failure modes [unit of each clock], at design stress."""
-    ones = np.ones(len(age))
-    return Outlook(plant, age, _since_new(plant, age), ones, ones, plant.usage, plant.usage)
+    ones, zeros = np.ones(len(age)), np.zeros(len(age))
+    hazard = _increment(plant, zeros, age)
+    future = Future.steady("nominal", plant, ones, plant.usage, plant.robot.usage.operating)
+    return Outlook(plant, age, hazard, zeros, hazard, ones, plant.usage, future, knowledge=knowledge or Knowledge())
 
 
-def _since_new(plant: Plant, age: Array) -> Array:
-    """H(age) − H(0) of every mode: a part starts at zero whatever mass its distribution has below."""
-    return plant.everything.lifewise("increment", np.zeros(len(age)), age)
+def _increment(plant: Plant, start: Array, end: Array) -> Array:
+    """H(end) − H(start) of every mode. From 0 on, a part is new, whatever mass its distribution has below."""
+    return plant.everything.lifewise("increment", start, np.maximum(end - start, 0.0))

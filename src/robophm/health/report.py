@@ -4,17 +4,55 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
+
+import numpy as np
 
 from robophm.blocks.diagram import Block
 from robophm.core.signal import SECOND
-from robophm.design.robot import MeasuredClock, Robot, Task
-from robophm.health.exposure import Exposure, Ledger
-from robophm.health.prognosis import Completion, Figures, Outlook, Plant, RemainingLife, View, outlooks
+from robophm.design.robot import MeasuredClock, Robot
+from robophm.design.task import Knowledge, Plan, Task
+from robophm.health.exposure import Exposure
+from robophm.health.ledger import Ledger
+from robophm.health.mission import Completion, completion, plan_future
+from robophm.health.plant import Plant
+from robophm.health.prognosis import FutureName, Outlook, RemainingLife, View, outlooks
+from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, life_uncertainty
 
 SCHEMA_VERSION = 1
 """Of a report as JSON."""
+
+VIEWS: tuple[View, ...] = ("nominal", "sensor_based")
+
+
+@dataclass(frozen=True)
+class Figures:
+    """The health of a robot, module or function in one view."""
+
+    hazard_rate: float
+    """Now, given what is known now [1/h of operation]."""
+    reliability: float
+    """Probability of having survived since new."""
+    unreliability: float
+    """Its complement, with its own digits."""
+    remaining_life: RemainingLife | None = None
+    completion: Completion | None = None
+    """Of the task; of a module or function, that it does its share throughout."""
+
+
+def figures(
+    outlook: Outlook, diagram: Block, task: Task | None, *, remaining_life: bool = True, whole: bool = True
+) -> Figures:
+    """All figures of one system; it is ``whole`` where the task is its own."""
+    state = outlook.survival(diagram)
+    return Figures(
+        outlook.hazard_rate(diagram),
+        float(state.works),
+        float(state.failed),
+        outlook.remaining_life(diagram) if remaining_life else None,
+        completion(outlook, task, None if whole else diagram) if task else None,
+    )
 
 
 @dataclass(frozen=True)
@@ -40,6 +78,8 @@ class ComponentHealth:
     sensor_based_hazard_rate: float
     nominal_reliability: float
     sensor_based_reliability: float
+    remaining_life: RemainingLife | None = None
+    """Sensor-based, of the component alone [h]; where it was asked for."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +101,8 @@ class HealthReport:
     notes: tuple[str, ...]
     """What was not taken, and why."""
     outlooks: Mapping[View, Outlook] = field(repr=False, compare=False)
+    uncertainty: LifeUncertainty | None = None
+    """Of the robot's sensor-based remaining life; where it was asked for, and rates or load are uncertain."""
 
     @property
     def system(self) -> Subject:
@@ -77,8 +119,6 @@ class HealthReport:
     def reliability(self, hours: float, view: View = "sensor_based") -> float:
         """Survival since new after so many more operating hours of the same use."""
         outlook = self.outlooks[view]
-        import numpy as np
-
         return float(outlook.survival_curve(outlook.plant.robot.diagram, np.array([hours])).works[0])
 
     def remaining_life(self, view: View = "sensor_based") -> RemainingLife:
@@ -88,8 +128,7 @@ class HealthReport:
 
     def completion(self, task: Task, view: View = "sensor_based") -> Completion:
         """Of a task by the robot as it is now."""
-        outlook = self.outlooks[view]
-        return outlook.completion(outlook.plant.robot.diagram, task)
+        return completion(self.outlooks[view], task)
 
     def to_json(self) -> dict[str, Any]:
         """As plain values, schema-versioned; infinite times are null."""
@@ -99,7 +138,10 @@ class HealthReport:
             **{name: getattr(self, name) for name in names},
             "subjects": [plain(asdict(subject)) for subject in self.subjects],
             "components": [plain(asdict(component)) for component in self.components],
-            "task": asdict(self.task) if self.task else None,
+            "task": task_to_json(self.task) if self.task else None,
+            "uncertainty": plain({name: interval._asdict() for name, interval in vars(self.uncertainty).items()})
+            if self.uncertainty
+            else None,
             "breaches": list(self.breaches),
             "notes": list(self.notes),
         }
@@ -130,12 +172,22 @@ class HealthReport:
 
 
 def health_report(
-    plant: Plant, exposure: Exposure, ledger: Ledger, *, task: Task | None = None, remaining_life: bool = True
-) -> HealthReport:
-    """The health that a ledger tells of; ``task`` is the design's unless given. Remaining life is the slow part."""
+    plant: Plant, exposure: Exposure, ledger: Ledger, *,
+    task: Task | None = None, remaining_life: bool = True,
+    future: FutureName = "recent", plan: Plan | None = None, knowledge: Knowledge | None = None,
+    draws: int = 0, parts: bool = False,
+) -> HealthReport:  # fmt: skip
+    """The health that a ledger tells of; ``task`` is the design's unless given. Remaining life is the slow part.
+
+    Under a ``plan`` the robot does its tasks again and again for the rest of its life. ``draws`` of uncertain rates and
+    loads tell how far the remaining life may lie; ``parts``: state that of every component too.
+    """
     robot = plant.robot
     task = task or robot.task
-    views = outlooks(plant, exposure, ledger)
+    views = outlooks(plant, exposure, ledger, future=future, knowledge=knowledge)
+    if plan:
+        views = {view: replace(outlook, plan=plan_future(outlook, plan)) for view, outlook in views.items()}
+    lived = views["sensor_based"]
     silent = set(exposure.silent(ledger)) if ledger.integrated_to is not None else set()  # a mere look ahead
     systems = [("robot", robot.name, robot.diagram), *(("module", m.path, m.diagram) for m in robot.all_modules())]
     systems += [("function", name, diagram) for name, diagram in robot.functions.items()]
@@ -143,19 +195,25 @@ def health_report(
         Subject(
             kind,
             path,
-            views["nominal"].figures(diagram, task, remaining_life=remaining_life),
-            views["sensor_based"].figures(diagram, task, remaining_life=remaining_life),
+            *_both(views, kind, diagram, task, remaining_life),
             _flags(plant, diagram, ledger, silent, robot.clocks.values() if kind == "robot" else ()),
         )
         for kind, path, diagram in systems
     )
-    columns = [
-        values
+    rates, survival = (
+        [getattr(views[view], method)() for view in VIEWS]
         for method in ("component_hazard_rates", "component_survival")
-        for values in (getattr(views[view], method)() for view in ("nominal", "sensor_based"))
-    ]
+    )
     components = tuple(
-        ComponentHealth(component.path, component.quantity, *(float(column[i]) for column in columns))
+        ComponentHealth(
+            component.path,
+            component.quantity,
+            float(rates[0][i]),
+            float(rates[1][i]),
+            float(survival[0][i]),
+            float(survival[1][i]),
+            remaining_life=lived.remaining_life(plant.alone[i]) if parts else None,
+        )
         for i, component in enumerate(plant.components)
     )
     clocks = ledger.clocks.value
@@ -170,7 +228,25 @@ def health_report(
         _breaches(robot, subjects[0].sensor_based),
         _notes(ledger),
         views,
+        _uncertainty(plant, ledger, lived, plan, draws),
     )
+
+
+def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None, draws: int) -> LifeUncertainty | None:
+    """None where nothing is uncertain: rates as stated, and a plan or too short a past."""
+    loads = draw_loads(plant, ledger, SCENARIOS, seed=0) if draws and not plan else []
+    if not draws or not (loads or any(mode.uncertainty for mode in plant.robot.modes)):
+        return None
+    return life_uncertainty(lived, plant.robot.diagram, loads=loads, draws=draws)
+
+
+def _both(
+    views: Mapping[View, Outlook], kind: str, diagram: Block, task: Task | None, remaining_life: bool
+) -> tuple[Figures, Figures]:
+    nominal, sensor_based = (
+        figures(views[view], diagram, task, remaining_life=remaining_life, whole=kind == "robot") for view in VIEWS
+    )
+    return nominal, sensor_based
 
 
 def _flags(
@@ -216,8 +292,15 @@ def _notes(ledger: Ledger) -> tuple[str, ...]:
     )
 
 
+def task_to_json(task: Task) -> dict[str, Any]:
+    """As plain values."""
+    return {"distance": task.distance, "duration": task.duration, **asdict(task)}
+
+
 def plain(value: Any) -> Any:
     """Values that JSON can say: what is infinite or not a number becomes None."""
     if isinstance(value, dict):
         return {key: plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(inner) for inner in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

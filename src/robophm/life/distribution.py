@@ -102,6 +102,11 @@ class LifeDistribution(ABC):
         """
         return cls.with_mean(1 / cls._positive("rate", rate), **shape)
 
+    @property
+    def degree(self) -> float | None:
+        """β where H(θ·age) = θ^β·H(age), as of powers of age; None of others. 1: the same hazard at every age."""
+        return None
+
     def cumulative_hazard(self, age: ArrayLike) -> Array:
         """H(age) = −ln S, 0 up to the location. [clock] → 1"""
         x = self._since_location(age)
@@ -256,7 +261,8 @@ def part_beyond(origin: float | Array, age: Array, duration: Array) -> Array:
     Source: Knuth's two-sum (The Art of Computer Programming 2, §4.2.2): end + lost is exact.
     """
     if np.all(age >= origin):
-        return np.broadcast_to(duration, np.broadcast_shapes(np.shape(origin), age.shape, duration.shape))
+        shape = np.broadcast_shapes(np.shape(origin), age.shape, duration.shape)
+        return duration if duration.shape == shape else np.broadcast_to(duration, shape)
     end = age + duration
     with limits():
         added = end - age

@@ -19,6 +19,11 @@ class Exponential(LifeDistribution):
     dimensions: ClassVar = {"rate": -1, "location": 1}
     scale_parameter: ClassVar = "rate"
 
+    @property
+    def degree(self) -> float | None:
+        """Of H as a power of age: 1 without a location."""
+        return None if self.location else 1.0
+
     def _cumulative_hazard(self, x: Array) -> Array:
         return self.rate * x
 

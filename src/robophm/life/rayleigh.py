@@ -23,6 +23,11 @@ class Rayleigh(LifeDistribution):
     dimensions: ClassVar = {"scale": 1, "location": 1}
     scale_parameter: ClassVar = "scale"
 
+    @property
+    def degree(self) -> float | None:
+        """Of H as a power of age: 2 without a location."""
+        return None if self.location else 2.0
+
     def _cumulative_hazard(self, x: Array) -> Array:
         H: Array = (x / self.scale) ** 2
         return H

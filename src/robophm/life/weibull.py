@@ -21,6 +21,11 @@ class Weibull(LifeDistribution):
     dimensions: ClassVar = {"scale": 1, "shape": 0, "location": 1}
     scale_parameter: ClassVar = "scale"
 
+    @property
+    def degree(self) -> float | None:
+        """Of H as a power of age: β without a location."""
+        return None if self.location else self.shape
+
     def _cumulative_hazard(self, x: Array) -> Array:
         H: Array = (x / self.scale) ** self.shape
         return H

@@ -69,7 +69,7 @@ def curve_svg(
     x_texts, x_power = tick_texts(x_ticks)
     y_texts, y_power = tick_texts(y_ticks)
     if log_y:
-        y_ticks, y_texts = _log_ticks(*y_range)
+        y_ticks, y_texts = log_ticks(*y_range)
         y_power = ""
 
     left = 12 + max((text_width(says, _SIZE) for says in y_texts), default=0)
@@ -147,7 +147,7 @@ def _ten(power: int) -> str:
     return "10" + str(power).translate(_RAISED)
 
 
-def _log_ticks(low: float, high: float) -> tuple[Array, list[str]]:
+def log_ticks(low: float, high: float) -> tuple[Array, list[str]]:
     """Decades in [low, high] of logarithms, with 2 and 5 between where they are few."""
     decades = range(math.floor(low), math.ceil(high) + 1)
     steps = (1,) if high - low > 3 else (1, 2, 5) if high - low > 0.7 else range(1, 10)

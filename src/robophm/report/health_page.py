@@ -11,8 +11,7 @@ import numpy as np
 
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
-from robophm.health.prognosis import Figures
-from robophm.health.report import HealthReport, Subject
+from robophm.health.report import Figures, HealthReport, Subject
 from robophm.report.curve import Line, curve_svg
 from robophm.report.diagram_svg import diagram_svg
 from robophm.report.labels import part_labels

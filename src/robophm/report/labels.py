@@ -13,13 +13,15 @@ def part_labels(
     robot: Robot, rates: Mapping[str, float], unit: str = "1/h", stale: Collection[str] = ()
 ) -> Callable[[str], Label]:
     """Labels by path of module, component or member; ``rates`` [1/h] are by path, all equal parts together."""
-    quantity = {component.path: component.quantity for component in robot.all_components()}
+    several = {part.path: part for part in robot.all_components() if part.quantity > 1}
 
     def label(path: str) -> Label:
         stem = path.partition("[")[0]
-        many = quantity.get(stem, 1) > 1
-        rate = rates[stem] / (quantity[stem] if many and stem != path else 1)
-        badge = f"×{quantity[stem]}" if many and stem == path else ""
+        part, rate, badge = several.get(stem), rates[stem], ""
+        if part and stem != path:
+            rate /= part.quantity
+        elif part:
+            badge = f"×{part.quantity}" if part.required == part.quantity else f"{part.required} of {part.quantity}"
         return Label(path.rpartition("/")[2], rate_text(rate, unit), badge, "stale" if path in stale else "ok")
 
     return label

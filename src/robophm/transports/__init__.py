@@ -1,7 +1,8 @@
 """Where samples come from. A plug is a file with one class that is a SignalSource.
 
-``source.py`` holds the interface and ``message_units.py`` the units of well-known messages; every other file
-is one transport, imported when it is first used: recording, csv, journal, synthetic.
+``source.py`` holds the interface, ``message_units.py`` the units of well-known messages and ``tasks.py`` what robots
+say of their tasks; every other file is one transport, imported when it is first used: recording, csv, journal,
+synthetic.
 """
 
 from __future__ import annotations

@@ -98,6 +98,37 @@ class Recording(SignalSource):
         for signal in sorted(set(signals)):
             topic, field = split_signal(signal)
             wanted.setdefault(topic, []).append((signal, field))
+        return self._samples(self._raw(wanted))
+
+    def messages(self, topics: Collection[str], longest: int) -> Iterator[tuple[int, str, Any]]:
+        """Receipt time [ns], topic and message, as rosbags decodes it, of these topics, in receipt order.
+
+        In place of a message that does not decode, or is more than ``longest`` bytes long, comes None.
+
+        Raises SourceError where a topic is not in the recording, and on the way where it is damaged.
+        """
+        return self._messages(self._raw({topic: [] for topic in topics}), longest)
+
+    def _messages(
+        self, messages: Iterable[tuple[int, _Reading, bytes]], longest: int
+    ) -> Iterator[tuple[int, str, Any]]:
+        for receipt, reading_, raw in messages:
+            if len(raw) > longest:
+                self.notes[f"message on {reading_.topic} longer than {longest} bytes"] += 1
+                yield receipt, reading_.topic, None
+            else:
+                yield receipt, reading_.topic, self._decoded(reading_, raw)
+
+    def _decoded(self, reading_: _Reading, raw: bytes) -> Any:
+        """The message, or None where it cannot be decoded."""
+        try:
+            return reading_.decode(raw)
+        except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
+            self.notes[f"unreadable message on {reading_.topic}"] += 1
+            return None
+
+    def _raw(self, wanted: Mapping[str, list[tuple[str, str]]]) -> Iterator[tuple[int, _Reading, bytes]]:
+        """The messages of these topics, in receipt order, and how they become samples."""
         known = {connection.topic for file in self._files for connection in file.connections}
         for topic in wanted:
             if topic not in known:
@@ -106,17 +137,14 @@ class Recording(SignalSource):
         self.notes.clear()
         streams = [file.messages(file.readings(wanted, self.notes)) for file in self._files]
         # merge() looks at every message; one file is in order already
-        messages = streams[0] if len(streams) == 1 else merge(*streams, key=itemgetter(0))
-        return self._samples(messages)
+        return streams[0] if len(streams) == 1 else merge(*streams, key=itemgetter(0))
 
     def _samples(self, messages: Iterable[tuple[int, _Reading, bytes]]) -> Iterator[Sample]:
         notes = self.notes
         latest = 0
         for receipt, reading_, raw in messages:
-            try:
-                message = reading_.decode(raw)
-            except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
-                notes[f"unreadable message on {reading_.topic}"] += 1
+            message = self._decoded(reading_, raw)
+            if message is None:
                 continue
             if receipt < latest:
                 notes[f"receipt time goes backwards on {reading_.topic}"] += 1

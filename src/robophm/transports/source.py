@@ -69,6 +69,8 @@ class TextSource(SignalSource):
 
     def __init__(self, path: str | Path) -> None:
         self.path = existing(Path(path))
+        if not self.path.is_file():  # it is read more than once, and to its end
+            raise SourceError(f"{self.path}: is no regular file")
         self.notes = Counter()
         with reading(self.path), self.path.open("rb") as file:
             self.fingerprint = hashlib.file_digest(file, "sha256").hexdigest()

@@ -12,8 +12,11 @@ import math
 from collections import Counter
 from collections.abc import Collection, Iterator
 from functools import cache, partial
+from heapq import merge
+from itertools import groupby, pairwise
+from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +42,6 @@ CAPACITY = 40.0
 
 _NOON = 1_709_553_600 * SECOND  # Monday 4 March 2024, 12:00 UTC
 _DAY = 24 * HOUR
-_LATENCY = 200_000  # ns from stamp to receipt, more for each further topic
 _THERMAL = {  # module: thermal resistance [K/W], time constant [s]
     "power": (0.55, 1800.0),
     "sensing": (1.10, 600.0),
@@ -51,14 +53,45 @@ _TYPES = {f"/ota/{module}/temperature": "sensor_msgs/msg/Temperature" for module
     "/ota/battery": "sensor_msgs/msg/BatteryState",
     "/ota/odom": "nav_msgs/msg/Odometry",
 }
+_TOLD_TYPES = {
+    "/ota/task_time": "std_msgs/msg/String",
+    "/ota/task_position": "std_msgs/msg/String",
+    "/ota/robot_task_list": "std_msgs/msg/String",
+    "/ota/plan": "nav_msgs/msg/Path",
+}
+_ALL_TYPES = _TYPES | _TOLD_TYPES
+# ns from stamp to receipt, more for each further topic
+_LATENCY = {topic: 100_000 + place * 200_000 // len(_TYPES) for place, topic in enumerate(_ALL_TYPES)}
 _TEXTS = {
     "/ota/battery": {"header.frame_id": "battery"},
     "/ota/odom": {"header.frame_id": "odom", "child_frame_id": "base_link"},
 } | {f"/ota/{module}/temperature": {"header.frame_id": module} for module in MODULES}
 
 
+class _Trip(NamedTuple):
+    """From one station to another: when [s], and how fast once it is under way [m/s]."""
+
+    begin: float
+    arrived: float
+    here: int
+    there: int
+    cruise: float
+    charging: bool
+
+
+class _Told(NamedTuple):
+    """A message about a task: the look at which it is sent, and a text or the places of a path."""
+
+    look: int
+    topic: str
+    content: str | list[tuple[float, float]]
+
+
 class SyntheticOta(SignalSource):
     """The AGV's drive: the same seed gives the same values.
+
+    A task is to fetch a load and to bring it: two trips, or fewer where it must charge or its day is over. The robot
+    tells the stations and speeds when the task comes, and the times and where it was when it is done.
 
     ``duration``, ``start`` (since the epoch) and ``period`` are in ns, ``working_hours`` in hours of the UTC
     day; outside of them the robot is switched off and silent. The arrays are the truth, before sensor noise:
@@ -111,9 +144,10 @@ class SyntheticOta(SignalSource):
             on |= (grid >= begin) & (grid < end)
         if not on.any():
             raise SourceError(f"the robot is switched off for all of the {duration / HOUR:g} h from its start")
-        plan = _plan(rng, [((begin - start) / SECOND, (end - start) / SECOND) for begin, end in shifts])
+        plan, tasks = _plan(rng, [((begin - start) / SECOND, (end - start) / SECOND) for begin, end in shifts])
         self._simulate(rng, grid, on, plan, period / SECOND)
         self._measure(rng)
+        self._told = sorted(self._tell(tasks, start, period), key=attrgetter("look"))
 
     def _simulate(
         self,
@@ -209,16 +243,39 @@ class SyntheticOta(SignalSource):
                 digest.update(f"{topic}.{field}".encode() + values.tobytes())
         self.fingerprint = digest.hexdigest()
 
+    def _tell(self, tasks: list[list[_Trip]], start: int, period: int) -> Iterator[_Told]:
+        """What the robot says of its tasks, each at the first look after it; nothing where it does not look in time."""
+        for trips in tasks:
+            due = [start + math.ceil(at * SECOND) for at in (trips[0].begin, *(trip.arrived for trip in trips))]
+            looks = np.searchsorted(self.times, due).tolist()
+            seen = [
+                look < len(self.times) and self.times[look] - at < period for look, at in zip(looks, due, strict=True)
+            ]
+            if all(seen) and all(one < other for one, other in pairwise(looks)):
+                times = (np.diff(self.times[looks]) / SECOND).tolist()
+                yield _Told(looks[-1], "/ota/task_time", str(times))
+                yield _Told(looks[-1], "/ota/task_position", str(np.column_stack([self.x, self.y])[looks].tolist()))
+            if seen[0]:
+                stations = [STATIONS[trip.here] for trip in trips] + [STATIONS[trips[-1].there]]
+                speeds = [trip.cruise for trip in trips] + [0.0]
+                waypoints = [[x, y, speed] for (x, y), speed in zip(stations, speeds, strict=True)]
+                yield _Told(looks[0], "/ota/robot_task_list", str(waypoints))
+                yield _Told(looks[0], "/ota/plan", stations)
+
     def topics(self) -> list[TopicInfo]:
         """The topics that the robot sends; times are receipt times [ns]."""
         from robophm.transports.recording import numeric_fields
 
         definitions = _typestore(2).fielddefs
         found = []
-        for place, (topic, type_) in enumerate(_TYPES.items()):
-            receipt = self.times + self._latency(place)
+        for topic, type_ in _TYPES.items():
+            receipt = self.times + _LATENCY[topic]
             fields = tuple(numeric_fields(definitions, type_))
             found.append(TopicInfo(topic, type_, len(receipt), int(receipt[0]), int(receipt[-1]), fields))
+        for topic, type_ in _TOLD_TYPES.items():
+            when = [int(self.times[one.look]) + _LATENCY[topic] for one in self._told if one.topic == topic]
+            fields = tuple(numeric_fields(definitions, type_))
+            found.append(TopicInfo(topic, type_, len(when), min(when, default=None), max(when, default=None), fields))
         return sorted(found, key=lambda info: info.topic)
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
@@ -228,10 +285,10 @@ class SyntheticOta(SignalSource):
         wanted: dict[str, list[tuple[str, str]]] = {}
         for signal in sorted(set(signals)):
             topic, field = split_signal(signal)
-            if topic not in _TYPES:
-                raise SourceError(f"synthetic OTA: no topic '{topic}'{nearest(topic, _TYPES)}")
+            if topic not in _ALL_TYPES:
+                raise SourceError(f"synthetic OTA: no topic '{topic}'{nearest(topic, _ALL_TYPES)}")
             try:
-                field_getter(_typestore(2).fielddefs, _TYPES[topic], field)
+                field_getter(_typestore(2).fielddefs, _ALL_TYPES[topic], field)
             except SourceError as error:
                 raise SourceError(f"synthetic OTA: topic '{topic}' {error}") from None
             wanted.setdefault(topic, []).append((signal, field))
@@ -248,7 +305,17 @@ class SyntheticOta(SignalSource):
                     continue
                 values = messages[name][:, int(index[:-1])] if index else messages[name]
                 columns.append((signal, values.astype(float)))
-        return self._samples(columns)
+        told = []
+        for one in self._told:
+            message = self._message(one, 2) if one.topic in wanted else None
+            for signal, field in wanted.get(one.topic, ()):
+                try:
+                    value = field_getter(_typestore(2).fielddefs, _ALL_TYPES[one.topic], field)(message)
+                except IndexError:
+                    self.notes[f"no element for {signal}"] += 1
+                else:
+                    told.append(Sample(int(self.times[one.look]), signal, float(value)))
+        return merge(self._samples(columns), told, key=attrgetter("time")) if told else self._samples(columns)
 
     def _samples(self, columns: list[tuple[str, Floats]]) -> Iterator[Sample]:
         names = [signal for signal, _ in columns]
@@ -285,14 +352,14 @@ class SyntheticOta(SignalSource):
             writer.start(profile="ros2", library="robophm")
             schemas = {
                 type_: writer.register_schema(type_, "ros2msg", store.generate_msgdef(type_, 2)[0].encode())
-                for type_ in dict.fromkeys(_TYPES.values())
+                for type_ in dict.fromkeys(_ALL_TYPES.values())
             }
-            channels = [
-                writer.register_channel(topic, "cdr", schemas[type_], {"offered_qos_profiles": ""})
-                for topic, type_ in _TYPES.items()
-            ]
-            for place, number, receipt, stamp, payload in self._payloads(2):
-                writer.add_message(channels[place], receipt, payload, stamp, number)
+            channels = {
+                topic: writer.register_channel(topic, "cdr", schemas[type_], {"offered_qos_profiles": ""})
+                for topic, type_ in _ALL_TYPES.items()
+            }
+            for topic, number, receipt, stamp, payload in self._payloads(2):
+                writer.add_message(channels[topic], receipt, payload, stamp, number)
             writer.finish()  # type: ignore[no-untyped-call]
 
     def _record_db3(self, path: Path) -> None:
@@ -300,33 +367,56 @@ class SyntheticOta(SignalSource):
 
         store = _typestore(2)
         with Writer(path, version=9) as writer:
-            connections = [writer.add_connection(topic, type_, typestore=store) for topic, type_ in _TYPES.items()]
-            for place, _, receipt, _, payload in self._payloads(2):
-                writer.write(connections[place], receipt, payload)
+            connections = {
+                topic: writer.add_connection(topic, type_, typestore=store) for topic, type_ in _ALL_TYPES.items()
+            }
+            for topic, _, receipt, _, payload in self._payloads(2):
+                writer.write(connections[topic], receipt, payload)
 
     def _record_bag(self, path: Path) -> None:
         from rosbags.rosbag1 import Writer
 
         store = _typestore(1)
         with Writer(path) as writer:
-            connections = [writer.add_connection(topic, type_, typestore=store) for topic, type_ in _TYPES.items()]
-            for place, _, receipt, _, payload in self._payloads(1):
-                writer.write(connections[place], receipt, payload)
+            connections = {
+                topic: writer.add_connection(topic, type_, typestore=store) for topic, type_ in _ALL_TYPES.items()
+            }
+            for topic, _, receipt, _, payload in self._payloads(1):
+                writer.write(connections[topic], receipt, payload)
 
-    def _payloads(self, ros: Literal[1, 2]) -> Iterator[tuple[int, int, int, int, bytes]]:
-        """Topic's place, number, receipt, stamp and bytes of every message, in order of receipt."""
+    def _payloads(self, ros: Literal[1, 2]) -> Iterator[tuple[str, int, int, int, bytes]]:
+        """Topic, number, receipt, stamp and bytes of every message, in order of receipt."""
+        store = _typestore(ros)
+        serialize = store.serialize_ros1 if ros == 1 else store.serialize_cdr
         packed = []
         for topic in _TYPES:
             messages = self._messages(topic, ros)
-            packed.append((messages.tobytes(), messages.dtype.itemsize))
+            packed.append((topic, messages.tobytes(), messages.dtype.itemsize))
+        told = {look: [*group] for look, group in groupby(self._told, attrgetter("look"))}
+        sent: Counter[str] = Counter()
         for number, stamp in enumerate(self.times.tolist()):
-            for place, (payload, size) in enumerate(packed):
-                receipt = stamp + self._latency(place)
-                yield place, number, receipt, stamp, payload[number * size : (number + 1) * size]
+            for topic, payload, size in packed:
+                yield topic, number, stamp + _LATENCY[topic], stamp, payload[number * size : (number + 1) * size]
+            for one in sorted(told.get(number, ()), key=lambda one: _LATENCY[one.topic]):
+                payload = bytes(serialize(self._message(one, ros), _ALL_TYPES[one.topic]))
+                yield one.topic, sent[one.topic], stamp + _LATENCY[one.topic], stamp, payload
+                sent[one.topic] += 1
 
-    @staticmethod
-    def _latency(place: int) -> int:
-        return _LATENCY // 2 + place * _LATENCY // len(_TYPES)
+    def _message(self, told: _Told, ros: Literal[1, 2]) -> Any:
+        """A message about a task, as rosbags has it."""
+        types = _typestore(ros).types
+        if isinstance(told.content, str):
+            return types["std_msgs/msg/String"](told.content)
+        stamp = types["builtin_interfaces/msg/Time"](*map(int, divmod(self.times[told.look], SECOND)))
+        header = types["std_msgs/msg/Header"](stamp=stamp, frame_id="odom", **({"seq": 0} if ros == 1 else {}))
+        courses = [math.atan2(there[1] - here[1], there[0] - here[0]) for here, there in pairwise(told.content)]
+        poses = []
+        for (x, y), course in zip(told.content, [*courses, courses[-1]], strict=True):
+            position = types["geometry_msgs/msg/Point"](x, y, 0.0)
+            orientation = types["geometry_msgs/msg/Quaternion"](0.0, 0.0, math.sin(course / 2), math.cos(course / 2))
+            pose = types["geometry_msgs/msg/Pose"](position, orientation)
+            poses.append(types["geometry_msgs/msg/PoseStamped"](header, pose))
+        return types["nav_msgs/msg/Path"](header, poses)
 
     def _messages(self, topic: str, ros: Literal[1, 2]) -> NDArray[Any]:
         """All messages of a topic, serialised: one record of a fixed layout a message."""
@@ -357,14 +447,15 @@ def _shifts(start: int, duration: int, working_hours: tuple[float, float]) -> li
     return [(begin, end) for begin, end in shifts if begin < end]
 
 
-def _plan(rng: np.random.Generator, shifts: list[tuple[float, float]]) -> Floats:
-    """What the robot sets out to do: a row at each change of acceleration or rate of turn.
+def _plan(rng: np.random.Generator, shifts: list[tuple[float, float]]) -> tuple[Floats, list[list[_Trip]]]:
+    """What the robot sets out to do: a row at each change of acceleration or rate of turn; and its tasks.
 
     Columns: time [s], speed [m/s], heading [rad], x, y [m]; from then on payload [kg] and charging (0, 1).
     """
     acceleration, turn_rate = 0.2, 0.6
     here, heading, payload, charge = 0, 0.0, 0.0, 0.9
     rows = [(0.0, 0.0, heading, *STATIONS[here], payload, 0.0)]
+    tasks: list[list[_Trip]] = []
     for begin, end in shifts:
         now = begin
         while True:
@@ -390,6 +481,11 @@ def _plan(rng: np.random.Generator, shifts: list[tuple[float, float]]) -> Floats
                 (arrived - ramp, cruise, heading + turn, *way[2], payload, 0.0),
                 (arrived, 0.0, heading + turn, *STATIONS[there], 0.0, float(charging)),
             ]
+            trip = _Trip(now, arrived, here, there, cruise, charging)
+            if now == begin or len(tasks[-1]) == 2 or tasks[-1][-1].charging:
+                tasks.append([trip])
+            else:
+                tasks[-1].append(trip)
             used = 1.85 * (arrived + stay - now) + (14.0 + 1.3 * payload) / 25.0 * (arrived - now)
             charge = 0.95 if charging else charge - used / 3600.0 / CAPACITY
             now, here, heading = arrived + stay, there, heading + turn
@@ -397,7 +493,7 @@ def _plan(rng: np.random.Generator, shifts: list[tuple[float, float]]) -> Floats
     rows.append((max(rows[-1][0], shifts[-1][1]) + 1.0, *rows[-1][1:]))
     table: Floats = np.array(rows)
     later = np.append(np.diff(table[:, 0]) > 0, True)
-    return np.compress(later, table, axis=0)
+    return np.compress(later, table, axis=0), tasks
 
 
 def _first_order(driven: Floats, keep: float) -> Floats:

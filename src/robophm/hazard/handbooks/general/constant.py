@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from robophm.core.table import Source
-from robophm.hazard.model import Array, Factor, Range, hazard_model
+from robophm.hazard.model import Array, Factor, Note, Range, hazard_model
 
 
 @hazard_model(
     source=Source("the user's own figure", "–", "–", "as stated in the design"),
-    inputs={"rate": Range(0.0, 1e6, "1/h", "hazard rate")},
+    inputs={
+        "rate": Range(0.0, 1e6, "1/h", "hazard rate"),
+        "source": Note("who states it", required=False),
+    },
 )
-def hazard_rate(rate: Array) -> Factor:
+def hazard_rate(rate: Array, source: str | None = None) -> Factor:
     """λ as stated."""
-    return Factor("λ", rate, "stated in the design")
+    return Factor("λ", rate, source or "stated in the design")

@@ -6,7 +6,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table, band
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, written_range
 from robophm.hazard.model import PER_MILLION_HOURS, Array, Choice, Factor, Range, hazard_model
 
 SOURCE = Source(TITLE, "10.1", "10-1 … 10-6", "three transcriptions agree; checked against Appendix A")
@@ -85,7 +85,24 @@ SERIES_RESISTANCE = (0.1, 0.2, 0.4, 0.6, 0.8, np.inf), (3.3, 2.7, 2.0, 1.3, 1.0,
 @hazard_model(
     source=SOURCE,
     inputs={
-        "style": Choice(STYLE, "military style of the capacitor"),
+        "style": Choice(
+            STYLE,
+            "military style of the capacitor",
+            aliases={
+                "mlcc": "CDR",
+                "ceramic chip": "CDR",
+                "chip ceramic": "CDR",
+                "aluminium electrolytic": "CU",
+                "aluminum electrolytic": "CU",
+                "electrolytic": "CU",
+                "tantalum chip": "CWR",
+                "smd tantalum": "CWR",
+                "solid tantalum": "CSR",
+                "film": "CFR",
+                "plastic film": "CFR",
+                "mica": "CM",
+            },
+        ),
         "capacitance": Range(1e-6, 1.2e5, "uF", "capacitance", monotone=1),
         "temperature": Range(-55.0, 150.0, "degC", "ambient temperature", monotone=1),
         "dc_voltage": Range(0.0, 1e5, "V", "applied DC voltage", monotone=1),
@@ -136,7 +153,7 @@ def hazard_rate(
         * Factor(
             "πV",
             (stress / reference) ** exponent + 1,
-            f"column {column['πV']}, stress S = {_range(stress)} of at most 1",
+            f"column {column['πV']}, stress S = {written_range(stress)} of at most 1",
             outside=stress > 1,
         )
         * series
@@ -144,8 +161,3 @@ def hazard_rate(
         * Factor("πE", ENVIRONMENT[environment], f"environment {environment}")
         * Factor("10⁻⁶", PER_MILLION_HOURS, "failures/10⁶ h to 1/h")
     )
-
-
-def _range(values: Array) -> str:
-    low, high = np.min(values), np.max(values)
-    return f"{low:.3g}" if low == high else f"{low:.3g} … {high:.3g}"

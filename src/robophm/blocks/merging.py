@@ -1,0 +1,90 @@
+"""Parts that stand in series wherever they are drawn are one, as far as any structure can tell."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
+from robophm.blocks.graph import ALL, ANY, UNIT, Gate, graph
+
+
+def merge_series(*diagrams: Block) -> tuple[list[Block], dict[str, tuple[str, ...]]]:
+    """The diagrams with such parts drawn as one, and which parts each remaining unit stands for.
+
+    Their cumulative hazards add up; in drawing order, the first gives the name.
+    """
+    names, gates, tops = graph(*diagrams)
+    uses = [0] * len(gates)
+    for gate in gates:
+        for i in gate.inputs:
+            uses[i] += 1
+    for top in tops:
+        uses[top] += 2  # what somebody asks for stays
+    inputs: list[list[int]] = []
+    for node, gate in enumerate(gates):  # a series in a series is one series
+        inputs.append([])
+        for i in gate.inputs:
+            spliced = gate.k == ALL and gates[i].k == ALL and uses[i] == 1
+            inputs[node] += inputs[i] if spliced else [i]
+        if gate.k == ALL:
+            inputs[node] = list(dict.fromkeys(inputs[node]))
+
+    drawn = _drawn(tops, inputs)
+    users: dict[int, list[int]] = defaultdict(list)
+    for node in drawn:
+        for i in inputs[node]:
+            users[i].append(node)
+    name = dict(zip((node for node, gate in enumerate(gates) if gate.k == UNIT), names, strict=True))
+    alike: dict[object, list[int]] = defaultdict(list)
+    for node in name:
+        in_series = node not in tops and all(gates[user].k == ALL for user in users[node])
+        alike[tuple(users[node]) if in_series else node].append(node)
+    stands_for = {members[0]: members for members in alike.values()}
+
+    block: dict[int, Block] = {}
+    for node in drawn:
+        if node in name:
+            block[node] = Unit(name[node])
+            continue
+        kept = [block[i] for i in inputs[node] if i not in name or i in stands_for]
+        block[node] = kept[0] if len(kept) == 1 else _block(gates[node], kept)
+    merged = {name[first]: tuple(name[i] for i in members) for first, members in stands_for.items()}
+    return [block[top] for top in tops], merged
+
+
+def _drawn(tops: list[int], inputs: list[list[int]]) -> list[int]:
+    """The nodes that the tops hang on, inputs first."""
+    found, todo = set(tops), list(tops)
+    while todo:
+        for i in inputs[todo.pop()]:
+            if i not in found:
+                found.add(i)
+                todo.append(i)
+    return sorted(found)
+
+
+def _block(gate: Gate, blocks: list[Block]) -> Block:
+    if gate.k == ALL:
+        return Series(*blocks)
+    return Parallel(*blocks) if gate.k == ANY else KOutOfN(gate.k, *blocks)
+
+
+def single_points_of_failure(*diagrams: Block) -> frozenset[str]:
+    """The units without each of which one of the diagrams fails."""
+    names, gates, tops = graph(*diagrams)
+    name = dict(zip((node for node, gate in enumerate(gates) if gate.k == UNIT), names, strict=True))
+    fatal: list[frozenset[int]] = []  # of each node: the units without which it fails
+    for node, gate in enumerate(gates):
+        if gate.k == UNIT:
+            fatal.append(frozenset({node}))
+            continue
+        spare = 0 if gate.k == ALL else len(gate.inputs) - gate.k
+        if spare == 0:
+            fatal.append(frozenset().union(*(fatal[i] for i in gate.inputs)))
+            continue
+        hits: dict[int, int] = defaultdict(int)
+        for i in gate.inputs:
+            for unit in fatal[i]:
+                hits[unit] += 1
+        fatal.append(frozenset(unit for unit, count in hits.items() if count > spare))
+    return frozenset(name[unit] for top in tops for unit in fatal[top])

@@ -1,0 +1,1 @@
+"""Predictions against what happened: were the probabilities honest?"""

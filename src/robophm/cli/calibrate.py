@@ -1,0 +1,69 @@
+"""What ``robophm calibrate`` prints."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rich.console import Console
+
+from robophm.calibration.fleet import CONTROLS, predict_fleet
+from robophm.calibration.fleet import OURS as OURS_OF_FLEET
+from robophm.calibration.lives import LifeScore, Prognosis
+from robophm.calibration.predictions import Predictions
+from robophm.calibration.score import Calibration
+from robophm.calibration.tasks import TaskScore
+from robophm.cli.output import print_table, progress_console, table
+from robophm.cli.progress import counted
+from robophm.report.words import duration_text, number_text
+
+OURS = "robophm"
+"""The model whose rejection is a breach; an only model is too."""
+
+TASKS = ("model", "tasks", "failed", "expected", "Brier", "reliability", "resolution", "log. score", "p")
+LIVES = ("model", "lives", "censored", "in 50 %", "in 80 %", "in 95 %", "CRPS", "p")
+PROGNOSIS = ("model", "lives", "horizon", "α–λ half way", "relative accuracy", "convergence")
+
+
+def of_fleet(folder: Path, *, controls: bool, jobs: int) -> Predictions:
+    """What our model says of a fleet, task by task; with ``controls`` models that are wrong, too."""
+    models = {**OURS_OF_FLEET, **(CONTROLS if controls else {})}
+    with counted(progress_console(), "predicting") as on_robot:
+        return predict_fleet(folder, models, jobs=jobs, on_robot=on_robot)
+
+
+def breached(calibration: Calibration) -> bool:
+    """Whether our own model, or the only one, is rejected."""
+    return any(one.rejected and (one.model == OURS or len(calibration.models) == 1) for one in calibration.models)
+
+
+def print_calibration(out: Console, calibration: Calibration) -> None:
+    """The verdicts, then the scores of all models."""
+    for one in calibration.models:
+        for kind, verdict in (("tasks", one.task_verdict), ("remaining life", one.life_verdict)):
+            if verdict:
+                style = "bold red" if verdict.finding == "not calibrated" else None
+                out.print(f"{one.model}, {kind}: {verdict}", style=style, markup=False)
+    models = calibration.models
+    if rows := [_task_row(one.model, one.tasks) for one in models if one.tasks]:
+        print_table(out, table("Task completion", TASKS, rows, figures=range(1, len(TASKS))))
+    if rows := [_life_row(one.model, one.lives) for one in models if one.lives]:
+        print_table(out, table("Remaining life", LIVES, rows, figures=range(1, len(LIVES))))
+    if rows := [_prognosis_row(one.model, one.lives.prognosis) for one in models if one.lives and one.lives.prognosis]:
+        print_table(out, table("Prognosis", PROGNOSIS, rows, figures=range(1, len(PROGNOSIS))))
+
+
+def _task_row(model: str, score: TaskScore) -> list[str]:
+    brier = score.brier
+    figures = (score.expected, brier.score, brier.reliability, brier.resolution, score.logarithmic_score)
+    return [model, f"{score.tasks:,}", f"{score.failed:,}", *map(number_text, figures), number_text(score.p_value, 2)]
+
+
+def _life_row(model: str, score: LifeScore) -> list[str]:
+    held = [f"{100 * one.share:.1f} %" for one in score.coverage]
+    last = (duration_text(score.crps), number_text(score.p_value, 2))
+    return [model, f"{score.lives:,}", f"{score.censored:,}", *held, *last]
+
+
+def _prognosis_row(model: str, found: Prognosis) -> list[str]:
+    shares = [f"{number_text(100 * share, 3)} %" for share in (found.horizon, found.half_way)]
+    return [model, f"{found.lives:,}", *shares, number_text(found.relative_accuracy), duration_text(found.convergence)]

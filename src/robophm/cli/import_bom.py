@@ -1,0 +1,165 @@
+"""A parts list becomes part of a design, and what was made of its rows is said."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from robophm.cli.output import console, may_write, print_json, print_table, table, warn, write
+from robophm.core.errors import RobophmError
+from robophm.design.bom import ImportedList, ImportedPart, import_bom
+from robophm.design.bom.columns import ColumnMapping, mapping_text, parse_mapping
+from robophm.design.bom.models import Assumptions
+from robophm.design.file import rewrite
+from robophm.report.words import rate_text
+
+MOST_LINES = 20
+"""Of one kind, for people; --json has them all."""
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What the command line says."""
+
+    module: str | None = None
+    mapping: Path | None = None
+    save_mapping: Path | None = None
+    environment: str | None = None
+    temperature: str = Assumptions.temperature
+    stress: float = Assumptions.stress
+    quality: str | None = None
+    dry_run: bool = False
+    as_json: bool = False
+
+
+def run(source: Path, design: Path, wishes: Wishes) -> None:
+    """Write the design. Raises RobophmError, nothing written, where the list or the design is none."""
+    inputs = [source, *([wishes.mapping] if wishes.mapping else [])]
+    may_write(design, *inputs)
+    may_write(wishes.save_mapping, source, design)
+    mapping = parse_mapping(wishes.mapping) if wishes.mapping else ColumnMapping({})
+    module = wishes.module.split("/") if wishes.module else []
+    if not all(step.strip() for step in module):
+        raise RobophmError(f"--module {wishes.module!r:.80}: expected names with / between them")
+    assumptions = Assumptions(wishes.temperature, wishes.stress, quality=wishes.quality)
+    found = import_bom(
+        source, design, mapping=mapping, assumptions=assumptions, environment=wishes.environment, module=module
+    )
+    if wishes.save_mapping:
+        write(wishes.save_mapping, mapping_text(found.parts_list.table))
+    if not wishes.dry_run:
+        if design.exists():
+            rewrite(design, found.text)
+        else:
+            write(design, found.text)
+    if wishes.as_json:
+        print_json(_document(found, source, design, wishes))
+    else:
+        _print(found, source, design, wishes)
+
+
+def _total(found: ImportedList) -> float:
+    """Of the parts as the list gives them, in series when new [1/h]."""
+    return math.fsum(one.part.quantity * one.hazard_rate for one in found.parts if one.hazard_rate is not None)
+
+
+def _document(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> dict[str, Any]:
+    parts, read = found.parts_list, found.parts_list.table
+    return {
+        "robot": found.robot.name,
+        "design": str(design),
+        "list": str(source),
+        "written": not wishes.dry_run,
+        "sheet": read.sheet,
+        "header_row": read.header_row,
+        "decimal": read.decimal,
+        "columns": [{"field": c.field, "header": c.header, "confidence": c.confidence} for c in read.columns],
+        "unused_columns": list(read.unused),
+        "assumptions": asdict(found.assumptions),
+        "hazard_rate": _total(found),
+        "parts": [_part(one) for one in found.parts],
+        "removed": [asdict(one) for one in found.removed],
+        "errors": [asdict(one) for one in parts.errors],
+        "left_out": [asdict(one) for one in parts.left_out],
+        "notes": [asdict(one) for one in parts.notes],
+    }
+
+
+def _part(one: ImportedPart) -> dict[str, Any]:
+    rating = one.rating
+    return {
+        "name": one.outcome.name,
+        "state": one.outcome.state,
+        "text": one.outcome.text,
+        "row": one.part.row,
+        "references": list(one.part.references),
+        "quantity": one.part.quantity,
+        "kind": one.part.recognised.kind,
+        "facts": dict(one.part.recognised.facts),
+        "model": rating.model if rating else None,
+        "inputs": dict(rating.inputs) if rating else None,
+        "assumed": list(rating.assumed) if rating else [],
+        "hazard_rate": one.hazard_rate,
+    }
+
+
+def _print(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> None:
+    parts, read, out = found.parts_list, found.parts_list.table, console()
+    _warn(source, map(str, parts.errors), "rows left out")
+    _warn(source, map(str, parts.notes), "notes")
+    columns = [(c.field, c.header, f"{c.confidence:.0%}") for c in read.columns]
+    print_table(out, table("", ["column", "header in the list", "sure"], columns, figures=(2,)))
+    out.print(f"{source}: header in row {read.header_row}, {read.sheet}, decimal '{read.decimal}'", markup=False)
+    states = Counter(one.outcome.state for one in found.parts)
+    kinds = [
+        (kind or "not clear", str(len(of)), str(sum(one.part.quantity for one in of)), _rates(of))
+        for kind, of in _by_kind(found.parts).items()
+    ]
+    print_table(out, table("", ["kind", "rows", "parts", "λ"], kinds, figures=(1, 2, 3)))
+    for state in ("changed", "kept"):
+        lines = [f"{one.outcome.name}: {one.outcome.text}" for one in found.parts if one.outcome.state == state]
+        _several(out, state, lines)
+    _several(out, "removed", [one.name for one in found.removed if one.state == "removed"])
+    _several(out, "not in the list", [f"{one.name}: {one.text}" for one in found.removed if one.state == "kept"])
+    _several(out, "left out", map(str, parts.left_out))
+    needing = [f"{one.outcome.name}: {one.outcome.text}" for one in found.parts if one.outcome.state == "needs a rate"]
+    _several(out, "needs a rate", needing)
+    gone = sum(one.state == "removed" for one in found.removed)
+    counts = ", ".join(f"{states[state]} {state}" for state in ("added", "changed", "unchanged", "kept"))
+    written = "nothing written (dry run)" if wishes.dry_run else str(design)
+    out.print(f"{written}: {counts}, {gone} removed; {states['needs a rate']} need a rate; "
+              f"λ of the rated {rate_text(_total(found))}", markup=False)  # fmt: skip
+
+
+def _by_kind(parts: Iterable[ImportedPart]) -> dict[str, list[ImportedPart]]:
+    found: dict[str, list[ImportedPart]] = {}
+    for one in parts:
+        found.setdefault(one.part.recognised.kind, []).append(one)
+    return dict(sorted(found.items()))
+
+
+def _rates(parts: list[ImportedPart]) -> str:
+    rated = [one.part.quantity * one.hazard_rate for one in parts if one.hazard_rate is not None]
+    return rate_text(math.fsum(rated)) if rated else "–"
+
+
+def _warn(source: Path, lines: Iterable[str], what: str) -> None:
+    said = list(lines)
+    for line in said[:MOST_LINES]:
+        warn(f"{source.name}: {line}")
+    if len(said) > MOST_LINES:
+        warn(f"{source.name}: and {len(said) - MOST_LINES} more {what}; --json has them all")
+
+
+def _several(out: Any, title: str, lines: Iterable[str]) -> None:
+    said = list(lines)
+    if said:
+        out.print(f"{title} ({len(said)})", style="bold", markup=False)
+    for line in said[:MOST_LINES]:
+        out.print(f"  {line}", markup=False)
+    if len(said) > MOST_LINES:
+        out.print(f"  and {len(said) - MOST_LINES} more; --json has them all", markup=False)

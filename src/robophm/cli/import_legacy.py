@@ -1,0 +1,98 @@
+"""A file of the 2020 tool becomes a design, and what both make of it stands side by side."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from robophm.cli.output import console, may_write, print_json, print_table, table, warn, write
+from robophm.cli.show import promises
+from robophm.core.errors import RobophmError
+from robophm.design.legacy import reliability_at
+from robophm.design.legacy_import import Imported, import_legacy
+from robophm.health.report import plain
+from robophm.report.words import number_text, percent_text, rate_text
+
+HOURS = 1000.0
+"""Of operation, at which figures are compared: those of the 2020 tool's guide."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Failure rates [1/h] and reliabilities at 1000 h of the system (empty path) or a module, the exact ones when new.
+
+    Without exact ones the module is left out of the design.
+    """
+
+    path: str
+    legacy_stored: float | None
+    legacy_hazard_rate: float
+    legacy_reliability: float
+    hazard_rate: float | None
+    reliability: float | None
+    unreliability: float | None
+
+
+def run(source: Path, output: Path, *, force: bool, as_json: bool) -> None:
+    """Write the design. Raises RobophmError, nothing written, where the file is there already or the source is none."""
+    may_write(output, source)
+    if output.exists() and not force:
+        raise RobophmError(f"{output}: exists already; --force puts the design in its place")
+    imported = import_legacy(source)
+    found = comparisons(imported)
+    write(output, imported.text)
+    if as_json:
+        print_json({
+            "robot": imported.robot.name,
+            "design": str(output),
+            "findings": [asdict(finding) for finding in imported.findings],
+            "hours": HOURS,
+            "modules": [plain(asdict(one)) for one in found],
+        })  # fmt: skip
+        return
+    for finding in imported.findings:
+        warn(f"{source.name}: {finding}")
+    out = console()
+    rows = [_row(one, imported.robot.name) for one in found]
+    at = f"{number_text(HOURS)} h"
+    columns = ["2020 tool and exact", "λ stored", "λ recomputed", f"λ exact, {at}", f"R({at}) 2020", f"R({at}) exact"]
+    print_table(out, table("", columns, rows, figures=range(1, len(columns))))
+    count = sum(component.quantity for component in imported.robot.all_components())
+    said = f"{output}: {imported.robot.name}, {count} parts, {len(imported.findings)} findings"
+    out.print(f"{said}; check them, and bind its signals", markup=False)
+
+
+def comparisons(imported: Imported) -> list[Comparison]:
+    """Of the system, then of its modules."""
+    exact: dict[str, tuple[float, float, float]] = {
+        one.path: (one.hazard_rate, one.reliability, one.unreliability)
+        for one in promises(imported.robot, HOURS, legacy=False)
+    }
+    for part in imported.robot.components:  # a module without parts of its own is one part
+        rate = part.modes[0].rate
+        exact[part.path] = rate, math.exp(-rate * HOURS), -math.expm1(-rate * HOURS)
+    return [
+        Comparison(
+            figure.path,
+            figure.stored,
+            figure.recomputed,
+            reliability_at(HOURS * 3600, figure.recomputed),
+            *exact.get(figure.path, (None, None, None)),
+        )
+        for figure in imported.figures
+    ]
+
+
+def _row(one: Comparison, robot: str) -> list[str]:
+    def rate(value: float | None) -> str:
+        return "–" if value is None else rate_text(value)
+
+    return [
+        f"  {one.path}" if one.path else robot,
+        rate(one.legacy_stored),
+        rate(one.legacy_hazard_rate),
+        rate(one.hazard_rate),
+        percent_text(one.legacy_reliability),
+        "–" if one.reliability is None else percent_text(one.reliability, one.unreliability),
+    ]

@@ -1,0 +1,93 @@
+"""``robophm models``: every hazard model and acceleration by what it is of, and the reference page made of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robophm.core.errors import PlugError, nearest
+from robophm.core.table import Table
+from robophm.hazard.acceleration import ACCELERATIONS
+from robophm.hazard.handbooks import handbook_model, handbook_models
+from robophm.hazard.model import Choice, Input, Model, Note
+
+_MANY = 12  # options, beyond which a table names them one by one
+
+
+def all_models() -> dict[str, Model]:
+    """Hazard models by name, then accelerations."""
+    return {name: handbook_model(name) for name in handbook_models()} | dict(ACCELERATIONS)
+
+
+def find(kind: str | None) -> dict[str, Model]:
+    """The models of a kind of part, as people call it. Raises PlugError with the nearest known word."""
+    models = all_models()
+    if kind is None:
+        return models
+    wanted = kind.lower().split()
+    found = {name: model for name, model in models.items() if all(word in _words(name, model) for word in wanted)}
+    if not found:
+        known = {word for name, model in models.items() for word in _words(name, model).split()}
+        raise PlugError(f"no hazard model of '{kind}'{nearest(kind.lower(), known)}")
+    return found
+
+
+def _words(name: str, model: Model) -> str:
+    """Everything that a model says of itself and its choices, in lower case."""
+    said = [name.replace("_", " ").replace(".", " "), model.formula, model.description, model.source.title]
+    for entry in model.inputs.values():
+        if isinstance(entry, Choice):
+            said += [*entry.options, *entry.aliases]
+            said += entry.options.notes.values() if isinstance(entry.options, Table) else []
+    return " ".join(said).lower()
+
+
+def reference() -> Iterator[str]:
+    """The reference page, line by line in Markdown."""
+    yield "# Hazard models and accelerations"
+    yield ""
+    yield "Made by `robophm models --reference` from the models' own declarations. In a design a model is"
+    yield "`hazard: {model: NAME, inputs: {…}}`, an acceleration `acceleration: {model: NAME, …}`. *Checked* says how"
+    yield "sure the transcription is. Any number may be bound to a sensor. Beyond a range a design is refused, and a"
+    yield "live value is flagged."
+    for name, model in all_models().items():
+        yield from ("", f"## {name}", "", model.description)
+        yield from ("", f"`{model.formula}` [{model.unit or 'factor'}]", "")
+        yield f"{model.source}. Checked: {model.source.status}."
+        yield from ("", "| input | takes | default | meaning |", "|---|---|---|---|")
+        for key, entry in model.inputs.items():
+            yield f"| `{key}` | {_takes(entry)} | {_default(entry)} | {_cell(entry.description)} |"
+        for key, entry in model.inputs.items():
+            yield from _options(key, entry)
+
+
+def _takes(entry: Input) -> str:
+    if isinstance(entry, Choice):
+        return ", ".join(entry.options) if len(entry.options) <= _MANY else f"one of {len(entry.options)}, below"
+    if isinstance(entry, Note):
+        return "words"
+    return f"{entry.low:g} … {entry.high:g} {entry.unit}".rstrip()
+
+
+def _default(entry: Input) -> str:
+    if entry.default is None:
+        return "" if isinstance(entry, Choice) or entry.required else "optional"
+    return entry.default if isinstance(entry, Choice) else f"{entry.default:g} {entry.unit}".rstrip()
+
+
+def _options(key: str, entry: Input) -> Iterator[str]:
+    """What many or annotated options mean, and what else they are called."""
+    if not isinstance(entry, Choice):
+        return
+    notes = entry.options.notes if isinstance(entry.options, Table) else {}
+    if len(entry.options) > _MANY:
+        told = (f"{option} ({note})" if (note := _cell(notes.get(option, ""))) else option for option in entry.options)
+        yield from ("", f"`{key}`: {', '.join(told)}.")
+    if entry.aliases:
+        yield from (
+            "",
+            f"`{key}` is also written: {', '.join(f'{a} = {b}' for a, b in sorted(entry.aliases.items()))}.",
+        )
+
+
+def _cell(text: str) -> str:
+    return " ".join(text.split()).replace("|", "\\|")

@@ -1,0 +1,237 @@
+"""``robophm task``: can this robot do these tasks, how sure is that, and what decides it"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import chain
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from rich.console import Console
+
+from robophm.cli.output import console, print_json, print_table, progress_console, table, warn
+from robophm.cli.progress import counted
+from robophm.core.errors import DesignError
+from robophm.design.build_task import build_knowledge
+from robophm.design.fault import Fault
+from robophm.design.legacy import UNIT_MODES, LegacyTask, UnitMode, legacy_task
+from robophm.design.robot import Robot
+from robophm.design.schema import Knowledge as SaidKnowledge
+from robophm.design.task import Knowledge, Plan, Task
+from robophm.health.ledger import Ledger
+from robophm.health.mission import Completion, repetitions
+from robophm.health.prognosis import FutureName, View, outlooks
+from robophm.health.report import VIEWS
+from robophm.health.task_report import TaskReport, task_report
+from robophm.health.uncertainty import Interval
+from robophm.monitor import Monitor
+from robophm.report.words import duration_text, number_text, odds_text, percent_text, probability_text
+
+MOST_NAMED = 5
+"""Components that are named one by one."""
+
+MOST_LISTED = 200
+"""Tasks that are listed one by one."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """What was asked."""
+
+    plan: Plan
+    future: FutureName
+    repeat: int
+    threshold: float | None
+    draws: int
+    seed: int
+    legacy: bool = False
+    """Whether to show what the 2020 tool says."""
+
+
+def with_knowledge(plan: Plan, robot: Robot, failed: Sequence[str], working: Sequence[str]) -> Plan:
+    """The plan with what the command line knows besides. Raises DesignError where that contradicts."""
+    try:
+        more = build_knowledge(SaidKnowledge(failed=list(failed), working=list(working)), robot)
+    except Fault as fault:
+        raise DesignError(str(fault)) from None
+    known = Knowledge(plan.knowledge.failed | more.failed, plan.knowledge.working | more.working)
+    if both := sorted(known.failed & known.working):
+        raise DesignError(f"{both[0]} is said to have failed and to work; expected either")
+    return replace(plan, knowledge=known)
+
+
+def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: bool) -> bool:
+    """Answer on stdout; whether a threshold is breached."""
+    monitor = Monitor(robot, ledger)
+    settled = monitor.exposure.settled(monitor.ledger)
+    report = task_report(
+        monitor.plant, monitor.exposure, settled, question.plan,
+        future=question.future, draws=question.draws, seed=question.seed,
+    )  # fmt: skip
+    again = {}
+    if question.repeat > 1:
+        views = outlooks(
+            monitor.plant, monitor.exposure, settled, future=question.future, knowledge=question.plan.knowledge
+        )
+        again = {
+            view: Repeated.of(repetitions(views[view], question.plan.tasks, question.repeat, _gap(question.plan)),
+                              question.repeat)
+            for view in VIEWS
+        }  # fmt: skip
+    threshold = question.threshold if question.threshold is not None else report.threshold
+    uptime = float(settled.clocks.value[0])
+    old = legacy_tasks(robot, question.plan, uptime, question.repeat) if question.legacy else {}
+    if as_json:
+        more = {"repetitions": _json(again, threshold)} if again else {}
+        more |= {"legacy": {unit: asdict(one) for unit, one in old.items()}} if old else {}
+        print_json({**report.to_json(), **more})
+    else:
+        _print(report, again, threshold, question)
+        if old:
+            _print_legacy(report, old)
+    return report.breached
+
+
+def legacy_tasks(robot: Robot, plan: Plan, uptime: float, repetitions: int) -> dict[UnitMode, LegacyTask]:
+    """What the 2020 tool says of all tasks of a list, in both of its unit modes; ``uptime`` in hours."""
+    legs = [(leg.distance, leg.duration * 3600) for task in plan.tasks for leg in task.legs]
+    return {unit: legacy_task(robot, legs, uptime, repetitions, unit) for unit in UNIT_MODES}
+
+
+def _print_legacy(report: TaskReport, old: Mapping[UnitMode, LegacyTask]) -> None:
+    exact = report.together["nominal"]
+    rows = [("exact, nominal", "", probability_text(exact.probability, exact.failure), "")]
+    for unit, one in old.items():
+        last = percent_text(one.prognostic[-1]) if len(one.prognostic) > 2 else ""
+        rows.append((f"2020 tool in {unit} mode", percent_text(one.reliability), percent_text(one.predicted), last))
+    title = "All of it by the 2020 tool: R of the robot, then R to the power of the last leg's distance"
+    columns = ("", "R before", "predicted PoTC", "after the last repetition")
+    print_table(console(), table(title, columns, rows, figures=(1, 2, 3)))
+
+
+@dataclass(frozen=True)
+class Repeated:
+    """Probability and failure of one repetition after the other, as far as they were asked for and can be told."""
+
+    probability: npt.NDArray[np.float64]
+    failure: npt.NDArray[np.float64]
+    interrupted: bool
+    cut_short: bool
+    """Fewer than were asked for."""
+
+    @classmethod
+    def of(cls, chunks: Iterator[npt.NDArray[np.float64]], count: int) -> Repeated:
+        """All of them, or those before the user's interrupt."""
+        found, interrupted = [np.empty((2, 0))], False
+        with counted(progress_console(), "repetitions") as advance:
+            try:
+                for chunk in chunks:
+                    found.append(chunk)
+                    advance(sum(one.shape[1] for one in found), count)
+            except KeyboardInterrupt:
+                interrupted = True
+        probability, failure = np.concatenate(found, axis=1)
+        return cls(probability, failure, interrupted, len(probability) < count)
+
+    def until(self, threshold: float) -> int | None:
+        """The first repetition, from 1, that is less likely than that; None where none is."""
+        below = np.flatnonzero(self.probability < threshold)
+        return int(below[0]) + 1 if len(below) else None
+
+    @property
+    def together(self) -> Completion:
+        """Of all of them."""
+        with np.errstate(divide="ignore"):
+            hazard = -np.sum(np.where(self.failure < 0.5, np.log1p(-self.failure), np.log(self.probability)))
+        return Completion(float(np.exp(-hazard)), float(-np.expm1(-hazard)))
+
+
+def _gap(plan: Plan) -> float:
+    takes = sum(task.duration for task in plan.tasks)
+    return max(plan.every - takes, 0.0) if plan.every is not None else 0.0
+
+
+def _json(again: dict[View, Repeated], threshold: float | None) -> dict[str, Any]:
+    return {
+        view: {
+            "probability": one.probability.tolist(),
+            "failure": one.failure.tolist(),
+            "cut_short": one.cut_short,
+            "below_threshold_at": one.until(threshold) if threshold is not None else None,
+        }
+        for view, one in again.items()
+    } | {"threshold": threshold}
+
+
+def _print(report: TaskReport, again: dict[View, Repeated], threshold: float | None, question: Question) -> None:
+    out = console()
+
+    def row(name: str, task: Task, nominal: Completion, lived: Completion) -> list[str]:
+        figures = (probability_text(one.probability, one.failure) for one in (nominal, lived))
+        way = [f"{number_text(task.distance)} m"] if driven else []
+        return [name, *way, duration_text(task.duration), str(len(task.legs)), *figures]
+
+    whole = Task(tuple(chain.from_iterable(one.task.legs for one in report.tasks)))
+    driven = whole.distance > 0
+    failure = np.array([one.sensor_based.failure for one in report.tasks])
+    listed = np.sort(np.argsort(-failure, kind="stable")[:MOST_LISTED])
+    shown = [(i + 1, report.tasks[i]) for i in listed]
+    rows = [row(one.task.name or f"task {i}", one.task, one.nominal, one.sensor_based) for i, one in shown]
+    if len(report.tasks) > 1:
+        rows.append(row("all of them", whole, *(report.together[view] for view in VIEWS)))
+    columns = ["", *(["distance"] if driven else []), "time", "legs", "PoTC nominal", "PoTC sensor-based"]
+    title = f"Can {report.robot} do this?"
+    print_table(out, table(title, columns, rows, figures=range(1, len(columns))))
+    if len(shown) < len(report.tasks):
+        out.print(
+            f"Listed are the {len(shown)} likeliest to fail of {len(report.tasks):,} tasks; --json has all of them"
+        )
+    known = question.plan.knowledge
+    for what, units in (("have failed", known.failed), ("work", known.working)):
+        if units:
+            some = ", ".join(sorted(units)[:MOST_NAMED]) + (" …" if len(units) > MOST_NAMED else "")
+            out.print(f"Known to {what}: {len(units)} part{'s' * (len(units) != 1)} ({some})", markup=False)
+    if sure := report.uncertainty:
+        drawn = sure.failure_if_load_known != sure.failure
+        sources = [*(["rates"] if sure.failure_if_rates_known != sure.failure else []), *(["load"] if drawn else [])]
+        past = ", the load drawn from its past" if drawn else ""
+        out.print(f"All of it fails with 90 % {_between(sure.failure, 'between ')}{past}", markup=False)
+        if len(sources) > 1:
+            out.print(f"  if rates were known exactly: {_between(sure.failure_if_rates_known)}", markup=False)
+            out.print(f"  if the load went on as of late: {_between(sure.failure_if_load_known)}", markup=False)
+    elif not question.draws:
+        out.print("Rates and load are taken as exact (--draws 0).")
+    else:
+        out.print("Rates and load are taken as exact (no `uncertainty` in the design, too short a past).")
+    shares = [f"{one.path} {percent_text(one.share)}" for one in report.deciding[:MOST_NAMED] if one.share > 0.005]
+    if shares:
+        out.print(f"Decided by (share of the failures that would vanish): {', '.join(shares)}", markup=False)
+    for view, one in again.items():
+        _print_repeated(out, view, one, threshold)
+    if report.breached:
+        out.print(f"threshold breached: a task is below {percent_text(report.threshold or 0)}", style="bold red")
+
+
+def _between(interval: Interval, between: str = "") -> str:
+    low, high = (odds_text(q).removeprefix("fails ") or percent_text(q) for q in (interval.low, interval.high))
+    return (between and "about ") + low if low == high else f"{between}{low} and {high}"
+
+
+def _print_repeated(out: Console, view: View, one: Repeated, threshold: float | None) -> None:
+    count = len(one.probability)
+    name = view.replace("_", "-")
+    if one.interrupted:
+        warn(f"{name}: interrupted after {count:,} repetitions")
+    elif one.cut_short:
+        warn(f"{name}: ends after {count:,} repetitions; that so many succeed is less likely than 1 in 10^290")
+    if not count:
+        return
+    first, last = (probability_text(one.probability[i], one.failure[i]) for i in (0, -1))
+    whole = percent_text(one.together.probability, one.together.failure)
+    text = f"{count:,} times, {name}: the first {first}, the last {last}, all {whole}"
+    if threshold is not None:
+        at = one.until(threshold)
+        text += f"; below {percent_text(threshold)} " + (f"at repetition {at:,}" if at else "never")
+    out.print(text, markup=False)

@@ -1,0 +1,290 @@
+"""What is kept of a robot's past: sums by failure mode, the open window, and how its load went, in few steps."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.core.errors import StoreError
+from robophm.core.signal import HOUR, SECOND, Sample
+from robophm.design.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+RECENT = 600 * SECOND
+"""Nanoseconds over which the recent mean is taken: the last ten minutes."""
+
+MOST_HISTORY = 128
+"""Steps in which a ledger keeps the past, to draw the future from."""
+
+_RECENT_STEP = 30 * SECOND  # the recent past is kept in steps of at least this, so that it stays small
+
+
+class Total:
+    """Sums that lose nothing: each is a double and the rounding left over from all additions (Neumaier 1974)."""
+
+    def __init__(self, high: Array, low: Array) -> None:
+        self.high = high
+        self.low = low
+
+    @classmethod
+    def zeros(cls, n: int) -> Total:
+        """n empty sums."""
+        return cls(np.zeros(n), np.zeros(n))
+
+    def add(self, more: Array) -> None:
+        """Add to every sum; shape (n,)."""
+        total = self.high + more
+        shifted = total - self.high
+        self.low = self.low + ((self.high - (total - shifted)) + (more - shifted))
+        self.high = total
+
+    @property
+    def value(self) -> Array:
+        """The sums, shape (n,)."""
+        return self.high + self.low
+
+    def copy(self) -> Total:
+        """An independent copy."""
+        return Total(self.high.copy(), self.low.copy())
+
+
+class Step(NamedTuple):
+    """What a stretch of the past added to parts that were needed in it: how fast clocks go, whoever was idle."""
+
+    end: int
+    calendar: float
+    """[h]"""
+    operating: float
+    """[h]"""
+    age: Array
+    """Of each mode [unit of its clock]."""
+    effective: Array
+    """Of each mode, stress factor times age."""
+    inputs: dict[str, tuple[float, float]]
+    """Of each channel while it had a valid value: its integral over operating time, and that time [ns]."""
+
+    def then(self, later: Step) -> Step:
+        """Both as one."""
+        inputs = self.inputs | {
+            key: (value + self.inputs.get(key, (0.0, 0.0))[0], time + self.inputs.get(key, (0.0, 0.0))[1])
+            for key, (value, time) in later.inputs.items()
+        }
+        return Step(
+            later.end,
+            self.calendar + later.calendar,
+            self.operating + later.operating,
+            self.age + later.age,
+            self.effective + later.effective,
+            inputs,
+        )
+
+
+class Seen(NamedTuple):
+    """How far a mode was when it was last known to work: its sums at that time."""
+
+    time: int
+    age: float
+    effective: float
+    hazard: float
+
+
+@dataclass
+class Ledger:
+    """A robot's past. Sums are by failure mode in design order, since new and without the initial exposure."""
+
+    modes: tuple[str, ...]
+    """Keys of the failure modes."""
+    age: Total
+    effective: Total
+    hazard: Total
+    """∫ψ·h₀(a)da, for the modes whose stress scales the hazard; zero for the others."""
+    clocks: Total
+    """Since the start: operating hours, calendar hours, and the robot's own measured clocks in design order."""
+    odometers: tuple[str, ...] = ()
+    """Names of the robot's own measured clocks."""
+    started: int | None = None
+    integrated_to: int | None = None
+    newest: int | None = None
+    heard: int | None = None
+    """Time of the last sample of the robot itself."""
+    off: int | None = None
+    """Time until which it was off last."""
+    last: dict[str, tuple[int, tuple[float, ...]]] = field(default_factory=dict)
+    """The last valid value of every channel, position and clock signal, by its key."""
+    pending: list[Sample] = field(default_factory=list)
+    """The open window: received, not yet integrated."""
+    counts: Counter[str] = field(default_factory=Counter)
+    """What was not taken, by reason and signal."""
+    stale: Counter[str] = field(default_factory=Counter)
+    """Nanoseconds of operation without a valid value, by channel key."""
+    extrapolated: Counter[str] = field(default_factory=Counter)
+    """Nanoseconds of operation outside a model's printed range, by mode."""
+    recent: list[Step] = field(default_factory=list)
+    """The last ten minutes."""
+    history: list[Step] = field(default_factory=list)
+    """All of the past, in at most MOST_HISTORY steps."""
+    history_step: int = HOUR
+    """Nanoseconds of a step of the history; it doubles as the past grows."""
+    replaced: dict[str, int] = field(default_factory=dict)
+    """When the part of a mode was last replaced by a new one: its sums and its initial exposure began anew."""
+    seen: dict[str, Seen] = field(default_factory=dict)
+    """When the part of a mode was last known to work."""
+
+    @classmethod
+    def new(cls, robot: Robot) -> Ledger:
+        """The ledger of a robot that has not lived yet."""
+        n = len(robot.modes)
+        return cls(
+            tuple(mode.key for mode in robot.modes),
+            Total.zeros(n),
+            Total.zeros(n),
+            Total.zeros(n),
+            Total.zeros(2 + len(robot.clocks)),
+            tuple(robot.clocks),
+        )
+
+    def copy(self) -> Ledger:
+        """An independent copy, to look ahead without consequence."""
+        totals = {name: getattr(self, name).copy() for name in ("age", "effective", "hazard", "clocks")}
+        kept = ("last", "pending", "counts", "stale", "extrapolated", "recent", "history", "replaced", "seen")
+        return replace(self, **totals, **{name: getattr(self, name).copy() for name in kept})
+
+    def replace(self, modes: Iterable[str]) -> None:
+        """The parts of these modes, by key, are new from now on."""
+        for key in modes:
+            i = self.modes.index(key)
+            for total in (self.age, self.effective, self.hazard):
+                total.high[i] = total.low[i] = 0.0
+            self.replaced[key] = self.integrated_to or 0
+            self.seen.pop(key, None)
+
+    def remember(self, new: Step) -> None:
+        """Take a stretch of the past into what is kept of it, newest last."""
+        self.recent = _appended(self.recent, new, _RECENT_STEP)
+        self.recent = [step for step in self.recent if step.end > new.end - RECENT]
+        self.history = _appended(self.history, new, self.history_step)
+        if len(self.history) > MOST_HISTORY:
+            self.history_step *= 2
+            steps, self.history = self.history, []
+            for step in steps:
+                self.history = _appended(self.history, step, self.history_step)
+
+    def inspect(self, modes: Iterable[str]) -> None:
+        """The parts of these modes, by key, are known to work now."""
+        sums = [total.value for total in (self.age, self.effective, self.hazard)]
+        for key in modes:
+            i = self.modes.index(key)
+            self.seen[key] = Seen(self.integrated_to or 0, *(float(total[i]) for total in sums))
+
+    def to_json(self) -> dict[str, Any]:
+        """As plain values; floats come back bit for bit."""
+        totals = {name: getattr(self, name) for name in ("age", "effective", "hazard", "clocks")}
+        return {
+            "version": _VERSION,
+            "modes": list(self.modes),
+            "odometers": list(self.odometers),
+            "totals": {name: [total.high.tolist(), total.low.tolist()] for name, total in totals.items()},
+            **{name: getattr(self, name) for name in ("started", "integrated_to", "newest", "heard", "off")},
+            "last": {key: [time, list(values)] for key, (time, values) in self.last.items()},
+            "pending": [list(sample) for sample in self.pending],
+            **{name: dict(getattr(self, name)) for name in ("counts", "stale", "extrapolated")},
+            **{name: _steps_to_json(getattr(self, name)) for name in ("recent", "history")},
+            "history_step": self.history_step,
+            "replaced": self.replaced,
+            "seen": {key: list(seen) for key, seen in self.seen.items()},
+        }
+
+    @classmethod
+    def of(cls, robot: Robot, data: Mapping[str, Any]) -> Ledger:
+        """A robot's ledger read back. Raises StoreError as ``from_json``."""
+        return cls.from_json(data, tuple(mode.key for mode in robot.modes), tuple(robot.clocks))
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any], modes: tuple[str, ...], odometers: tuple[str, ...]) -> Ledger:
+        """A ledger read back; an odometer that it has not begins at zero.
+
+        Raises StoreError where it was kept for other failure modes or another version.
+        """
+        if data.get("version") != _VERSION:
+            raise StoreError(f"ledger version {data.get('version')}; expected {_VERSION}")
+        kept = tuple(data["modes"])
+        if set(kept) != set(modes):
+            other = sorted(set(kept) ^ set(modes))
+            raise StoreError(
+                f"ledger was kept for other parts: '{other[0]}' is in {'it' if other[0] in kept else 'the design'} "
+                f"alone ({len(other)} in all); expected the design that it was kept for, or another store"
+            )
+        order = [kept.index(mode) for mode in modes]
+        totals = {
+            name: Total(*(np.array(part, dtype=float) for part in parts)) for name, parts in data["totals"].items()
+        }
+        for name in ("age", "effective", "hazard"):
+            totals[name] = Total(totals[name].high[order], totals[name].low[order])
+        clocks, counted = Total.zeros(2 + len(odometers)), totals["clocks"]
+        names = ["operating", "calendar", *data["odometers"]]
+        for i, name in enumerate(("operating", "calendar", *odometers)):
+            if name in names:
+                clocks.high[i], clocks.low[i] = counted.high[names.index(name)], counted.low[names.index(name)]
+        return cls(
+            modes,
+            totals["age"],
+            totals["effective"],
+            totals["hazard"],
+            clocks,
+            odometers,
+            started=data["started"],
+            integrated_to=data["integrated_to"],
+            newest=data["newest"],
+            heard=data["heard"],
+            off=data["off"],
+            last={key: (time, tuple(values)) for key, (time, values) in data["last"].items()},
+            pending=[Sample(*sample) for sample in data["pending"]],
+            counts=Counter(data["counts"]),
+            stale=Counter(data["stale"]),
+            extrapolated=Counter(data["extrapolated"]),
+            recent=_steps_of_json(data["recent"], order),
+            history=_steps_of_json(data["history"], order),
+            history_step=data["history_step"],
+            replaced=dict(data["replaced"]),
+            seen={key: Seen(*values) for key, values in data["seen"].items()},
+        )
+
+
+_VERSION = 2
+
+
+def _steps_to_json(steps: Sequence[Step]) -> dict[str, Any]:
+    """Modes that share their clock and stresses have the same numbers, which are written once."""
+    plain = [[step.end, step.calendar, step.operating, step.inputs] for step in steps]
+    if not steps:
+        return {"steps": plain, "kinds": [], "of": []}
+    columns = np.concatenate([np.stack((step.age, step.effective)) for step in steps])
+    kinds: dict[bytes, int] = {}
+    of = [kinds.setdefault(column.tobytes(), len(kinds)) for column in columns.T]
+    first = [of.index(kind) for kind in range(len(kinds))]
+    return {"steps": plain, "kinds": columns[:, first].tolist(), "of": of}
+
+
+def _steps_of_json(data: Mapping[str, Any], order: Sequence[int]) -> list[Step]:
+    if not data["steps"]:
+        return []
+    columns = np.array(data["kinds"], dtype=float)[:, np.array(data["of"], dtype=int)[order]]
+    return [
+        Step(end, calendar, operating, age, effective, {key: (a, b) for key, (a, b) in inputs.items()})
+        for (end, calendar, operating, inputs), age, effective in zip(
+            data["steps"], columns[::2], columns[1::2], strict=True
+        )
+    ]
+
+
+def _appended(steps: list[Step], new: Step, length: int) -> list[Step]:
+    """The steps and a new one, in the last step where that has not ended."""
+    if steps and (steps[-1].end - 1) // length == (new.end - 1) // length:
+        return [*steps[:-1], steps[-1].then(new)]
+    return [*steps, new]

@@ -1,0 +1,296 @@
+"""The task ahead: the probability that it will be completed, given what is known now.
+
+P(for every leg, its functions work at the end of the leg | the functions that the task needs work now, and what else
+is known), jointly over the legs. Robots do not heal within a task, so that only the last leg of each function counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.blocks.diagram import Block
+from robophm.blocks.reliability import Transition
+from robophm.core.errors import DesignError
+from robophm.design.robot import FailureMode, Stress
+from robophm.design.task import Plan, Task
+from robophm.health.exposure import channel_key
+from robophm.health.future import Future
+from robophm.health.plant import Mission, Need, column
+from robophm.health.prognosis import Outlook
+
+Array = npt.NDArray[np.float64]
+
+_FAINTEST = 1e-290  # a probability beyond which products lose their digits
+_AT_ONCE = 1_000_000  # numbers that one array may hold: more repetitions take turns
+
+
+@dataclass(frozen=True)
+class Completion:
+    """Whether a task will be completed, given what is known now. Both probabilities have their own digits."""
+
+    probability: float
+    failure: float
+
+
+@dataclass(frozen=True)
+class Deciding:
+    """A component, and how the task would fare if it could not fail."""
+
+    path: str
+    failure_without: float
+    """Probability that the task fails then."""
+    share: float
+    """Of the task's probability of failure, what would vanish."""
+
+
+class Steps(NamedTuple):
+    """What legs, or the phases of a mission, add to every failure mode; arrays of shape (modes, legs, ...)."""
+
+    advance: Array
+    """Of its clock."""
+    effective: Array
+    """The same times its stress factor."""
+
+    def phases(self, ends: Sequence[int]) -> Steps:
+        """Legs taken together up to these, each included."""
+        starts = [0, *(end + 1 for end in ends[:-1])]
+        return Steps(*(np.add.reduceat(one, starts, axis=1) for one in self))
+
+
+def needs(task: Task) -> tuple[tuple[Need, ...], list[int]]:
+    """Until the end of which phase each function must work, and the leg with which each phase ends."""
+    last: dict[str, int] = {}
+    for k, leg in enumerate(task.legs):
+        last |= dict.fromkeys(leg.functions or ("",), k)
+    ends = sorted(set(last.values()))
+    return tuple(sorted((ends.index(k) + 1, function) for function, k in last.items())), ends
+
+
+def completion(outlook: Outlook, task: Task, diagram: Block | None = None) -> Completion:
+    """P(the task will be completed | what is known now): the functions that it needs work now.
+
+    Of a ``diagram``: that the parts in it do their share, working throughout.
+    """
+    if diagram:
+        return _given(outlook.ahead(diagram, *(one.sum(axis=1) for one in planned(outlook, task))))
+    if not task.legs:
+        return Completion(1.0, 0.0)
+    return completion_of_steps(outlook, task, planned(outlook, task))
+
+
+def completion_of_steps(outlook: Outlook, task: Task, steps: Steps) -> Completion:
+    """The same of a task whose legs are known to age the robot so; as for the task actually done."""
+    wanted, ends = needs(task)
+    mission = outlook.plant.mission(now(wanted), wanted)
+    hazard = outlook.increments(outlook.plant.everything, *steps)
+    return _given(_transition(outlook, mission, hazard, ends))
+
+
+def following(outlook: Outlook, tasks: Sequence[Task]) -> list[Completion]:
+    """Of tasks one after the other, the exposure carried on: each given that those before it were completed.
+
+    All functions that any of them needs work now, so that the product over the tasks is that all are completed.
+    """
+    legs = Task(tuple(chain.from_iterable(task.legs for task in tasks)))
+    hazard = outlook.increments(outlook.plant.everything, *planned(outlook, legs))
+    start_with = {(0, function) for leg in legs.legs for function in leg.functions or ("",)}
+    found, last = [], dict[str, int]()  # the last leg of each function so far
+    start = 0
+    for task in tasks:
+        if not task.legs:
+            found.append(Completion(1.0, 0.0))
+            continue
+        wanted, ends = needs(task)
+        until = {function: start + ends[phase - 1] for phase, function in wanted}
+        cuts = sorted({*last.values(), *until.values()})
+        phase = {k: i for i, k in enumerate(cuts, 1)}
+        known = {(phase[k], function) for function, k in last.items()} | start_with
+        needed = ((phase[k], function) for function, k in until.items())
+        mission = outlook.plant.mission(tuple(sorted(known)), tuple(sorted(needed)))
+        found.append(_given(_transition(outlook, mission, hazard[:, : cuts[-1] + 1], cuts)))
+        last |= until
+        start += len(task.legs)
+    return found
+
+
+def planned(outlook: Outlook, task: Task) -> Steps:
+    """What the legs of a task will add: by stated stresses, else as in the recent past, nominal as designed."""
+    plant, legs = outlook.plant, task.legs
+    if not legs:
+        return Steps(*np.zeros((2, len(plant.robot.modes), 1)))
+    hours, metres = (np.array([getattr(leg, name) for leg in legs]) for name in ("duration", "distance"))
+    usage = outlook.future.usage
+    advance = np.where(plant.calendar, 1.0, usage)[:, None] * hours
+    advance[plant.clock == "operating"] = hours
+    advance[plant.clock == "kilometres"] = metres / 1000
+    for clock in ("cycles", "starts"):
+        stated = np.array([np.nan if (count := getattr(leg, clock)) is None else count for leg in legs])
+        rows = plant.clock == clock
+        advance[rows] = np.where(np.isnan(stated), advance[rows], stated)
+    idle = ~np.column_stack([plant.needed(leg.functions) for leg in legs])
+    advance *= np.where(idle, plant.duty[:, None], 1.0)
+    return Steps(advance, _factors(outlook, task) * advance)
+
+
+def plan_future(outlook: Outlook, plan: Plan) -> Future:
+    """A future of tasks begun anew again and again, the robot off between. DesignError where they take no time."""
+    legs = Task(tuple(chain.from_iterable(task.legs for task in plan.tasks)))
+    takes = plan.every if plan.every is not None else legs.duration / outlook.plant.robot.usage.operating
+    if not takes > 0:
+        raise DesignError("tasks that take no time cannot go on for ever; expected a duration, or every")
+    rest = max(takes - legs.duration, 0.0)
+    idle = np.where(outlook.plant.calendar, rest, 0.0)[:, None]
+    hours = [leg.duration for leg in legs.legs]
+    steps = (np.concatenate((one, idle), axis=1) for one in planned(outlook, legs))
+    return Future.of_steps("plan", [*hours, rest], [*hours, 0.0], *steps)
+
+
+def repetitions(outlook: Outlook, tasks: Sequence[Task], count: int, gap: float = 0.0) -> Iterator[Array]:
+    """Prognostic analysis: a list of tasks again and again, the exposure carried on.
+
+    Yields (probability, failure) of the next repetitions, shape (2, some), given that all before succeeded, until
+    ``count`` are done; whoever has seen enough stops asking. It ends before where no number is small enough for the
+    probability that all before succeeded. ``gap``: hours of calendar time between two.
+    """
+    task = Task(tuple(chain.from_iterable(one.legs for one in tasks)))
+    if not task.legs:
+        raise ValueError("no legs; expected tasks that take time")
+    plant = outlook.plant
+    wanted, ends = needs(task)
+    mission = plant.mission(wanted, tuple((phase + len(ends), function) for phase, function in wanted))
+    legs = planned(outlook, task)
+    if plant.by_age.all():
+        legs, ends = legs.phases(ends), list(range(len(ends)))
+    between = np.where(plant.calendar, gap, 0.0)[:, None, None]
+    starts = [0, 1, *(end + 3 for end in ends[:-1])]  # what lies before a repetition; its phases, with the gap first
+    known = column(mission.of_groups(outlook.known(mission, mission.needed)), 2)
+    # What lies before the repetition before, and what that adds in each phase. The first has nothing before it.
+    lived, again = np.zeros((len(known), 1)), np.zeros((len(known), len(ends), 1))
+    alone = mission.of_groups(mission.needed.astype(float)) > 0  # it has worked till now, or none succeeded
+    lost = False  # from the start on
+    turn = max(1, _AT_ONCE // (2 * legs.advance.size))
+    for start in range(0, count, turn):
+        k = np.arange(start, min(start + turn, count), dtype=float)
+        before, pause, every = np.maximum(k - 1, 0), between * np.minimum(k, 1), np.ones(len(k))
+        steps = (
+            np.concatenate(
+                (one.sum(axis=1)[:, None, None] * k + between * before, pause, one[..., None] * every), axis=1
+            )
+            for one in legs
+        )
+        more = mission.of_groups(np.add.reduceat(outlook.gathered(mission, *steps), starts, axis=1))[:, 1:]
+        rounds = np.concatenate((again, more), axis=2)
+        past = np.cumsum(np.concatenate((lived, rounds.sum(axis=1)[:, :-1]), axis=1), axis=1)
+        past[alone] = 0.0
+        lived, again = past[:, -1:], rounds[..., -1:]
+        earlier = rounds[..., :-1].copy()
+        earlier[:, 0] += past[:, :-1]
+        found = mission.phases.transition(known, np.moveaxis(np.concatenate((earlier, more), axis=1), 1, 0))
+        works = found.fails + found.survives
+        lost = lost or (start == 0 and not works[0] > 0)
+        told = (works > _FAINTEST) | lost
+        fails, survives = found.given_works()
+        given = np.stack((survives, fails))
+        yield given if told.all() else given[:, : int(np.argmin(told))]
+        if not told.all():
+            return
+
+
+def deciding(outlook: Outlook, task: Task) -> list[Deciding]:
+    """The components that a task hangs on, the one that decides most first."""
+    if not task.legs:
+        return []
+    plant = outlook.plant
+    wanted, ends = needs(task)
+    mission = plant.mission(now(wanted), wanted)
+    hazard = outlook.increments(plant.everything, *planned(outlook, task))
+    whole = _given(_transition(outlook, mission, hazard, ends)).failure
+    found = []
+    parts = np.unique(plant.component_of[mission.units])
+    turn = max(1, _AT_ONCE // (len(mission.units) * (len(ends) + 1)))
+    for start in range(0, len(parts), turn):
+        some = parts[start : start + turn]
+        failures, _ = _transition(outlook, mission, hazard, ends, without=some).given_works()
+        for i, failure in zip(some, failures, strict=True):
+            share = (whole - float(failure)) / whole if whole > 0 else 0.0
+            found.append(Deciding(plant.components[i].path, float(failure), max(share, 0.0)))
+    return sorted(found, key=lambda one: -one.share)
+
+
+def now(wanted: Sequence[Need]) -> tuple[Need, ...]:
+    """The same functions, at the start."""
+    return tuple(sorted({(0, function) for _, function in wanted}))
+
+
+def _given(found: Transition) -> Completion:
+    fails, survives = found.given_works()
+    return Completion(float(survives), float(fails))
+
+
+def _transition(
+    outlook: Outlook, mission: Mission, hazard: Array, ends: Sequence[int],
+    without: npt.NDArray[np.intp] | None = None,
+) -> Transition:  # fmt: skip
+    """What becomes of a mission, from what each leg adds to every mode; ``ends`` are the last legs of its phases.
+
+    ``without`` the failures of one component after the other, shape (components,).
+    """
+    starts = [0, *(end + 1 for end in ends[:-1])]
+    more = mission.of_units(np.add.reduceat(hazard[mission.modes], starts, axis=1))
+    known = outlook.known(mission, mission.needed)
+    if without is not None:
+        others = outlook.plant.component_of[mission.units][:, None] != without
+        known = np.where(others, known[:, None], 0.0)
+        more = np.where(others[:, None], more[..., None], 0.0)
+    return mission.phases.transition(mission.of_groups(known), np.moveaxis(mission.of_groups(more), 1, 0))
+
+
+def _factors(outlook: Outlook, task: Task) -> Array:
+    """Stress factor of every mode in every leg, shape (modes, legs): as stated, else as of late."""
+    plant, legs = outlook.plant, task.legs
+    if outlook.inputs is None:
+        return np.ones((len(plant.robot.modes), len(legs)))
+    factor = np.repeat(outlook.future.factor[:, None], len(legs), axis=1)
+    names = {key.rpartition("/")[2] for leg in legs for key in leg.stresses}
+    known: dict[object, Array] = {}
+    for i, mode in enumerate(plant.robot.modes) if names else ():
+        stated = {
+            name: tuple(leg.stated(mode.path, name) for leg in legs)
+            for stress in mode.stresses for name in stress.design if name in names
+        }  # fmt: skip
+        somewhere = [any(values[k] is not None for values in stated.values()) for k in range(len(legs))]
+        if any(somewhere):
+            key = tuple(stress.key for stress in mode.stresses), tuple(sorted(stated.items()))
+            if key not in known:
+                known[key] = _stated_factor(mode, stated, outlook.inputs)
+            factor[i, somewhere] = known[key][somewhere]
+    return factor
+
+
+def _stated_factor(
+    mode: FailureMode, stated: Mapping[str, Sequence[float | None]], recent: Mapping[str, float]
+) -> Array:
+    """ψ in every leg: of inputs that it states, and for the others of what was measured of late, or the design."""
+    product = np.ones(())
+    for stress in mode.stresses:
+        product = product * stress.factor(dict(_inputs(stress, stated, recent))).value
+    return product
+
+
+def _inputs(
+    stress: Stress, stated: Mapping[str, Sequence[float | None]], recent: Mapping[str, float]
+) -> Iterator[tuple[str, Array]]:
+    for name, at_design in stress.design.items():
+        channel = stress.channels.get(name)
+        otherwise = recent.get(channel_key(channel), at_design) if channel else at_design
+        if name in stated:
+            shift = channel.shift if channel else 0.0
+            yield name, np.array([otherwise if one is None else one + shift for one in stated[name]], dtype=float)
+        elif channel:
+            yield name, np.array(float(otherwise))

@@ -1,0 +1,192 @@
+"""What of a robot does not change while it lives: its diagrams prepared, its failure modes side by side.
+
+A *unit* is what a diagram draws. It is of a component, whose failure modes are in series; units that stand in
+series wherever they are drawn are merged, because their cumulative hazards add up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+from scipy.sparse import csr_array
+
+from robophm.blocks.diagram import Block, KOutOfN, units
+from robophm.blocks.merging import merge_series, single_points_of_failure
+from robophm.blocks.phases import Phases
+from robophm.blocks.reliability import Structure
+from robophm.design.robot import Robot
+from robophm.life.distribution import side_by_side
+
+Array = npt.NDArray[np.float64]
+_Number = TypeVar("_Number", bound=np.generic)
+Need = tuple[int, str]
+"""Until the end of which phase of a mission a function must work; "" is the whole robot."""
+
+
+class Plant:
+    """A robot prepared."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.components = tuple(robot.all_components())
+        self.units = tuple(unit for part in self.components for unit in part.units)
+        self.component_of = np.repeat(np.arange(len(self.components)), [len(part.units) for part in self.components])
+        """Of each unit."""
+        self.place = {unit: i for i, unit in enumerate(self.units)}
+        self.first_mode = np.cumsum([0, *(len(part.modes) for part in self.components)])
+        """Where the failure modes of each component begin among the robot's."""
+        self.multiplicity = np.array([part.multiplicity for part in self.components], dtype=float)
+        """Equal parts in series that a unit of each component stands for."""
+        self.monitored = np.array([part.monitored for part in self.components])[self.component_of]
+        """Of each unit."""
+        self.by_age = np.array([mode.scaling == "age" for mode in robot.modes])
+        self.initial = np.array([mode.initial_exposure for mode in robot.modes])
+        self.usage = np.array([robot.usage.per_operating_hour(mode.clock) for mode in robot.modes])
+        self.clock = np.array([mode.clock for mode in robot.modes])
+        self.calendar = self.clock == "calendar"
+        duty = np.repeat([part.duty for part in self.components], np.diff(self.first_mode))
+        self.duty = np.where(self.calendar, 1.0, duty)
+        """Share at which each mode ages in a leg of a task that does not need its part."""
+        self._systems: dict[int, tuple[Block, System]] = {}
+        self._needed: dict[frozenset[str], npt.NDArray[np.bool_]] = {}
+        self._missions: dict[tuple[tuple[Need, ...], tuple[Need, ...]], Mission] = {}
+        self.everything = Parts(self, [(unit,) for unit in self.units])
+        """All parts, to ask each of them."""
+
+    @cached_property
+    def alone(self) -> tuple[Block, ...]:
+        """Each component as a diagram of its own."""
+        return tuple(KOutOfN(max(part.required - part.quantity + len(part.units), 1), *part.units)
+                     for part in self.components)  # fmt: skip
+
+    def diagram(self, function: str) -> Block:
+        """Of a function by name; of the whole robot for ""."""
+        return self.robot.functions[function] if function else self.robot.diagram
+
+    def needed(self, functions: Sequence[str]) -> npt.NDArray[np.bool_]:
+        """Of each failure mode, whether its part is drawn in one of the functions; none named is the whole robot."""
+        key = frozenset(functions or ("",))
+        if key not in self._needed:
+            drawn = np.zeros(len(self.components), dtype=bool)
+            for function in key:
+                drawn[[self.component_of[self.place[unit]] for unit in units(self.diagram(function))]] = True
+            self._needed[key] = np.repeat(drawn, np.diff(self.first_mode))
+        return self._needed[key]
+
+    def system(self, diagram: Block) -> System:
+        """A diagram prepared; once for each."""
+        if id(diagram) not in self._systems:  # by identity: to hash ten thousand blocks costs more than to fold them
+            self._systems[id(diagram)] = diagram, System(self, diagram)
+        return self._systems[id(diagram)][1]
+
+    def mission(self, known: tuple[Need, ...], wanted: tuple[Need, ...]) -> Mission:
+        """What is known to have worked and what must work, prepared; once for each."""
+        if (known, wanted) not in self._missions:
+            if len(self._missions) > 1000:  # tasks of ever new kinds
+                self._missions.clear()
+            self._missions[known, wanted] = Mission(self, known, wanted)
+        return self._missions[known, wanted]
+
+
+class Modes:
+    """Some failure modes of a robot, those of one life side by side."""
+
+    def __init__(self, plant: Plant, modes: npt.NDArray[np.intp]) -> None:
+        self.modes = modes
+        """Their indices among the robot's."""
+        self._lives = side_by_side([plant.robot.modes[i].life for i in modes])
+
+    def lifewise(self, name: str, *arguments: Array) -> Array:
+        """One method of every mode's life distribution; arguments of shape (modes, ...)."""
+        shape = np.broadcast_shapes(*(argument.shape for argument in arguments))
+        result = np.empty(shape)
+        arguments = tuple(one if one.shape == shape else np.broadcast_to(one, shape) for one in arguments)
+        last = (*range(1, len(shape)), 0)
+        for members, life in self._lives:
+            # The parameters lie along the modes' axis, which the methods take as the last.
+            found = getattr(life, name)(*(argument[members].transpose(last) for argument in arguments))
+            result[members] = found.transpose(-1, *range(len(shape) - 1))
+        return result
+
+
+class Parts(Modes):
+    """Groups of units in series, and the failure modes that they hang on."""
+
+    def __init__(self, plant: Plant, groups: Sequence[Sequence[str]]) -> None:
+        self.units = np.array([plant.place[unit] for group in groups for unit in group])
+        """Of all groups, one after the other: indices among the robot's."""
+        self._groups = np.cumsum([0, *(len(group) for group in groups[:-1])])
+        drawn, self._component = np.unique(plant.component_of[self.units], return_inverse=True)
+        first = plant.first_mode
+        super().__init__(plant, np.concatenate([np.arange(first[i], first[i + 1]) for i in drawn]))
+        self._starts = np.cumsum([0, *(first[drawn + 1] - first[drawn])[:-1]])
+        self._multiplicity = plant.multiplicity[drawn]
+
+    def of_units(self, of_modes: Array) -> Array:
+        """Sums over the failure modes of each unit, times its equal parts; shape (units, ...)."""
+        with np.errstate(over="ignore"):  # so far ahead that nothing works
+            sums = np.add.reduceat(of_modes, self._starts, axis=0)
+            result: Array = (column(self._multiplicity, sums.ndim) * sums)[self._component]
+        return result
+
+    def of_groups(self, of_units: Array) -> Array:
+        """Sums over the units of each group; shape (groups, ...)."""
+        if len(self._groups) == len(self.units):
+            return of_units
+        with np.errstate(over="ignore"):
+            result: Array = np.add.reduceat(of_units, self._groups, axis=0)
+        return result
+
+    def of_modes(self, of_units: Array) -> Array:
+        """Of each failure mode, the sum over the units of its component, times their equal parts; shape (modes,)."""
+        sums = self._multiplicity * np.bincount(self._component, of_units, len(self._starts))
+        result: Array = np.repeat(sums, np.diff(np.append(self._starts, len(self.modes))))
+        return result
+
+    @cached_property
+    def weights(self) -> csr_array:
+        """How often each failure mode counts in each group: ``of_groups(of_units(x))`` is weights @ x."""
+        ends = np.append(self._starts[1:], len(self.modes))
+        columns = [np.arange(self._starts[i], ends[i]) for i in self._component]
+        group = np.repeat(np.arange(len(self._groups)), np.diff(np.append(self._groups, len(self.units))))
+        counts = [len(one) for one in columns]
+        entries = np.repeat(self._multiplicity[self._component], counts)
+        shape = (len(self._groups), len(self.modes))
+        return csr_array((entries, (np.repeat(group, counts), np.concatenate(columns))), shape=shape)
+
+
+class System(Parts):
+    """A diagram prepared."""
+
+    def __init__(self, plant: Plant, diagram: Block) -> None:
+        (merged,), stands_for = merge_series(diagram)
+        self.structure = Structure(merged)
+        super().__init__(plant, [stands_for[name] for name in self.structure.names])
+        self.needed = _of_units(self, plant, single_points_of_failure(diagram))
+        """Whether the system works only while a unit does."""
+
+
+class Mission(Parts):
+    """What must work until when, prepared, given what is known to have worked."""
+
+    def __init__(self, plant: Plant, known: Sequence[Need], wanted: Sequence[Need]) -> None:
+        diagrams, stands_for = merge_series(*(plant.diagram(function) for _, function in (*known, *wanted)))
+        phases = [phase for phase, _ in (*known, *wanted)]
+        needs = list(zip(phases, diagrams, strict=True))
+        self.phases = Phases(needs[: len(known)], needs[len(known) :])
+        super().__init__(plant, [stands_for[name] for name in self.phases.names])
+        self.needed = _of_units(self, plant, single_points_of_failure(*(plant.diagram(f) for _, f in known)))
+        """Whether what is known implies that a unit worked at the start."""
+
+
+def _of_units(parts: Parts, plant: Plant, names: frozenset[str]) -> npt.NDArray[np.bool_]:
+    return np.array([plant.units[unit] in names for unit in parts.units])
+
+
+def column(values: npt.NDArray[_Number], ndim: int) -> npt.NDArray[_Number]:
+    """Values of modes or parts, ready to broadcast over ``ndim`` − 1 further axes."""
+    return values.reshape(-1, *[1] * (ndim - 1))

@@ -1,0 +1,91 @@
+""" "Can I do this?": tasks of a robot as it is now, in both views, with what decides them and how sure that is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from itertools import chain
+from typing import Any
+
+from robophm.design.task import Plan, Task
+from robophm.health.exposure import Exposure
+from robophm.health.ledger import Ledger
+from robophm.health.mission import Completion, Deciding, completion, deciding, following
+from robophm.health.plant import Plant
+from robophm.health.prognosis import FutureName, View, outlooks
+from robophm.health.report import VIEWS, plain, task_to_json
+from robophm.health.uncertainty import DRAWS, SCENARIOS, CompletionUncertainty, completion_uncertainty, draw_loads
+
+SCHEMA_VERSION = 1
+"""Of a task report as JSON."""
+
+
+@dataclass(frozen=True)
+class TaskFigures:
+    """One task, given that those before it in the list were completed."""
+
+    task: Task
+    nominal: Completion
+    sensor_based: Completion
+
+
+@dataclass(frozen=True)
+class TaskReport:
+    """All tasks of a list."""
+
+    robot: str
+    tasks: tuple[TaskFigures, ...]
+    together: Mapping[View, Completion]
+    """That all of them are completed."""
+    uncertainty: CompletionUncertainty | None
+    """Of all together, sensor-based; None where rates are taken as exact and there is no past to draw a load from."""
+    deciding: tuple[Deciding, ...]
+    """The components that all together hang on, sensor-based, the one that decides most first."""
+    threshold: float | None
+    """What the design wants."""
+
+    @property
+    def breached(self) -> bool:
+        """Whether a task is less likely to be completed than the design wants."""
+        return self.threshold is not None and any(one.sensor_based.probability < self.threshold for one in self.tasks)
+
+    def to_json(self) -> dict[str, Any]:
+        """As plain values, schema-versioned."""
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "robot": self.robot,
+            "tasks": [
+                {**task_to_json(one.task), "nominal": asdict(one.nominal), "sensor_based": asdict(one.sensor_based)}
+                for one in self.tasks
+            ],
+            "together": {view: asdict(one) for view, one in self.together.items()},
+            "uncertainty": plain(_uncertainty(self.uncertainty)) if self.uncertainty else None,
+            "deciding": [asdict(one) for one in self.deciding],
+            "threshold": self.threshold,
+        }
+
+
+def task_report(
+    plant: Plant, exposure: Exposure, ledger: Ledger, plan: Plan, *,
+    future: FutureName = "recent", draws: int = DRAWS, seed: int = 0,
+) -> TaskReport:  # fmt: skip
+    """What a list of tasks asks of a robot with this past."""
+    views = outlooks(plant, exposure, ledger, future=future, knowledge=plan.knowledge)
+    each = {view: following(views[view], plan.tasks) for view in VIEWS}
+    joined = Task(tuple(chain.from_iterable(task.legs for task in plan.tasks)))
+    lived = views["sensor_based"]
+    loads = draw_loads(plant, ledger, SCENARIOS, seed)
+    unsure = bool(loads) or any(mode.uncertainty for mode in plant.robot.modes)
+    return TaskReport(
+        plant.robot.name,
+        tuple(map(TaskFigures, plan.tasks, each["nominal"], each["sensor_based"])),
+        {view: completion(views[view], joined) for view in VIEWS},
+        completion_uncertainty(lived, joined, loads=loads, draws=draws, seed=seed) if unsure and draws else None,
+        tuple(deciding(lived, joined)),
+        plant.robot.thresholds.completion,
+    )
+
+
+def _uncertainty(found: CompletionUncertainty) -> dict[str, Any]:
+    intervals = ("failure", "failure_if_rates_known", "failure_if_load_known")
+    return {"mean": asdict(found.mean), **{name: getattr(found, name)._asdict() for name in intervals}}

@@ -1,0 +1,412 @@
+"""How sure a prognosis is. Three sources, told apart: chance itself, rates, and the load to come.
+
+An uncertain rate speeds up the ageing of its failure mode: H(θ·u), one θ for all equal parts. Draws count by the
+probability of what is known under them, survival to now above all. The load to come is drawn from the robot's own
+history.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.sparse import csr_array
+from scipy.special import gammaincinv, ndtri
+
+from robophm.blocks.diagram import Block
+from robophm.core.waiting_time import Curve, time_at
+from robophm.design.robot import Uncertainty
+from robophm.design.task import Task
+from robophm.health.future import Future
+from robophm.health.ledger import Ledger, Step
+from robophm.health.mission import Completion, needs, now, planned
+from robophm.health.plant import Modes, Parts, Plant
+from robophm.health.prognosis import Outlook
+
+Array = npt.NDArray[np.float64]
+
+DRAWS = 2000
+"""Of all rates together."""
+
+SCENARIOS = 50
+"""Of the load to come."""
+
+FEWEST_STEPS = 8
+"""Of the past, below which the load to come is not drawn from it."""
+
+_AT_ONCE = 2_000_000  # numbers that one array may hold: more draws take turns
+_IN_CACHE = 200_000  # numbers that work goes fast with
+_HUGE = 1e300  # stands for an infinite hazard, where infinity times a ratio of 0 would not
+_FEWEST_EFFECTIVE = 0.2  # of the draws, below which they are drawn by what is known of each part
+
+_FEW = 200  # draws that a first guess is made with
+_STEPS_AHEAD = 64  # of a drawn load, which then begins anew
+
+
+class Interval(NamedTuple):
+    """Where 90 % lie: 5 %, 50 % and 95 % quantile."""
+
+    low: float
+    median: float
+    high: float
+
+
+@dataclass(frozen=True)
+class LifeUncertainty:
+    """Remaining life [h of calendar time] with all that is not known, and with less of it."""
+
+    all_sources: Interval
+    """Rates, load and chance."""
+    rates_known: Interval
+    load_known: Interval
+    chance_alone: Interval
+    """Both known: what no knowledge of rates and load could narrow."""
+
+
+@dataclass(frozen=True)
+class CompletionUncertainty:
+    """The probability that a task fails or is completed, and within which it may lie."""
+
+    mean: Completion
+    """Over all that is not known."""
+    failure: Interval
+    """Of the probability of failure, over rates and load."""
+    failure_if_rates_known: Interval
+    failure_if_load_known: Interval
+
+
+def draw_rates(plant: Plant, count: int, seed: int) -> Array:
+    """Ratio of each mode's rate to the stated one in so many draws; shape (modes, count), each row of mean 1.
+
+    Each is drawn evenly from its distribution (McKay, Beckman and Conover 1979) and on its own: another part in the
+    design changes nothing.
+    """
+    ratios = np.ones((len(plant.robot.modes), count))
+    for i, mode in enumerate(plant.robot.modes):
+        if mode.uncertainty:
+            random = np.random.default_rng([seed, *mode.path.encode()])
+            ratios[i] = _ratio(mode.uncertainty, (random.permutation(count) + random.random(count)) / count)
+    return ratios
+
+
+def _ratio(uncertainty: Uncertainty, level: Array) -> Array:
+    """The quantiles at these levels."""
+    if uncertainty.error_factor is not None:
+        deviation = math.log(uncertainty.error_factor) / ndtri(0.95)
+        result: Array = np.exp(deviation * ndtri(level) - deviation**2 / 2)
+    elif uncertainty.failures is not None:
+        result = gammaincinv(uncertainty.failures, level) / uncertainty.failures
+    else:
+        samples = np.array(uncertainty.samples)
+        result = samples[(level * len(samples)).astype(int)]
+    return result
+
+
+def draw_loads(plant: Plant, ledger: Ledger, count: int, seed: int) -> list[Future]:
+    """Loads to come, drawn in blocks from the robot's own past; none where that is too short.
+
+    Blocks of √n steps keep what belongs together, such as day and night (Künsch 1989).
+    """
+    steps = [step for step in ledger.history if step.calendar > 0]
+    if len(steps) < FEWEST_STEPS or not sum(step.operating for step in steps) > 0:
+        return []
+    random = np.random.default_rng([seed, len(steps)])
+    block = max(1, math.isqrt(len(steps)))
+    count = max(2, min(count, _AT_ONCE * 4 // (_STEPS_AHEAD * len(plant.robot.modes))))
+    return [_load(steps, block, random) for _ in range(count)]
+
+
+def _load(steps: Sequence[Step], block: int, random: np.random.Generator) -> Future:
+    starts = random.integers(0, len(steps), -(-_STEPS_AHEAD // block))
+    drawn = [steps[(start + i) % len(steps)] for start in starts for i in range(block)]
+    advance, effective = (np.column_stack([getattr(step, name) for step in drawn]) for name in ("age", "effective"))
+    calendar, operating = ([getattr(step, name) for step in drawn] for name in ("calendar", "operating"))
+    if not sum(operating) > 0:
+        return _load(steps, block, random)
+    return Future.of_steps("drawn from the past", calendar, operating, advance, effective)
+
+
+def life_uncertainty(
+    outlook: Outlook, diagram: Block, *, loads: Sequence[Future] = (), draws: int = DRAWS, seed: int = 0
+) -> LifeUncertainty:
+    """Remaining life of a system whose rates, and load to come, are not exactly known.
+
+    ``loads``: equally likely futures; none: the outlook's own course is certain.
+    """
+    ratios = draw_rates(outlook.plant, draws, seed)
+    exact = np.ones((len(ratios), max(len(loads), 1)))
+    of = partial(predictive_life, outlook, diagram)
+    load_known, chance = of(ratios, [outlook.course]), of(exact[:, :1], [outlook.course])
+    if not loads:
+        return LifeUncertainty(load_known, chance, load_known, chance)
+    return LifeUncertainty(of(ratios, loads), of(exact, loads), load_known, chance)
+
+
+def completion_uncertainty(
+    outlook: Outlook, task: Task, *, loads: Sequence[Future] = (), draws: int = DRAWS, seed: int = 0
+) -> CompletionUncertainty:
+    """Completion of a task by a robot whose rates, and load where the task does not state it, are not exactly known."""
+    if not task.legs:
+        return CompletionUncertainty(Completion(1.0, 0.0), *[Interval(0.0, 0.0, 0.0)] * 3)
+    ratios = draw_rates(outlook.plant, draws, seed)
+    own = [outlook.future]
+    futures = [_mean_of_first(task.duration, load) for load in loads] or own
+    found, weight = _completions(outlook, task, ratios, futures)
+    failure, probability = (float(weight @ one) for one in found)
+
+    def interval(ratios: Array, futures: Sequence[Future]) -> Interval:
+        (failures, _), weight = _completions(outlook, task, ratios, futures)
+        return _interval(failures, weight)
+
+    return CompletionUncertainty(
+        Completion(probability, failure),
+        _interval(found[0], weight),
+        interval(np.ones((len(ratios), len(futures))), futures),
+        interval(ratios, own),
+    )
+
+
+def _mean_of_first(operating: float, load: Future) -> Future:
+    """The mean of a load over its first hours of operation; of all of it for the clocks that stand meanwhile."""
+    if not operating > 0:
+        return load
+    whole, rest = divmod(operating, float(load.operating[-1]))
+    hours = whole * load.hours[-1] + np.interp(rest, load.operating, load.hours)
+    begun = load.at(np.array([hours]))
+    runs = begun[0] > 0
+    ends = np.array([0.0, 1.0])
+    advance, effective = (
+        np.where(runs, one, hours / load.hours[-1] * total[:, -1:]) * ends
+        for one, total in zip(begun, (load.advance, load.effective), strict=True)
+    )
+    return Future(load.name, hours * ends, operating * ends, advance, effective)
+
+
+def completion_at_rates(outlook: Outlook, task: Task, ratio: float) -> Completion:
+    """Of a task by a robot whose rates are all so many times the stated ones, its past too."""
+    if not task.legs:
+        return Completion(1.0, 0.0)
+    (failure, probability), _ = _completions(outlook, task, np.full((len(outlook.age), 1), ratio), [outlook.future])
+    return Completion(float(probability[0]), float(failure[0]))
+
+
+def _completions(outlook: Outlook, task: Task, ratios: Array, futures: Sequence[Future]) -> tuple[Array, Array]:
+    """Of each draw: (failure, probability), shape (2, draws), and how much it counts; each has one of the futures."""
+    wanted, ends = needs(task)
+    mission = outlook.plant.mission(now(wanted), wanted)
+
+    def works(known: Array) -> Array:
+        found = mission.phases.transition(known, np.zeros((len(ends), *known.shape)))
+        return found.fails + found.survives
+
+    drawn = _Drawn(outlook, mission, mission.needed, ratios, len(futures), works)
+    legs = [planned(replace(outlook, future=future), task) for future in futures]
+    stated = [outlook.increments(drawn.scaling, *leg) for leg in legs]
+    others = [
+        outlook.increments(drawn.others, leg.advance[..., None], leg.effective[..., None], some)
+        for leg, some in zip(legs, drawn.ratios, strict=True)
+    ]
+    more = np.add.reduceat(drawn.gathered(stated, others), [0, *(end + 1 for end in ends[:-1])], axis=1)
+    found = mission.phases.transition(drawn.known, np.moveaxis(more, 1, 0))
+    return np.stack(found.given_works()), drawn.weight
+
+
+def predictive_life(outlook: Outlook, diagram: Block, ratios: Array, futures: Sequence[Future]) -> Interval:
+    """Quantiles of the remaining life [h] over draws of all rates (``draw_rates``), each with one of the futures."""
+    system = outlook.plant.system(diagram)
+
+    def works(known: Array) -> Array:
+        return system.structure.state(np.exp(-known), -np.expm1(-known)).works
+
+    def curve_of(ratios: Array) -> Curve:
+        drawn = _Drawn(outlook, system, system.needed, ratios, len(futures), works)
+        failed, alive = -np.expm1(-drawn.known)[:, None], np.exp(-drawn.known)[:, None]
+        stated = [outlook.along(drawn.scaling, future) for future in futures]
+        others = [outlook.along(drawn.others, *one) for one in zip(futures, drawn.ratios, strict=True)]
+        turn = max(1, _AT_ONCE // ratios.size)
+        few = max(1, _IN_CACHE // (turn * len(failed)))
+        draws = [slice(start, start + few) for start in range(0, ratios.shape[1], few)]
+
+        def ends(more: Array, some: slice) -> Array:
+            now = alive[..., some]
+            t = system.structure.transition(failed[..., some], now * -np.expm1(-more), now * np.exp(-more))
+            result: Array = np.stack(t.given_works()) @ drawn.weight[some]
+            return result
+
+        def curve(hours: Array) -> tuple[Array, Array]:
+            found = []
+            scaled = [along(hours)[..., 0] for along in stated]
+            for start in range(0, len(hours), turn):
+                now = slice(start, start + turn)
+                more = drawn.gathered([one[:, now] for one in scaled], [along(hours[now]) for along in others])
+                found.append(sum(ends(more[..., some], some) for some in draws))
+            fails, survives = np.concatenate(found, axis=1)
+            return fails, survives
+
+        return curve
+
+    if not (outlook.ahead(diagram, *np.zeros((2, len(ratios)))).survives > 0):
+        return Interval(0.0, 0.0, 0.0)
+    survives = np.array([0.95, 0.5, 0.05])
+    guess = time_at(curve_of(ratios[:, :_FEW]), 1 - survives, survives, tolerance=1e-3)
+    return Interval(*(float(time) for time in _refined(curve_of(ratios), survives, guess)))
+
+
+def _refined(curve: Curve, survives: Array, guess: Array) -> Array:
+    """The times at which a curve comes down to these, by secants on the logarithm of its cumulative hazard.
+
+    Where a secant leaves what the curve has shown, or the last came no nearer, as at a kink, the middle of it.
+    """
+
+    def level(x: Array) -> Array:
+        fails, lives = curve(np.exp(x))
+        with np.errstate(divide="ignore"):
+            hazard: Array = np.log(np.where(fails < 0.5, -np.log1p(-fails), -np.log(lives)))
+        return np.clip(hazard, -1e3, 1e3)
+
+    found = guess.copy()
+    todo = np.flatnonzero(np.isfinite(guess) & (guess > 0))
+    if not len(todo):
+        return found
+    target = np.log(-np.log(survives[todo]))
+    x, slope = np.log(guess[todo]), np.ones(len(todo))
+    low, high = np.full(len(todo), -np.inf), np.full(len(todo), np.inf)
+    y, slow = level(x), np.zeros(len(todo), dtype=bool)
+    for _ in range(100):
+        low, high = np.where(y <= target, np.maximum(x, low), low), np.where(y >= target, np.minimum(x, high), high)
+        step = np.clip((target - y) / slope, -1.0, 1.0)
+        near = np.abs(y - target) < 1e-5
+        halve = ~near & np.isfinite(low) & np.isfinite(high) & (slow | (x + step < low) | (x + step > high))
+        step[halve] = (low[halve] + high[halve]) / 2 - x[halve]
+        if np.all(near | (high - low < 1e-12)):
+            x = x + step
+            break
+        rise = level(x + step) - y
+        slope = np.where(rise * step > 0, np.divide(rise, step, out=np.ones_like(step), where=step != 0), slope)
+        slow = np.abs(y + rise - target) > np.abs(y - target) / 2
+        x, y = x + step, y + rise
+    found[todo] = np.exp(x)
+    return found
+
+
+def _interval(values: Array, weight: Array) -> Interval:
+    """Weighted quantiles."""
+    order = np.argsort(values)
+    level = np.cumsum(weight[order]) - weight[order] / 2
+    return Interval(*(float(one) for one in np.interp([0.05, 0.5, 0.95], level, values[order])))
+
+
+class _Drawn:
+    """Groups of units under drawn rates: what gathers in them, and how much each draw counts.
+
+    Where a cumulative hazard is a power of age, θ·u for u is a constant factor: θ^β, for the past and for any future.
+    """
+
+    def __init__(
+        self, outlook: Outlook, parts: Parts, needed: npt.NDArray[np.bool_], ratios: Array, futures: int,
+        works: Callable[[Array], Array],
+    ) -> None:  # fmt: skip
+        m, ratios = parts.modes, ratios[parts.modes]
+        degrees = [outlook.plant.robot.modes[i].life.degree for i in m]
+        self._is_power = np.array([degree is not None for degree in degrees])
+        self._weights = parts.weights
+        self.scaling, self.others = (Modes(outlook.plant, m[which]) for which in (self._is_power, ~self._is_power))
+        """The modes whose hazard the rate scales, and the others."""
+        scale = np.array([row**degree for row, degree in zip(ratios, degrees, strict=True) if degree is not None])
+        lived, unseen = np.empty_like(ratios), np.empty_like(ratios)
+        if self._is_power.any():
+            lived[self._is_power] = scale * outlook.cumulative_hazard[self.scaling.modes, None]
+            unseen[self._is_power] = scale * outlook.unseen_hazard[self.scaling.modes, None]
+        if not self._is_power.all():
+            lived[~self._is_power], unseen[~self._is_power] = _past(outlook, self.others, ratios[~self._is_power])
+        # What each unit tells of its own modes alone.
+        first = outlook.known(parts, needed, parts.of_units(unseen[:, :1]))[:, 0]
+        failed = np.isinf(first)
+        working, unknown = (
+            parts.of_modes((which & ~failed).astype(float))[:, None] for which in (first == 0, first > 0)
+        )
+        evidence = -working * lived - unknown * (lived - unseen)
+        alone = evidence.sum(axis=0)
+        if _effective(alone) < _FEWEST_EFFECTIVE * len(alone):  # together they leave few draws: draw by each instead
+            for i in np.flatnonzero(np.ptp(ratios, axis=1) > 0):
+                chosen = _resampled(evidence[i])
+                for rows in (ratios, lived, unseen):
+                    rows[i] = rows[i, chosen]
+                if self._is_power[i]:
+                    row = np.count_nonzero(self._is_power[:i])
+                    scale[row] = scale[row, chosen]
+            alone = np.zeros_like(alone)
+        lived, unseen = parts.of_units(lived), parts.of_units(unseen)
+        known = outlook.known(parts, needed, unseen)
+        self.known = parts.of_groups(known)
+        """Shape (groups, draws)."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            total = alone + np.log(works(self.known))
+            if failed.any():  # since it was last seen to work
+                total = total + (unseen - lived + np.log(-np.expm1(-unseen)))[failed].sum(axis=0)
+        top = np.max(total)
+        weight = np.exp(total - top) if np.isfinite(top) else np.ones(len(total))
+        self.weight: Array = weight / weight.sum()
+        """Of each draw: its probability, given what is known; shape (draws,)."""
+        # The first draws have the first future, the next have the next, and so on.
+        self._scale = np.array_split(scale.reshape(-1, len(weight)), futures, axis=1)
+        self.ratios = np.array_split(ratios[~self._is_power], futures, axis=1)
+        """Of the other modes in the draws of each future."""
+
+    def gathered(self, stated: Sequence[Array], others: Sequence[Array]) -> Array:
+        """What steps add to the hazard of each group; shape (groups, steps, draws).
+
+        For each future: to the modes that scale, at ``stated`` rates, shape (modes, steps); and to the ``others``
+        under its draws, shape (modes, steps, draws).
+        """
+        scaling, rest = self._weights[:, self._is_power], self._weights[:, ~self._is_power]
+        groups, steps = scaling.shape[0], stated[0].shape[1]
+        # One row for each step and group: the rates of a group add up before they meet the draws.
+        columns = np.tile(scaling.indices, steps)
+        starts = np.append((scaling.indptr[:-1] + scaling.nnz * np.arange(steps)[:, None]).ravel(), len(columns))
+        found = []
+        for scale, one, other in zip(self._scale, stated, others, strict=True):
+            entries = scaling.data * np.minimum(one, _HUGE)[scaling.indices].T
+            rates = csr_array((entries.ravel(), columns, starts), shape=(steps * groups, len(one)))
+            sums = np.moveaxis((rates @ scale).reshape(steps, groups, scale.shape[1]), 0, 1)
+            if len(other):
+                sums = sums + (rest @ other.reshape(len(other), -1)).reshape(sums.shape)
+            found.append(sums)
+        return np.concatenate(found, axis=2) if len(found) > 1 else found[0]
+
+
+def _effective(evidence: Array) -> float:
+    """How many equally likely draws are worth as much (Kish), from the logarithms of their probabilities."""
+    top = np.max(evidence)
+    weight = np.exp(evidence - top) if np.isfinite(top) else np.ones(len(evidence))
+    return float(weight.sum() ** 2 / np.sum(weight**2))
+
+
+def _resampled(evidence: Array) -> npt.NDArray[np.intp]:
+    """Draws, as often as their evidence [ln of a probability] is worth (systematic resampling, Kitagawa 1996)."""
+    top, count = np.max(evidence), len(evidence)
+    if not np.isfinite(top):
+        return np.arange(count)
+    reached = np.cumsum(np.exp(evidence - top))
+    chosen: npt.NDArray[np.intp] = np.searchsorted(reached, (np.arange(count) + 0.5) / count * reached[-1])
+    return chosen
+
+
+def _past(outlook: Outlook, modes: Modes, ratios: Array) -> tuple[Array, Array]:
+    """Cumulative hazard of modes under drawn rates, since new and since last seen; shape (modes, draws)."""
+    m = modes.modes
+    age, seen = outlook.age[m, None], outlook.seen_age[m, None]
+    lived = modes.lifewise("increment", np.zeros((1, 1)), ratios * age)
+    unseen = modes.lifewise("increment", ratios * seen, ratios * np.maximum(age - seen, 0.0))
+    by_hazard = ~outlook.plant.by_age[m]
+    if by_hazard.any():  # their past is a sum, which the rate scales as it would have under design stress
+        stated = modes.lifewise("increment", np.zeros((1, 1)), age)
+        scale = np.divide(lived, stated, out=ratios.copy(), where=stated > 0)
+        lived[by_hazard] = (scale * outlook.cumulative_hazard[m, None])[by_hazard]
+        unseen[by_hazard] = (scale * outlook.unseen_hazard[m, None])[by_hazard]
+    return lived, unseen

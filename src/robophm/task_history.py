@@ -1,0 +1,177 @@
+"""What was predicted of a robot's tasks when they came, and what is known of them now that they are done.
+
+*Predicted*: when the task arrived, for the legs that were planned. *Actual*: from the ledger at the task's start, with
+the distance, time and stresses that were then observed. Both nominal and sensor-based.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from operator import itemgetter
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import SECOND
+from robophm.design.robot import Robot
+from robophm.design.task import Knowledge, Leg, Task
+from robophm.health.ledger import Ledger
+from robophm.health.mission import Completion, Steps, completion, completion_of_steps
+from robophm.health.plant import Plant
+from robophm.health.prognosis import Outlook, View, outlooks
+from robophm.health.report import VIEWS
+from robophm.monitor import Monitor, available
+from robophm.transports.source import SignalSource
+from robophm.transports.tasks import DoneTask, PlannedTask
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TaskRecord:
+    """A task that was planned, or done, or both; times in nanoseconds since the epoch."""
+
+    arrived: int | None
+    """None where it was never planned."""
+    start: int | None
+    end: int | None
+    """Both None where it is not known to be done."""
+    planned: Task | None
+    predicted: Mapping[View, Completion] | None
+    """None where nothing says how long it would take."""
+    done: Task | None
+    actual: Mapping[View, Completion] | None
+
+
+def judge_tasks(
+    robot: Robot, source: SignalSource, told: Sequence[PlannedTask | DoneTask], *,
+    speed: float | None = None, functions: Sequence[str] = (), knowledge: Knowledge | None = None,
+    ledger: Ledger | None = None, skip_missing: bool = False, on_tick: Callable[[Monitor], None] | None = None,
+) -> tuple[list[TaskRecord], Monitor]:  # fmt: skip
+    """What a recording's tasks asked of the robot that made it, and the monitor at the recording's end.
+
+    ``speed`` [m/s] is of planned legs that state none; ``functions`` are what the tasks need. A task done without a
+    plan is predicted at its start with the distance and time that it took. Raises SourceError as ``replay``, and where
+    ``ledger`` has lived through a task already.
+    """
+    signals = available(robot, source, skip_missing=skip_missing)
+    monitor = Monitor(robot, ledger, on_tick=on_tick)
+    drafts = [_Draft(monitor, plan, done, speed, functions, knowledge) for plan, done in _pairs(told)]
+    marks = [mark for draft in drafts for mark in draft.marks()]
+    if (
+        ledger
+        and ledger.integrated_to is not None
+        and marks
+        and (first := min(mark[0] for mark in marks)) < ledger.integrated_to
+    ):
+        late = (ledger.integrated_to - first) / SECOND
+        raise SourceError(
+            f"the robot's past that is kept goes on for {late:.6g} s beyond the first task's beginning; expected one "
+            "that ends before it, or none"
+        )
+    monitor.marks = sorted(marks, key=itemgetter(0))
+    for sample in source.samples(signals):
+        monitor.observe(sample)
+    monitor.reach_marks()
+    if marks and monitor.ledger.newest is None:
+        raise SourceError("the recording has no sample of the robot; expected some beside its tasks")
+    return [draft.record() for draft in drafts], monitor
+
+
+class _Draft:
+    """One task while its recording is lived through: nothing is kept of a ledger but what its figures need."""
+
+    def __init__(
+        self, monitor: Monitor, plan: PlannedTask | None, done: DoneTask | None,
+        speed: float | None, functions: Sequence[str], knowledge: Knowledge | None,
+    ) -> None:  # fmt: skip
+        self.monitor, self.plan, self.done, self.knowledge = monitor, plan, done, knowledge
+        self.planned = _planned(plan, speed, functions) if plan else None
+        self.driven = _task(((leg.duration, leg.distance) for leg in done.legs), functions) if done else None
+        self.predicted: dict[View, Completion] | None = None
+        self.actual: dict[View, Completion] | None = None
+        self.begun: tuple[Mapping[View, Outlook], Array, Array] | None = None
+
+    def marks(self) -> Iterator[tuple[int, Callable[[Ledger], None]]]:
+        """When something is to be done with the robot's ledger, and what."""
+        if self.plan:
+            yield self.plan.time, self._predict
+        if self.done:
+            yield self.done.start, self._begin
+            yield self.done.end, self._end
+
+    def _predict(self, ledger: Ledger) -> None:
+        if asked := self.planned if self.plan else self.driven:
+            views = outlooks(self.monitor.plant, self.monitor.exposure, ledger, knowledge=self.knowledge)
+            self.predicted = {view: completion(views[view], asked) for view in VIEWS}
+
+    def _begin(self, ledger: Ledger) -> None:
+        if not self.plan:
+            self._predict(ledger)
+        views = outlooks(self.monitor.plant, self.monitor.exposure, ledger, knowledge=self.knowledge)
+        self.begun = views, ledger.age.value, ledger.effective.value
+
+    def _end(self, ledger: Ledger) -> None:
+        if self.begun and self.driven:
+            views, age, effective = self.begun
+            # All legs need the same functions, so that they count as one.
+            whole = replace(self.driven, legs=(replace(self.driven.legs[0], duration=self.driven.duration,
+                                                       distance=self.driven.distance),))  # fmt: skip
+            gone, aged = ledger.age.value - age, ledger.effective.value - effective
+            self.actual = {
+                view: completion_of_steps(views[view], whole, _observed(self.monitor.plant, gone, aged, whole, view))
+                for view in VIEWS
+            }
+            self.begun = None
+
+    def record(self) -> TaskRecord:
+        """What became of it."""
+        begin, end = (self.done.start, self.done.end) if self.done else (None, None)
+        arrived = self.plan.time if self.plan else None
+        return TaskRecord(arrived, begin, end, self.planned, self.predicted, self.driven, self.actual)
+
+
+def _pairs(told: Sequence[PlannedTask | DoneTask]) -> list[tuple[PlannedTask | None, DoneTask | None]]:
+    """Each done task with the plan of the same robot that came nearest to its start; each plan once.
+
+    Not with the last: the next plan may come while a task is under way.
+    """
+    waiting: dict[str, list[PlannedTask]] = {}
+    found: list[tuple[PlannedTask | None, DoneTask | None]] = []
+    for task in told:
+        robot = task.topic.rpartition("/")[0]
+        if isinstance(task, PlannedTask):
+            waiting.setdefault(robot, []).append(task)
+            continue
+        fits = [plan for plan in waiting.get(robot, []) if plan.time < task.end and len(plan.legs) == len(task.legs)]
+        plan = min(fits, key=lambda plan: abs(plan.time - task.start), default=None)
+        if plan:
+            waiting[robot].remove(plan)
+        found.append((plan, task))
+    found += [(plan, None) for plans in waiting.values() for plan in plans]
+    return sorted(found, key=lambda pair: pair[0].time if pair[0] else pair[1].start if pair[1] else 0)
+
+
+def _planned(plan: PlannedTask, speed: float | None, functions: Sequence[str]) -> Task | None:
+    """None where a leg has no speed."""
+    legs = []
+    for leg in plan.legs:
+        at = leg.speed or speed
+        if at is None:
+            return None
+        legs.append((leg.distance / at / 3600, leg.distance))
+    return _task(legs, functions)
+
+
+def _task(legs: Iterable[tuple[float, float]], functions: Sequence[str]) -> Task:
+    return Task(tuple(Leg(duration, distance, functions=tuple(functions)) for duration, distance in legs))
+
+
+def _observed(plant: Plant, gone: Array, aged: Array, task: Task, view: View) -> Steps:
+    """What the robot's sensors say that a task added; as told where nothing measures the distance."""
+    factor = np.divide(aged, gone, out=np.ones_like(gone), where=gone > 0)
+    told = [mode.clock == "kilometres" and mode.measured_clock is None for mode in plant.robot.modes]
+    gone = np.where(told, task.distance / 1000, gone)
+    return Steps(gone[:, None], (factor * gone if view == "sensor_based" else gone)[:, None])

@@ -1,0 +1,203 @@
+"""References, quantities and kinds, by what they mean to a reader of schematics."""
+
+import random
+
+import pytest
+
+from robophm.design.bom import read_parts
+from robophm.design.bom.parts import Described, recognise, with_points
+from robophm.design.bom.references import MOST_REFERENCES, ReferencesError, compressed, expand
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("C1-C4", "C1 C2 C3 C4"),
+        ("R1,R2,R5-R7", "R1 R2 R5 R6 R7"),
+        ("C1 C2", "C1 C2"),
+        ("C1;C2\nC3", "C1 C2 C3"),
+        ("C1 – C3, U2", "C1 C2 C3 U2"),
+        ("C1..C3", "C1 C2 C3"),
+        ("R08-R11", "R08 R09 R10 R11"),
+        ("R1-C4", "R1-C4"),
+        ("J1-A, J1-B", "J1-A J1-B"),
+        ("U1A", "U1A"),
+        ("", ""),
+    ],
+)
+def test_references(text, found):
+    assert list(expand(text)) == found.split()
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("R1-R999999999", "at most 10,000 references, not the 999,999,999"),
+        ("C9-C2", "a range that ascends"),
+        ("R1-R6000, R1-R6000", "at most 10,000"),
+        (" ".join(f"R{i}" for i in range(10_001)), "at most 10,000"),
+    ],
+)
+def test_wrong_references(text, expected):
+    with pytest.raises(ReferencesError, match=expected):
+        expand(text)
+
+
+def test_compressed_lists_expand_to_the_same():
+    draw = random.Random(1)
+    for _ in range(200):
+        references = tuple(
+            f"{draw.choice('RC')}{draw.choice(['', '0'])}{draw.randrange(30)}" for _ in range(draw.randrange(20))
+        )
+        assert expand(compressed(references)) == references
+    assert compressed(("R1", "R2", "R5", "R6", "R7")) == "R1, R2, R5-R7"
+    assert len(expand(f"R1-R{MOST_REFERENCES}")) == MOST_REFERENCES
+
+
+@pytest.mark.parametrize(
+    ("cell", "quantity"),
+    [
+        ("3", 3),
+        ("3.0", 3),
+        ("3,0", 3),
+        ("x3", 3),
+        ("3 pcs", 3),
+        ("5 Stk.", 5),
+        ("", 2),
+        ("-3", None),
+        ("1e99", None),
+        ("ten", None),
+        ("2.5", None),
+        ("99999999999999999999", None),
+        ("100001", None),
+        ("²", None),
+        ("٣", None),
+        ("1" * 5000, None),
+    ],
+)
+def test_quantities(tmp_path, cell, quantity):
+    path = tmp_path / "list.csv"
+    path.write_text(f"Reference;Value;Qty\nQ1,Q2;x;{cell}\nR1;10k;1\n", encoding="utf-8")
+    read = read_parts(path)
+    assert read.parts[-1].references == ("R1",)  # a faulty row does not block the rest
+    if quantity is None:
+        assert [(error.row, error.column, error.value) for error in read.errors] == [(2, "Qty", cell[:80])]
+        assert "whole number" in read.errors[0].expected
+    else:
+        assert (read.parts[0].quantity, read.errors) == (quantity, ())
+
+
+@pytest.mark.parametrize(
+    ("header", "cells", "fitted"),
+    [
+        ("DNP", "DNP", False),
+        ("DNP", "", True),
+        ("DNP", "0", True),
+        ("DNP", "x", False),
+        ("Fitted", "Not Fitted", False),
+        ("Fitted", "Fitted", True),
+        ("Populate", "0", False),
+        ("Populate", "1", True),
+        ("Notes", "do not populate", False),
+        ("Notes", "DNF on rev A", False),
+        ("Notes", "NP0 only", True),
+        ("Bestückt", "nein", False),
+        ("Notes", "N.B.", False),
+    ],
+)
+def test_what_is_not_fitted_is_left_out_and_said(tmp_path, header, cells, fitted):
+    path = tmp_path / "list.csv"
+    path.write_text(f"Reference,Value,{header}\nC1,100 NF,{cells}\nC2,1u,\n", encoding="utf-8")
+    read = read_parts(path)
+    assert [part.references[0] for part in read.parts] == (["C1", "C2"] if fitted else ["C2"])
+    assert len(read.left_out) == (0 if fitted else 1)
+
+
+@pytest.mark.parametrize(
+    ("reference", "cells", "kind", "facts"),
+    [
+        (
+            "C1",
+            {"value": "100nF", "footprint": "0603", "description": "X7R 50V"},
+            "capacitor",
+            {"capacitance": "100 nF", "dielectric": "X7R", "type": "ceramic", "rated_voltage": "50 V", "size": "0603"},
+        ),
+        ("C1", {"value": "4u7"}, "capacitor", {"capacitance": "4.7 uF"}),
+        ("C1", {"value": "4n7F 1kV"}, "capacitor", {"capacitance": "4.7 nF", "rated_voltage": "1 kV"}),
+        (
+            "C1",
+            {"value": "10 µ/6V3 Tantal"},
+            "capacitor",
+            {"capacitance": "10 uF", "rated_voltage": "6.3 V", "type": "tantalum"},
+        ),
+        ("C1", {"value": "100n", "footprint": "Capacitor_SMD:C_0201_0603Metric"}, "capacitor", {"size": "0201"}),
+        ("C1", {"value": "100", "footprint": "C_0603"}, "capacitor", {"capacitance": None}),
+        ("C1", {"value": "1F", "description": "Supercap 5.5V"}, "supercapacitor", {"capacitance": "1 F"}),
+        (
+            "R1",
+            {"value": "10k", "footprint": "0603", "description": "1%"},
+            "resistor",
+            {"resistance": "10 kohm", "tolerance": "1 %", "rated_power": "0.1 W"},
+        ),
+        ("R1", {"value": "4R7"}, "resistor", {"resistance": "4.7 ohm"}),
+        ("R1", {"value": "0R"}, "resistor", {"resistance": "0 ohm"}),
+        ("R1", {"value": "100"}, "resistor", {"resistance": "100 ohm"}),
+        (
+            "R1",
+            {"value": "1M 1/4W wirewound"},
+            "resistor",
+            {"resistance": "1 Mohm", "rated_power": "0.25 W", "type": "wirewound"},
+        ),
+        ("R1", {"value": "10k", "description": "Resistor for the LED driver"}, "resistor", {}),
+        ("R5", {"value": "10k", "description": "NTC thermistor"}, "thermistor", {}),
+        ("RV1", {"value": "10k", "footprint": "Potentiometer_THT:Bourns"}, "potentiometer", {}),
+        ("RV1", {"value": "S14K275"}, "", {}),
+        ("D1", {"value": "1N4148"}, "diode", {}),
+        ("D1", {"value": "RED", "footprint": "LED_SMD:LED_0603"}, "led", {}),
+        ("D2", {"value": "BAT54", "description": "Schottky diode"}, "schottky diode", {}),
+        ("D3", {"value": "BZX84", "description": "Zener 5V1"}, "zener diode", {"rated_voltage": "5.1 V"}),
+        ("Q1", {"value": "BSS138", "description": "N-Channel MOSFET"}, "fet", {}),
+        ("Q2", {"value": "BC847", "description": "NPN"}, "bipolar transistor", {}),
+        (
+            "U1",
+            {"value": "DRV8825", "description": "Motor driver", "footprint": "HTSSOP-28"},
+            "microcircuit",
+            {"pins": "28"},
+        ),
+        ("", {"value": "DRV8825", "description": "Stepper motor driver"}, "microcircuit", {}),
+        ("U2", {"value": "PC817", "description": "Optocoupler"}, "optocoupler", {}),
+        ("J1", {"value": "Conn_01x04", "description": "Battery connector"}, "connector", {"pins": "4"}),
+        ("Y1", {"value": "16MHz"}, "crystal", {"frequency": "16 MHz"}),
+        ("X1", {"value": "16MHz", "footprint": "Crystal:Crystal_SMD_3225"}, "crystal", {}),
+        ("X1", {"value": "MKDS", "description": "Schraubklemme 3-polig"}, "connector", {}),
+        ("X1", {"value": "X"}, "", {}),
+        ("T1", {"value": "BC547"}, "", {}),
+        ("F1", {"value": "500mA", "description": "PTC resettable fuse"}, "fuse", {"rated_current": "500 mA"}),
+        ("L1", {"value": "10uH 2A"}, "inductor", {"inductance": "10 uH", "rated_current": "2 A"}),
+        ("K1", {"value": "G5V", "description": "Solid state relay"}, "solid state relay", {}),
+        ("SW1", {"value": "SW_Push"}, "switch", {}),
+        ("TP1", {"value": "TestPoint"}, "no part", {}),
+        ("FB1", {"value": "600R@100MHz"}, "ferrite bead", {}),
+        ("ZZ9", {"value": "thing"}, "", {}),
+        ("", {"value": "Gleichstrommotor", "description": "DC motor 24 V"}, "motor", {}),
+    ],
+)
+def test_kinds_and_facts(reference, cells, kind, facts):
+    found = recognise((reference,) if reference else (), Described(**cells))
+    assert found.kind == kind
+    assert {name: found.facts.get(name) for name in facts} == facts
+
+
+@pytest.mark.parametrize(
+    ("text", "comma", "point"),
+    [
+        ("4,7 µF", "4.7 µF", "4.7 µF"),
+        ("1.000 pF", "1000 pF", "1.000 pF"),
+        ("1,000 pF", "1.000 pF", "1000 pF"),
+        ("0603,1%", "0603,1%", "0603,1%"),
+        ("4.7k", "4.7k", "4.7k"),
+        ("0,125 W", "0.125 W", "0,125 W"),
+    ],
+)
+def test_decimal_commas(text, comma, point):
+    assert (with_points(text, ","), with_points(text, ".")) == (comma, point)

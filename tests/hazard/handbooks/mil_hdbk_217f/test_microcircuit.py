@@ -1,0 +1,232 @@
+"""MIL-HDBK-217F Notice 2 §5.1 and what chapter 5 shares: worked examples of §5.13 and the second transcription."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from robophm.core.errors import ModelError
+from robophm.hazard.handbooks import handbook_model
+from robophm.hazard.handbooks.mil_hdbk_217f.microcircuit import (
+    CASE_TEMPERATURE,
+    ENVIRONMENT,
+    FAMILY,
+    PACKAGE,
+    QUALITY,
+    linear,
+    logic,
+    processor,
+    programmable,
+)
+
+CASES = json.loads((Path(__file__).parents[3] / "data" / "microcircuit.json").read_text())["cases"]
+LOGIC, LINEAR, PROCESSOR, PROGRAMMABLE, MEMORY, VHSIC, GAAS, HYBRID = (
+    handbook_model(f"mil_hdbk_217f.microcircuit.{name}")
+    for name in ("logic", "linear", "processor", "programmable", "memory", "vhsic", "gaas", "hybrid")
+)
+CHIP = {
+    "package": "DIP-hermetic", "pins": 14, "power": "0 W", "case_temperature": "25 degC",
+    "years_in_production": "2 year", "quality": "B", "environment": "GB",
+}  # fmt: skip
+PLAIN_VHSIC = {
+    "style": "logic", "die_area": "1 cm^2", "feature_size": "1 um", "package": "DIP-hermetic", "pins": 14,
+    "power": "0 W", "environment": "GB",
+}  # fmt: skip
+OURS = {
+    "ex_flotox_eeprom": (MEMORY, CHIP, {"C1": "C1", "A1": "A1", "B1": "B1"}),
+    "ex_gaas_mmic": (GAAS, CHIP, {"C1": "C1", "piT": "πT", "C2": "C2"}),
+    "ex_hybrid_linear": (HYBRID, {}, {}),
+    "ramstk_vhsic_EOS": (VHSIC, PLAIN_VHSIC, {}),
+}
+
+
+def given(published):
+    """The inputs of a published case as ours; a name that is not known fails."""
+    ours = {}
+    for name, value in published.items():
+        match name:
+            case "type":
+                known = {"MOS EEPROM flotox": {"style": "MOS-EEPROM-flotox"}, "GaAs MMIC": {}}
+                ours |= known[value]
+            case "bits":
+                ours["bits"] = f"{value} bit"
+            case "cycles":
+                ours["programming_cycles"] = f"{value} cycle"
+            case "package":
+                ours["package"] = {"dip_glass_seal": "DIP-glass", "flatpack": "flatpack"}[value]
+            case "TJ_C":
+                ours |= {"case_temperature": f"{value} degC", "power": "0 W"}
+            case "years_in_production":
+                ours[name] = f"{value} year"
+            case "ecc":
+                ours["error_correction"] = value
+            case "application":
+                ours["application"] = {"unknown (piA 3)": "unknown"}[value]
+            case "function":
+                ours["function"] = value.split()[0]
+            case "sum_Nc_lambda_c":
+                ours["component_rate"] = f"{value} FPMH"
+            case "VTH_V":
+                ours["discharge_threshold"] = f"{value} V"
+            case "pins" | "elements" | "quality" | "environment":
+                ours[name] = value
+            case _:
+                pytest.fail(f"the published input '{name}' is not known here")
+    return ours
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
+def test_published(case, answers, factors):
+    model, plain, symbols = OURS[case["name"]]
+    inputs = dict(case["inputs"])
+    symbol = {None: None, "lambda_EOS": "λEOS"}[inputs.pop("factor", None)]
+    inputs = {**plain, **given(inputs)}
+    answers(model, case, inputs, symbol)
+    found = factors(model, model.settle(inputs))
+    for name, printed in case.get("intermediate", {}).items():  # two printed digits
+        if name == "lambda_cyc":
+            assert found["A1"] * found["B1"] * found["πECC"] == pytest.approx(printed, abs=0.0055)
+        else:
+            assert found[symbols[name]] == pytest.approx(printed, rel=0.02)
+
+
+def test_the_cases_are_all_there(as_published):
+    assert len(CASES) == 4
+    as_published(CASES, "5.13", "5.3")
+
+
+def test_shared_tables_agree_row_by_row(second):
+    theirs = second("microcircuits")
+    assert dict(ENVIRONMENT) == theirs["piE"]
+    assert {key: value for key, value in QUALITY.items() if key != "custom"} == {
+        key.removesuffix("_unknown"): value for key, value in theirs["piQ"].items() if key != "custom"
+    }
+    forms = {
+        "hermetic": "hermetic_dip_solder_weld_seal_PGA_SMT", "glass": "dip_glass_seal", "can": "can",
+        "plastic": "nonhermetic_DIP_PGA_SMT", "flatpack": "flatpack_axial_leads",
+    }  # fmt: skip
+    cases = {"DIP": "DIP", "PGA": "PGA", "SMT": "chip_carrier", "flatpack": "flatpack", "can": "can"}
+    for name, (a, b, large, small) in PACKAGE.rows.items():
+        kind, _, seal = name.partition("-")
+        assert [a, b] == theirs["C2"][forms[seal or kind]]
+        resistances = theirs["thetaJC_default_C_per_W"][cases[kind]]
+        assert [None if math.isnan(large) else large, small] == resistances
+    energies = {
+        family: value for families, value in theirs["Ea_eV"].items() for family in families.split("_") if value < 0.65
+    }
+    aliases = {"CMOS": "CMOS", "MOS": "MOS"}
+    for family, (energy, _) in FAMILY.rows.items():
+        assert energies[aliases.get(family, {"bipolar": "TTL"}.get(family, family))] == energy
+    assert set(FAMILY) - {"bipolar"} == set(energies) - {"digital", "VHSIC", "memories"}
+    assert {f for f in FAMILY if FAMILY.cell(f, "MOS")} == {"CMOS", "MOS", "BiCMOS"}
+
+
+def test_default_case_temperatures_agree(shared, second):
+    from ruamel.yaml import YAML
+
+    theirs = YAML(typ="safe").load(shared / "handbook" / "tables" / "environments.yaml")
+    assert dict(CASE_TEMPERATURE) == theirs["default_case_temperature_C"]
+
+
+def test_complexity_agrees_row_by_row(second):
+    theirs = second("microcircuits")
+    for column, name in (("bipolar", "bipolar"), ("MOS", "mos")):
+        for table, rows in (
+            (logic.DIE, theirs["C1_digital_gates"][name]),
+            (processor.DIE, theirs["C1_microprocessor_bits"][name]),
+        ):
+            assert [[int(k), table.cell(k, column)] for k in table] == [row[-2:] for row in rows]
+    assert [[int(k), v] for k, v in linear.DIE.items()] == theirs["C1_linear_transistors"]
+    assert [[int(k), v] for k, v in programmable.BIPOLAR.items()] == theirs["C1_pla_gates"]["bipolar"]
+    assert [[int(k), v] for k, v in programmable.MOS.items()] == theirs["C1_pla_gates"]["mos"]
+
+
+@pytest.mark.parametrize(
+    ("model", "inputs", "expected"),
+    [
+        (LOGIC, {"family": "TTL", "gates": 100}, 0.0025), (LOGIC, {"family": "TTL", "gates": 101}, 0.005),
+        (LOGIC, {"family": "CMOS", "gates": 60000}, 0.29), (LOGIC, {"family": "BiCMOS", "gates": 1}, 0.01),
+        (LINEAR, {"transistors": 300}, 0.02), (LINEAR, {"transistors": 301}, 0.04),
+        (PROCESSOR, {"family": "CMOS", "bits": "8 bit"}, 0.14), (PROCESSOR, {"family": "CMOS", "bits": "9 bit"}, 0.28),
+        (PROCESSOR, {"family": "bipolar", "bits": "32 bit"}, 0.24),
+        (PROGRAMMABLE, {"family": "MOS", "gates": 20000}, 0.0068),
+        (PROGRAMMABLE, {"family": "TTL", "gates": 5000}, 0.042),
+    ],
+)  # fmt: skip
+def test_complexity(model, inputs, expected, factors):
+    assert factors(model, model.settle({**CHIP, **inputs}))["C1"] == expected
+
+
+@pytest.mark.parametrize(
+    ("model", "inputs", "message"),
+    [
+        (LOGIC, {"family": "CMOS", "gates": 60001}, "gates 60001 is outside 1 … 60000"),
+        (LINEAR, {"transistors": 10001}, "transistors 10001 is outside 1 … 10000"),
+        (PROCESSOR, {"family": "CMOS", "bits": "64 bit"}, "bits 64 bit is outside 1 … 32 bit"),
+        (PROGRAMMABLE, {"family": "MOS", "gates": 20001}, "gates 20001 is outside 1 … 20000"),
+        (PROGRAMMABLE, {"family": "TTL", "gates": 5001}, "C1 is outside the handbook's range: bipolar array"),
+    ],
+)  # fmt: skip
+def test_larger_circuits_have_no_model(model, inputs, message):
+    with pytest.raises(ModelError, match=message):
+        model.settle({**CHIP, **inputs})
+
+
+def test_a_microcontroller_by_hand():
+    """STM32F407: CMOS of 32 bits, 100 pins of plastic, 0.3 W at 50 °C in GM; C2 = 3.6e-4 · 100^1.08, θJC 20 K/W."""
+    inputs = PROCESSOR.settle({
+        "family": "CMOS", "bits": "32 bit", "package": "LQFP", "pins": 100, "power": "0.3 W",
+        "years_in_production": "12 year", "environment": "GM",
+    })  # fmt: skip
+    pi_t = 0.1 * math.exp(-0.35 / 8.617e-5 * (1 / (50 + 20 * 0.3 + 273) - 1 / 298))
+    expected = (0.56 * pi_t + 3.6e-4 * 100**1.08 * 4) * 10 * 1 * 1e-6
+    assert PROCESSOR.evaluate(inputs).value == pytest.approx(expected, rel=1e-14)
+
+
+def test_temperature_factor_is_a_tenth_at_25_degrees(factors):
+    for family in FAMILY:
+        assert factors(LOGIC, LOGIC.settle({**CHIP, "family": family, "gates": 1}))["πT"] == 0.1
+    assert factors(LINEAR, LINEAR.settle({**CHIP, "transistors": 1}))["πT"] == 0.1
+
+
+@pytest.mark.parametrize(
+    ("years", "expected"),
+    [(0, 2.0), (0.1, 2.0), (0.5, 0.01 * math.exp(5.175)), (1, 0.01 * math.exp(5.0)), (2, 1.0), (30, 1.0)],
+)
+def test_learning(years, expected, factors):
+    inputs = LINEAR.settle({**CHIP, "transistors": 1, "years_in_production": f"{years} year"})
+    assert factors(LINEAR, inputs)["πL"] == pytest.approx(expected, rel=1e-15)
+
+
+def test_custom_screening(factors):
+    inputs = {**CHIP, "transistors": 1, "quality": "custom"}
+    assert factors(LINEAR, LINEAR.settle({**inputs, "screening_points": 87}))["πQ"] == 3
+    with pytest.raises(ModelError, match="quality custom needs 'screening_points'"):
+        LINEAR.settle(inputs)
+
+
+def test_the_junction_is_warmer_than_the_case(factors):
+    inputs = {**CHIP, "transistors": 1, "power": "2 W"}
+
+    def at(**others):
+        return factors(LINEAR, LINEAR.settle({**inputs, **others}))["πT"]
+
+    def junction(celsius):
+        return 0.1 * math.exp(-0.65 / 8.617e-5 * (1 / (celsius + 273) - 1 / 298))
+
+    assert at() == pytest.approx(junction(25 + 28 * 2), rel=1e-14)
+    assert at(die="large") == pytest.approx(junction(25 + 11 * 2), rel=1e-14)
+    assert at(thermal_resistance="5 K/W") == pytest.approx(junction(25 + 5 * 2), rel=1e-14)
+    del inputs["case_temperature"]
+    assert at(environment="GM", thermal_resistance="5 K/W") == pytest.approx(junction(50 + 5 * 2), rel=1e-14)
+    with pytest.raises(ModelError, match="package can with a large die needs 'thermal_resistance'"):
+        at(package="can", die="large")
+
+
+def test_a_junction_that_is_too_hot_is_refused_in_a_design_and_flagged_live():
+    with pytest.raises(ModelError, match="πT is outside the handbook's range: junction at 305 °C of at most 175"):
+        LINEAR.settle({**CHIP, "transistors": 1, "power": "10 W"})
+    design = LINEAR.settle({**CHIP, "transistors": 1})
+    assert LINEAR.evaluate({**design, "power": np.array([0.0, 5.0, 6.0])}).extrapolated.tolist() == [False, False, True]

@@ -1,0 +1,42 @@
+"""MIL-HDBK-217F Notice 2 §5.4 against the second transcription; its worked example is in test_microcircuit."""
+
+import math
+
+import numpy as np
+import pytest
+
+from robophm.core.errors import ModelError
+from robophm.hazard.handbooks import handbook_model
+from robophm.hazard.handbooks.mil_hdbk_217f.microcircuit.gaas import APPLICATION, DIGITAL, MMIC
+
+GAAS = handbook_model("mil_hdbk_217f.microcircuit.gaas")
+PLAIN = {
+    "application": "digital", "elements": 1000, "package": "flatpack", "pins": 16, "power": "0 W",
+    "case_temperature": "150 degC", "years_in_production": "2 year", "quality": "B", "environment": "GB",
+}  # fmt: skip
+
+
+def test_tables_agree_row_by_row(second):
+    theirs = second("microcircuits")
+    assert [[int(k), v] for k, v in MMIC.items()] == theirs["C1_gaas"]["mmic_elements"]
+    assert [[int(k), v] for k, v in DIGITAL.items()] == theirs["C1_gaas"]["digital_elements"]
+    assert list(APPLICATION.values()) == list(theirs["gaas_piA"].values())
+    energies = theirs["Ea_eV"]
+    assert [APPLICATION.cell(a, "Ea") for a in APPLICATION] == [energies["GaAs_MMIC"]] * 2 + [energies["GaAs_digital"]]
+
+
+def test_by_hand_at_the_reference():
+    """150 °C is 423 K: πT 0.1, for digital and MMIC."""
+    package = 3.0e-5 * 16**1.82 * 0.5
+    assert GAAS.evaluate(GAAS.settle(PLAIN)).value == pytest.approx((25 * 0.1 + package) * 1e-6, rel=1e-14)
+    driver = GAAS.settle({**PLAIN, "application": "MMIC", "elements": 101})
+    assert GAAS.evaluate(driver).value == pytest.approx((7.2 * 0.1 * 3 + package) * 1e-6, rel=1e-14)
+    cold = GAAS.settle({**PLAIN, "case_temperature": "65 degC"})
+    pi_t = 0.1 * math.exp(-1.4 / 8.617e-5 * (1 / 338 - 1 / 423))
+    assert GAAS.evaluate(cold).value == pytest.approx((25 * pi_t + package) * 1e-6, rel=1e-14)
+
+
+def test_a_larger_mmic_has_no_model():
+    with pytest.raises(ModelError, match="C1 is outside the handbook's range: MMIC by elements, at most 1000"):
+        GAAS.settle({**PLAIN, "application": "MMIC", "elements": 1001})
+    assert not np.any(GAAS.evaluate(GAAS.settle({**PLAIN, "elements": 10000})).extrapolated)
