@@ -24,7 +24,8 @@ def test_it_installs_anywhere(wheel):
 
 def test_it_holds_what_is_needed_at_run_time(wheel):
     names = set(zipfile.ZipFile(wheel).namelist())
-    for needed in ("py.typed", "design/robot.schema.json", "examples/ota/robot.yaml", "examples/ota/guide.yaml"):
+    examples = (f"examples/ota/{name}.yaml" for name in ("robot", "guide", "handbook"))
+    for needed in ("py.typed", "design/robot.schema.json", *examples):
         assert f"robophm/{needed}" in names
     assert not {name for name in names if name.startswith(("tests", "benchmarks"))}
 
