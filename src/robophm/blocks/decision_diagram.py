@@ -82,6 +82,23 @@ class DecisionDiagram:
             change[rows] = works[x] * change[high] + b[x] * change[low] + c[x] * differ[pair]
         return failed[self._root], change[self._root], differ[self._root_works]
 
+    def sensitivity(self, failed: Array, works: Array) -> Array:
+        """Of each variable, P(the system works if it does, and has failed if it has); shape (variables, columns)."""
+        nodes, pairs = self._size
+        differ = np.zeros((pairs, failed.shape[1]))
+        differ[1] = 1.0
+        for x, rows, (high, low) in self._pairs:
+            differ[rows] = works[x] * differ[high] + failed[x] * differ[low]
+        reached = np.zeros((nodes, failed.shape[1]))  # probability that the decisions lead to a node
+        reached[self._root] = 1.0
+        found = np.zeros_like(failed)
+        for x, rows, (high, low, pair) in reversed(self._nodes):
+            here = reached[rows]
+            found[x] += (here * differ[pair]).sum(axis=0)
+            np.add.at(reached, high, here * works[x])
+            np.add.at(reached, low, here * failed[x])
+        return found
+
 
 class Difference:
     """What separates two coherent structures of the same independent variables, the second of which implies the first.

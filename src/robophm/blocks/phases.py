@@ -18,8 +18,9 @@ import numpy as np
 
 from robophm.blocks.decision_diagram import Array, Difference
 from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
+from robophm.blocks.folding import in_series
 from robophm.blocks.graph import ALL, ANY, UNIT, Gate, graph, modules
-from robophm.blocks.reliability import AT_ONCE, Structure, Transition, fold
+from robophm.blocks.reliability import AT_ONCE, Structure, Transition
 
 Needs = Mapping[int, int]
 """Nodes that must work, and at the end of which phase; phase 0 ends now."""
@@ -118,9 +119,10 @@ class Phases:
             for (difference, groups), rows in zip(self._shapes.values(), index, strict=True):
                 one = difference.evaluate(failed[rows].reshape(len(rows), -1), works[rows].reshape(len(rows), -1))
                 outcomes.append(one.reshape(3, len(groups), -1))
-            b, c, s = np.concatenate(outcomes, axis=1)
-            found[:, columns] = fold(len(b), b, c, s, s + c, b + c)
-        return Transition(*found.reshape(3, *shape))
+            lost, fails, survives = np.concatenate(outcomes, axis=1)
+            found[:, columns] = in_series(np.stack((lost, survives, fails)))
+        failed, works, change = found.reshape(3, *shape)
+        return Transition(failed, change, works)
 
     @cached_property
     def _stretches(self) -> list[_Stretch]:

@@ -4,29 +4,23 @@ Nothing is ever subtracted: what works and what has failed are carried side by s
 1e-30 of either kind has all its digits. One rule covers the failure density and the failures in a task: let
 the units before i be as of now and those after i as of the end, for each i; going from the end to now, the
 system changes at exactly one unit, and c = Σᵢ cᵢ · P(i makes the difference) is a sum of positive terms.
-
-Modules, whose parts are used nowhere else, are folded; what shares parts is decided jointly.
 """
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
-from collections.abc import Callable, Sequence
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
 from functools import partial
-from itertools import count
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from robophm.blocks.decision_diagram import Array, DecisionDiagram
+from robophm.blocks.decision_diagram import Array
 from robophm.blocks.diagram import Block
-from robophm.blocks.graph import ALL, ANY, UNIT, Gate, graph, modules
-from robophm.core.errors import StructureError
-
-Rows = NDArray[np.intp]
-Solve = Callable[[Array, Array, Array, Array, Array], tuple[Array, Array, Array]]
-"""(b, c, s, works now, failed at the end) of the inputs, along the first axis → (b, c, s) of the block."""
+from robophm.blocks.folding import FAILED, WORKS, Call, at_least, exactly, merging, sides
+from robophm.blocks.plan import Decision, Fold, Plan, Rows
+from robophm.core.errors import StructureError, nearest
 
 AT_ONCE = 200_000
 """Numbers that one array may hold, so that it stays in cache; more columns take turns."""
@@ -63,19 +57,23 @@ class Transition(NamedTuple):
 class Structure:
     """A block diagram prepared once and evaluated many times; exact for any nesting and any sharing of parts.
 
-    Of several diagrams, which share no parts, every result has one more axis, the first: the diagrams.
+    Of several diagrams, which share no parts, every result has one more axis, the first: the diagrams. Where
+    ``kinds`` are given, a number from 0 on for each of ``names``, units of a kind are alike, and every array below has
+    a row for each kind instead: equal blocks are then solved once, however many there are.
     Raises StructureError where the shared parts are too many to solve exactly (decision_diagram.LIMIT).
     """
 
     names: tuple[str, ...]
     """The distinct units in drawing order: row i of every array below is unit i."""
 
-    def __init__(self, *diagrams: Block) -> None:
-        plan = _Plan(diagrams)
-        self.names = tuple(plan.names)
-        self._steps, self._rows = plan.steps(), plan.rows
-        self._systems: list[int] | int = plan.systems if len(diagrams) > 1 else plan.systems[0]
-        self._width = max(self._rows, *(step.size for step in self._steps), 1)
+    def __init__(self, *diagrams: Block, kinds: Sequence[int] | None = None) -> None:
+        self._plan = Plan(*diagrams, kinds=kinds)
+        self.names = self._plan.names
+        self._inputs = len(self.names) if kinds is None else max(kinds) + 1
+        self._rows = slice(None) if kinds is None else self._plan.units
+        self._systems: Rows | int = self._plan.systems if len(diagrams) > 1 else int(self._plan.systems[0])
+        wide = (step.diagram.size for step in self._plan.steps if isinstance(step, Decision))
+        self._width = max(self._plan.rows, *wide, 1)
 
     def state(self, works: ArrayLike, failed: ArrayLike, density: ArrayLike = 0.0) -> State:
         """State of the system, shape (...), from the states of its units, shape (units, ...).
@@ -83,7 +81,7 @@ class Structure:
         ``works`` + ``failed`` = 1, each with its own digits; ``density`` [1/h] is finite. Trailing axes
         broadcast. Raises StructureError where a first axis is not the units.
         """
-        b, c, s = self._evaluate(failed, density, works, task=False)
+        b, s, c = self._evaluate(failed, works, density, task=False)
         return State(works=s, failed=b, density=c)
 
     def transition(self, before: ArrayLike, during: ArrayLike, after: ArrayLike) -> Transition:
@@ -93,150 +91,222 @@ class Structure:
         the three add up to 1. P(the system fails in the task | it works now) = fails / (fails + survives).
         Trailing axes broadcast. Raises StructureError where a first axis is not the units.
         """
-        return Transition(*self._evaluate(before, during, after, task=True))
+        b, s, c = self._evaluate(before, after, during, task=True)
+        return Transition(b, c, s)
 
-    def _evaluate(self, b: ArrayLike, c: ArrayLike, s: ArrayLike, task: bool) -> tuple[Array, Array, Array]:
-        n = len(self.names)
-        units = _broadcast(n, b, c, s)
-        shape = units.shape[2:]
-        units = units.reshape(3, n, -1)
-        several = (len(self._systems),) if isinstance(self._systems, list) else ()
-        system = np.empty((3, *several, units.shape[2]))
-        turn = max(1, AT_ONCE // self._width)
-        for start in range(0, units.shape[2], turn):
-            columns = units[:, :, start : start + turn]
-            rows = np.empty((3, self._rows, columns.shape[2]))
-            rows[:, :n] = columns
-            for step in self._steps:
-                failed, change, works = rows[:, step.inputs]
-                sides = (works + change, failed + change) if task else (works, failed)
-                rows[:, step.rows] = step.solve(failed, change, works, *sides)
-            system[..., start : start + turn] = rows[:, self._systems]
-        failed, change, works = system.reshape(3, *several, *shape)
-        return failed, change, works
+    def probability(self, works: ArrayLike, failed: ArrayLike) -> tuple[Array, Array]:
+        """P(works) and P(has failed) of the system, shape (...): a state without its density."""
+        b, s = self._evaluate(failed, works, task=False)
+        return s, b
+
+    def birnbaum(self, works: ArrayLike, failed: ArrayLike) -> Array:
+        """∂R/∂pᵢ of every unit, shape (units, ...): P(the system works if i does, and has failed if i has).
+
+        Of one diagram; of a kind, the sum over its units. One sweep back over a state; every term is positive.
+        """
+        columns, shape = self._columns(failed, works)
+        found = np.empty(columns.shape[1:])
+        for turn, rows in self._turns(columns, task=False):
+            found[:, turn] = self._back(rows)
+        return found.reshape(self._inputs, *shape)
+
+    def moment(self) -> Moment:
+        """What follows one system from moment to moment, and can be asked what one unit would change."""
+        return Moment(self._plan)
+
+    def _evaluate(self, *units: ArrayLike, task: bool) -> Sequence[Array]:
+        columns, shape = self._columns(*units)
+        several = (len(self._plan.systems),) if isinstance(self._systems, np.ndarray) else ()
+        system = np.empty((len(columns), *several, columns.shape[2]))
+        for turn, rows in self._turns(columns, task):
+            system[..., turn] = rows[:, self._systems]
+        return system.reshape(len(columns), *several, *shape)  # type: ignore[return-value]
+
+    def _columns(self, *units: ArrayLike) -> tuple[Array, tuple[int, ...]]:
+        """The units' numbers, shape (numbers, units, columns), and the shape that the columns had."""
+        stacked = _broadcast(self._inputs, *units)
+        return stacked.reshape(*stacked.shape[:2], -1), stacked.shape[2:]
+
+    def _turns(self, columns: Array, task: bool) -> Iterator[tuple[slice, Array]]:
+        """Columns taking turns, and the rows of each turn; they lie in one place, so that it stays in cache."""
+        total = columns.shape[2]
+        turn = max(1, min(total, AT_ONCE // self._width))
+        place = np.empty((len(columns), self._plan.rows, turn))
+        program = list(_program(self._plan, place, task))
+        for start in range(0, total, turn):
+            if start + turn > total:
+                place = place[:, :, : total - start].copy()
+                program = list(_program(self._plan, place, task))
+            place[:, self._plan.place] = columns[:, self._rows, start : start + turn]
+            for call in program:
+                call()
+            yield slice(start, start + turn), place
+
+    def _back(self, rows: Array) -> Array:
+        """Of every unit, how much the system's chance to work grows with its own; shape (units, columns)."""
+        weight = np.zeros(rows.shape[1:])
+        weight[self._systems] = 1.0
+        for step in reversed(self._plan.steps):
+            inputs = rows[:, step.start : step.out]
+            np.add.at(weight, step.made, weight[step.to])
+            if isinstance(step, Decision):
+                weight[step.start : step.out] = step.diagram.sensitivity(*inputs[:2]) * weight[step.out]
+            elif step.stages:
+                other = rows[WORKS] if step.k == step.n else rows[FAILED]
+                for left, right, out, size in reversed(step.stages):
+                    one, two, made = (slice(at, at + size) for at in (left, right, out))
+                    np.multiply(weight[made], other[two], out=weight[one])
+                    np.multiply(weight[made], other[one], out=weight[two])
+            else:
+                decides = exactly(step.k - 1, inputs.reshape(len(rows), step.n, -1))
+                weighed = decides.reshape(step.n, step.gates, -1) * weight[step.out : step.out + step.gates]
+                weight[step.start : step.out] = weighed.reshape(step.n * step.gates, -1)
+        found = np.zeros((self._inputs, rows.shape[2]))
+        np.add.at(found, self._plan.units, weight[self._plan.place])
+        return found
 
 
-class _Step(NamedTuple):
-    """Rows made from other rows: a decision diagram, or all the gates alike of one level at once."""
+class Moment:
+    """A system at one moment after the other: units are written into ``works``, ``failed`` and ``density``.
 
-    level: int
-    solve: Solve
-    inputs: Rows
-    rows: Rows | int
-    size: int  # numbers held per column
+    In what it is asked about one unit, only what hangs on that unit is made anew; answers are those of a full
+    evaluation to the last bit. Not to be shared by threads.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+        self._rows = np.zeros((3, plan.rows, 1))
+        self._program = list(_program(plan, self._rows, task=False))
+        self._system = int(plan.systems[0])
+        self._unit = {name: i for i, name in enumerate(plan.names)}
+        self._starts = [step.start for step in plan.steps]
+        self._paths: dict[str, list[_Merge | _Solve]] = {}
+        self._numbers: list[list[float]] = []
+
+    def set(self, works: Array, failed: Array, density: Array | float = 0.0) -> State:
+        """The system whose units are now as given, arrays of shape (units,)."""
+        place = self._plan.place
+        self._rows[WORKS, place, 0], self._rows[FAILED, place, 0], self._rows[2, place, 0] = works, failed, density
+        for call in self._program:
+            call()
+        self._numbers = []
+        return self.state
+
+    @property
+    def state(self) -> State:
+        """As it is."""
+        failed, works, density = self._rows[:, self._system, 0]
+        return State(works, failed, density)
+
+    def what_if(self, unit: str, works: float, failed: float, density: float = 0.0) -> State:
+        """As it would be if one unit were as given.
+
+        Raises StructureError where there is no such unit.
+        """
+        path = self._paths.get(unit)
+        if path is None:
+            if unit not in self._unit:
+                raise StructureError(f"no unit '{unit}'{nearest(unit, self._unit)}")
+            path = self._paths[unit] = list(self._path(int(self._plan.place[self._unit[unit]])))
+        if not self._numbers:
+            self._numbers = self._rows[:, :, 0].tolist()
+        all_failed, all_works, all_density = self._numbers
+        for step in path:
+            if isinstance(step, _Merge):
+                b, s, c = all_failed[step.other], all_works[step.other], all_density[step.other]
+                if step.first:
+                    if step.series:
+                        failed, works, density = works * b + failed, works * s, works * c + density * s
+                    else:
+                        failed, works, density = failed * b, failed * s + works, failed * c + density * b
+                elif step.series:
+                    failed, works, density = s * failed + b, s * works, s * density + c * works
+                else:
+                    failed, works, density = b * failed, b * works + s, b * density + c * failed
+            else:
+                inputs = self._rows[:, step.rows]
+                inputs[:, step.place, 0] = failed, works, density
+                failed, works, density = step(inputs)
+        return State(*np.array((works, failed, density)))
+
+    def _path(self, row: int) -> Iterator[_Merge | _Solve]:
+        """What hangs on a row, up to the system."""
+        while row != self._plan.systems[0]:
+            step = self._plan.steps[bisect_right(self._starts, row) - 1]
+            if isinstance(step, Decision) or not step.stages:
+                count = 1 if isinstance(step, Decision) else step.gates
+                place, gate = divmod(row - step.start, count)
+                yield _Solve(step, list(range(step.start + gate, step.out, count)), place)
+            else:
+                for left, right, out, size in step.stages:
+                    for one, other in ((left, right), (right, left)):
+                        if one <= row < one + size:
+                            yield _Merge(step.k == step.n, one == left, other + row - one)
+                            row = out + row - one
+                            break
+                gate = row - step.out
+            row = int(step.to[np.searchsorted(step.made, step.out + gate)]) if len(step.to) else step.out + gate
 
 
-class _Plan:
-    """How a diagram is solved: each module is a row of numbers, made from the rows of the modules in it."""
+def _program(plan: Plan, rows: Array, task: bool) -> Iterator[Call]:
+    """What makes every block from those in it; ``rows`` of (failed, works[, change]), shape (2 or 3, rows, columns)."""
+    widest = max((stage.size for step in plan.steps if isinstance(step, Fold) for stage in step.stages), default=0)
+    scratch = np.empty((widest, rows.shape[2]))
+    for step in plan.steps:
+        inputs = rows[:, step.start : step.out]
+        if isinstance(step, Decision):
+            yield partial(_decide, step, inputs, rows[:, step.out], task)
+            yield partial(_copy, rows, step.made, step.to)
+            continue
+        made = rows[:, step.out : step.out + step.gates]
+        if step.stages:
+            lost, held = (FAILED, WORKS) if step.k == step.n else (WORKS, FAILED)
+            for at, size in ((stage[:3], stage.size) for stage in step.stages):
+                one, other, out = (rows[:, start : start + size] for start in at)
+                yield from merging(one, other, out, scratch[:size], lost, held, task)
+        else:
+            by_gate = inputs.reshape(len(rows), step.n, -1)
+            yield partial(at_least, step.k, by_gate, made.reshape(len(rows), -1), task)
+        if len(step.to):
+            yield partial(_copy, rows, step.made, step.to)
 
-    def __init__(self, diagrams: Sequence[Block]) -> None:
-        self.names, self._gates, tops = graph(*diagrams)
-        if len(diagrams) > 1:
-            self._gates.append(Gate(ALL, tops))  # no system, but what they hang together by
-        self._module = modules(self._gates)
-        uses = Counter(node for gate in self._gates for node in gate.inputs)
-        self._own = [module and uses[node] == 1 for node, module in enumerate(self._module)]
-        self._level = [0] * len(self.names)  # of each row: how many steps lie below it
-        self._folds: dict[tuple[int, int, int], list[tuple[list[int], int]]] = defaultdict(list)
-        self._decisions: list[_Step] = []
 
-        self._row: dict[int, int] = {}  # of each module
-        units = count()
-        for node, gate in enumerate(self._gates):
-            if gate.k == UNIT:
-                self._row[node] = next(units)
-            elif self._module[node] and (len(diagrams) == 1 or gate is not self._gates[-1]):
-                self._row[node] = self._module_row(gate)
-        self.systems, self.rows = [self._row[top] for top in tops], len(self._level)
+class _Merge(NamedTuple):
+    """A row meets another in a pair."""
 
-    def steps(self) -> list[_Step]:
-        steps = self._decisions.copy()
-        for (level, k, n), gates in self._folds.items():
-            inputs, rows = np.array([ins for ins, _ in gates]).T, np.array([row for _, row in gates])
-            steps.append(_Step(level, partial(fold, k), inputs, rows, n * len(gates)))
-        return sorted(steps, key=lambda step: step.level)
+    series: bool
+    first: bool
+    other: int
 
-    def _module_row(self, gate: Gate) -> int:
-        """Inputs that only this gate uses are folded; those that share modules are decided jointly."""
-        own, shared = self._apart(gate)
-        rows = [self._row[node] for node in own]
-        if shared and gate.k > ANY:
-            return self._decide(gate)
-        return self._fold(gate.k, rows + [self._decide(Gate(gate.k, group)) for group in self._groups(shared)])
 
-    def _apart(self, gate: Gate) -> tuple[list[int], list[int]]:
-        """The inputs that may be folded apart, and the rest; a k-of-n counts all or none of them apart."""
-        own = [node for node in gate.inputs if self._own[node]]
-        if gate.k > ANY and len(own) < len(gate.inputs):
-            return [], list(gate.inputs)
-        return own, [node for node in gate.inputs if not self._own[node]]
+class _Solve(NamedTuple):
+    """A row is an input of a step that is done anew as a whole."""
 
-    def _groups(self, nodes: Sequence[int]) -> list[list[int]]:
-        """The nodes, together where they share a module."""
-        leader = {node: node for node in nodes}
+    step: Fold | Decision
+    rows: list[int]
+    """Of its inputs."""
+    place: int
+    """The row among them."""
 
-        def lead(node: int) -> int:
-            while leader[node] != node:
-                leader[node] = leader[leader[node]]
-                node = leader[node]
-            return node
+    def __call__(self, inputs: Array) -> tuple[float, float, float]:
+        """From inputs of shape (numbers, inputs, 1)."""
+        made = np.empty((len(inputs), 1))
+        if isinstance(self.step, Decision):
+            _decide(self.step, inputs, made, task=False)
+        else:
+            at_least(self.step.k, inputs, made, task=False)
+        failed, works, density = made[:, 0].tolist()
+        return failed, works, density
 
-        user: dict[int, int] = {}
-        for top in nodes:
-            todo = [top]
-            while todo:
-                node = todo.pop()
-                if node in user:
-                    leader[lead(top)] = lead(user[node])
-                    continue
-                user[node] = top
-                if not self._module[node]:
-                    todo += self._gates[node].inputs
-        groups: dict[int, list[int]] = defaultdict(list)
-        for node in nodes:
-            groups[lead(node)].append(node)
-        return list(groups.values())
 
-    def _fold(self, k: int, rows: list[int]) -> int:
-        """The row of a gate whose inputs are independent."""
-        if len(rows) == 1:
-            return rows[0]
-        level, row = self._next(rows)
-        self._folds[level, k or len(rows), len(rows)].append((rows, row))
-        return row
+def _copy(rows: Array, of: Rows, to: Rows) -> None:
+    rows[:, to] = rows[:, of]
 
-    def _decide(self, gate: Gate) -> int:
-        """The row of a gate whose inputs share modules: a decision diagram over the modules below."""
-        variables: dict[int, int] = {}  # row of each, in drawing order; ~node is all that only node uses
-        gates: dict[int, Gate] = {}
-        todo = list(reversed(gate.inputs))
-        while todo:
-            node = todo.pop()
-            if node in variables or node in gates:
-                continue
-            if self._module[node]:
-                variables[node] = self._row[node]
-                continue
-            gates[node] = top = self._gates[node]
-            own, shared = self._apart(top)
-            if len(own) > 1:
-                variables[~node] = self._fold(top.k, [self._row[i] for i in own])
-                gates[node] = Gate(top.k, [~node, *shared])
-            todo += reversed([i for i in gates[node].inputs if i >= 0])
-        place = {node: i for i, node in enumerate([*variables, *sorted(gates)])}
-        joint = [*(gates[node] for node in sorted(gates)), gate]
-        diagram = DecisionDiagram(
-            len(variables), [(k or len(inputs), [place[i] for i in inputs]) for k, inputs in joint]
-        )
-        rows = list(variables.values())
-        level, row = self._next(rows)
-        self._decisions.append(_Step(level, diagram.evaluate, np.array(rows), row, diagram.size))
-        return row
 
-    def _next(self, inputs: Sequence[int]) -> tuple[int, int]:
-        """Level and number of a new row that is made from the given ones."""
-        self._level.append(1 + max(self._level[row] for row in inputs))
-        return self._level[-1], len(self._level) - 1
+def _decide(step: Decision, inputs: Array, out: Array, task: bool) -> None:
+    change = inputs[2] if len(inputs) > 2 else np.zeros_like(inputs[0])
+    made = step.diagram.evaluate(inputs[FAILED], change, inputs[WORKS], *sides(inputs, task))
+    out[...] = np.stack((made[0], made[2], made[1]))[: len(inputs)]
 
 
 def _broadcast(n: int, *arrays: ArrayLike) -> Array:
@@ -248,41 +318,3 @@ def _broadcast(n: int, *arrays: ArrayLike) -> Array:
     axes = max(1, *(array.ndim for array in units))
     units = [array.reshape(array.shape + (1,) * (axes - array.ndim)) for array in units]
     return np.stack(np.broadcast_arrays(*units, np.empty((n,) + (1,) * (axes - 1)))[:-1])
-
-
-def fold(k: int, b: Array, c: Array, s: Array, works: Array, lost: Array) -> tuple[Array, Array, Array]:
-    """k of n independent inputs along the first axis, as (b, c, s); ``works`` now, ``lost`` at the end."""
-    if 2 * k > len(b) + 1:  # the dual is shorter: k work unless n + 1 - k have failed
-        s, c, b = fold(len(b) + 1 - k, s, c, b, lost, works)
-        return b, c, s
-    if k == 1:
-        before = _before(lost)
-        return b.prod(axis=0), (before * c * _before(b[::-1])[::-1]).sum(axis=0), (before * s).sum(axis=0)
-    now = np.zeros((k, *b.shape[1:]))  # now[j]: j < k of the inputs so far work now
-    now[0] = 1.0
-    end, change, survives = now.copy(), np.zeros_like(now), np.zeros(b.shape[1:])
-    for b_i, c_i, s_i, works_i, lost_i in zip(b, c, s, works, lost, strict=True):
-        survives += end[-1] * s_i
-        _count(change, s_i, lost_i)
-        change += now * c_i  # change[j]: j others work, and one makes the difference
-        _count(now, works_i, b_i)
-        _count(end, s_i, lost_i)
-    return now.sum(axis=0), change[-1], survives
-
-
-def _before(factors: Array) -> Array:
-    """Product of the factors before each, along the first axis."""
-    before = np.ones_like(factors)
-    if factors[0].size <= len(factors):
-        np.cumprod(factors[:-1], axis=0, out=before[1:])
-    else:  # the same products: cumprod walks down each column, which is slow where there are many
-        for i in range(1, len(factors)):
-            np.multiply(before[i - 1], factors[i - 1], out=before[i])
-    return before
-
-
-def _count(counts: Array, works: Array, failed: Array) -> None:
-    """One more input: counts[j] becomes the probability that j work."""
-    one_more = counts[:-1] * works
-    counts *= failed
-    counts[1:] += one_more
