@@ -87,7 +87,7 @@ def test_a_group_in_a_diagram_is_the_sum_over_all_that_may_happen(k):
         if 3 - len(hit) >= k:
             exact += np.prod([q if now else 1 - q for (_, q), now in zip(every, happened, strict=True)])
     group = Structure(KOutOfN(k, *(Series(*(str(parts) for parts, _ in every if i in parts)) for i in range(3))))
-    failed = np.array([dict((str(parts), q) for parts, q in every)[name] for name in group.names])
+    failed = np.array([{str(parts): q for parts, q in every}[name] for name in group.names])
     assert group.state(1 - failed, failed).works == pytest.approx(exact, rel=1e-13)
 
 
