@@ -136,6 +136,7 @@ class _Builder:
             path=design.name,
             functions=functions,
             causes=tuple(groups.causes),
+            groups=groups.groups,
             depends_on={path: expand.needs(path) for path in self.depends_on},
             usage=self._usage(),
             clocks=clocks,

@@ -23,6 +23,8 @@ class CommonCauses:
         self.components = components
         """By path; the failure modes of members keep what is their own."""
         self.causes: list[Component] = []
+        self.groups: dict[str, str] = {}
+        """Who may fail together and how often, in words; by path."""
         self.of: dict[str, list[str]] = {}
         """The causes that fail each unit."""
         self._grouped: set[str] = set()
@@ -42,6 +44,8 @@ class CommonCauses:
         for path, units in parts.items():
             self._check(members[units[0]], self.components[path], units, self.components[next(iter(parts))])
         shares = _shares(place, said, len(members))
+        below = f"{level}/" if level else ""
+        self.groups[below + name] = _words([unit.removeprefix(below) for unit in members], shares)
         for numbers, share in shared_causes(shares):
             together = [list(members)[i] for i in numbers]
             self._add_cause(level, name, place, together, share, len(together) == len(members))
@@ -99,6 +103,19 @@ def _shares(place: Path, said: schema.CommonCause, parts: int) -> Shares:
         return alpha_factor(said.alpha or (), parts, staggered=said.testing == "staggered")
     except StructureError as error:
         raise Fault(place, str(error)) from None
+
+
+def _words(names: Sequence[str], shares: Shares) -> str:
+    listed = [*names[:_MOST_NAMED], *(["…"] if len(names) > _MOST_NAMED else [])]
+    taken = [
+        f"{share * 100:.3g} % in {'each' if k < len(names) else 'the'} set of {k}"
+        for k, share in enumerate(shares[1:], 2)
+        if share > 0
+    ]
+    return f"{', '.join(listed)} may fail together: of the failures of each, {', '.join(taken) or 'none'}"
+
+
+_MOST_NAMED = 8
 
 
 def _likeness(part: Component) -> dict[str, object]:

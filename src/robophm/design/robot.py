@@ -240,6 +240,8 @@ class Robot(Module):
     functions: Mapping[str, Block] = field(default_factory=dict)
     causes: tuple[Component, ...] = ()
     """Common causes of failure, each a unit in series with its members."""
+    groups: Mapping[str, str] = field(default_factory=dict)
+    """What parts may fail together and how often, in words; by the paths of the groups."""
     depends_on: Mapping[str, Block] = field(default_factory=dict)
     """What modules and components work only while it does: by their paths, as drawn."""
     usage: Usage = field(default_factory=Usage)
