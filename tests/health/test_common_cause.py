@@ -83,18 +83,18 @@ KNOWN = {  # what is known: (of A, of the cause), as the age of what may have ha
 
 @pytest.mark.parametrize("known", KNOWN)
 def test_what_works_proves_that_no_cause_has_struck_it(known: str) -> None:
-    """A monitored or working member tells of the cause, not of the other member."""
+    """A monitored or working member tells of the cause, not of the other member. C may do alone."""
     knowledge, more, unseen, unseen_cause = KNOWN[known]
-    design = robot({"A": WEAR | more, "B": WEAR}, **PAIR)
+    design = robot({"A": WEAR | more, "B": WEAR, "C": WEAR}, **PAIR | {"diagram": {"parallel": ["A", "B", "C"]}})
     found = completion(aged(design, 40, knowledge), hours(30))
 
-    def pair(a: Any, b: Any, cause: Any) -> mpf:
-        return exp(-cause / 10) * (1 - fails(a * 9 / 10) * fails(b * 9 / 10))
+    def lost(a: Any, b: Any, c: Any, cause: Any) -> mpf:
+        return (1 - exp(-cause / 10) * (1 - fails(a * 9 / 10) * fails(b * 9 / 10))) * fails(c)
 
-    more_A = worn(70) - worn(40)
-    later = pair(worn(unseen) + more_A, worn(70), worn(unseen_cause) + more_A)
-    now = pair(worn(unseen), worn(40), worn(unseen_cause))
-    assert found.probability == exact(later / now)
+    gained = worn(70) - worn(40)
+    later = lost(worn(unseen) + gained, worn(70), worn(70), worn(unseen_cause) + gained)
+    now = lost(worn(unseen), worn(40), worn(40), worn(unseen_cause))
+    assert (found.probability, found.failure) == (exact((1 - later) / (1 - now)), exact((later - now) / (1 - now)))
 
 
 def test_a_failed_member_leaves_the_cause_to_those_that_work() -> None:
@@ -169,6 +169,11 @@ def test_a_cause_ages_as_its_members_do_and_outlives_their_replacement(event: st
     assert known["A"] == exact(A * 9 / 10)
     assert known["B"] == exact(gathered(0, 50, 1) * 9 / 10)
     assert known["heat"] == exact(cause / 10)
+
+    lived = dict(zip(outlook.plant.units, outlook.plant.everything.of_units(outlook.cumulative_hazard), strict=True))
+    since = {"A": 20 if event == "A replaced" else 0, "heat": 20 if event == "cause replaced" else 0}
+    assert lived["A"] == exact(gathered(0, 50 - since["A"], 2) * 9 / 10)
+    assert lived["heat"] == exact(sum(gathered(0, 50 - since["heat"], factor) for factor in (1, 2)) / 20)
 
 
 def test_a_cause_idles_with_its_members_and_feels_what_is_stated_of_them() -> None:
