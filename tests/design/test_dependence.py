@@ -107,7 +107,7 @@ FAULTS = {
         "modules/M/depends_on: cycle: M → M depends on itself",
     ),
     "unknown trigger": (needs("Bord"), 4, "components/A/depends_on: unknown part 'Bord'; did you mean 'Board'?"),
-    "one of a list unknown": (needs("[Board, Bord]"), 4, "components/A/depends_on"),
+    "one of a list unknown": (needs("[Board, Bord]"), 4, "components/A/depends_on/1: unknown part 'Bord'"),
     "empty list": (needs("[]"), 4, "components/A/depends_on: is empty; expected at least one"),
     "a number": (needs("3"), 4, "components/A/depends_on: not a block; expected a part's name"),
     "misspelt block": (needs("{serie: [Board]}"), 4, "components/A/depends_on: not a block; expected a part's name"),

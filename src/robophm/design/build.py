@@ -516,8 +516,11 @@ class _Expansion:
 
     def needs(self, path: str) -> blocks.Block:
         """What a module or component depends on, as drawn."""
-        level = path.rpartition("/")[0]
-        return self._named(level, self.builder.depends_on[path], (*self.builder.places[path], "depends_on"))
+        level, said = path.rpartition("/")[0], self.builder.depends_on[path]
+        place = (*self.builder.places[path], "depends_on")
+        if isinstance(said, list):
+            return blocks.Series(*(self._named(level, one, (*place, str(i))) for i, one in enumerate(said)))
+        return self._named(level, said, place)
 
     def _wiring(self, path: str) -> blocks.Block:
         level = self.builder.modules[path]
@@ -635,6 +638,8 @@ def _told_apart(level: Any) -> Iterable[str]:
         if isinstance(block, str):
             if block.endswith("]"):
                 yield block
+        elif isinstance(block, list):
+            stack.extend(block)
         elif block is not None:
             for kind in ("series", "parallel", "k_of_n"):
                 inner = getattr(block, kind, None)

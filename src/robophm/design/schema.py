@@ -207,13 +207,13 @@ class FailureMode(_Strict):
     uncertainty: Uncertainty | None = Field(None, description="how sure the rate is; inherited, default exact")
 
 
-def _listed(value: object) -> object:
-    return {"series": value} if isinstance(value, list) else value
+def _one_or_list(value: object) -> str:
+    return "list" if isinstance(value, list) else "one"
 
 
 DependsOn = Annotated[
-    "Diagram",
-    BeforeValidator(_listed, json_schema_input_type="Diagram | Annotated[list[Diagram], Field(min_length=1)]"),
+    Annotated["Diagram", Tag("one")] | Annotated[list["Diagram"], Field(min_length=1), Tag("list")],
+    Discriminator(_one_or_list),
 ]
 """A diagram, or a list of blocks all of which must work."""
 
