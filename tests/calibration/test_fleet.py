@@ -157,6 +157,23 @@ def test_an_inspected_part_worked_then(tmp_path):
     assert found[1] == exact(pair(1.5, 2, 1))
 
 
+def test_an_inspected_part_tells_of_what_it_shares_with_another(tmp_path):
+    """S1 worked at 2.5 h, so no common cause had struck by then; what became of S2 alone is not known."""
+    legs = [(0, "completed", [(2, "both")]), (3, "completed", [(1, "both")])]
+    three = {"both": {"parallel": ["S1", "S2", "S3"]}}
+    folder = fleet(tmp_path / "f", BOTH | {"S3": STEADY}, three, legs, [(2.5, "S1", "inspected")])
+    design = json.loads((folder / "robot.yaml").read_text())
+    design["common_causes"] = {"heat": {"of": ["S1", "S2"], "beta": 0.25}}
+    (folder / "robot.yaml").write_text(json.dumps(design))
+
+    def lost(one, other, cause, third):
+        pair = exp(-0.025 * cause) * (1 - np.expm1(-0.075 * one) * np.expm1(-0.075 * other))
+        return (1 - pair) * -np.expm1(-0.1 * third)
+
+    now = lost(0, 2, 0, 2)
+    assert failures(folder)[1] == exact((lost(1, 3, 1, 3) - now) / (1 - now))
+
+
 def test_a_completed_task_proves_the_parts_without_which_it_would_have_failed(tmp_path):
     legs = [(0, "completed", [(2, "one"), (1, "both")]), (4, "completed", [(1, "both")])]
     assert failures(fleet(tmp_path / "f", BOTH, TOGETHER, legs))[1] == exact(pair(1, 3, 1))

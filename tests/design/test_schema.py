@@ -109,6 +109,11 @@ BROKEN = [
     "max_gap: [1 s]",
     "acceleration: some",
     "components: {A: {hazard: {unit: FIT}}}",
+    "components: {A: {rate: 1 FIT, depends_on: 3}}",
+    "components: {A: {rate: 1 FIT, depends_on: {serie: [A]}}}",
+    "common_causes: {heat: {of: [A, B], beta: 1}}",
+    "common_causes: {heat: {of: [], beta: 0.1}}",
+    "common_causes: {heat: {of: [A, B], beta: 0.1, testing: both}}",
     "components: {A: {hazard: {formula: 1 + 1, unit: FIT}}}",
     "components: {A: {hazard: {formula: 1 + 1, unit: FIT, source: x, model: general.constant}}}",
 ]
@@ -157,7 +162,16 @@ modules:
             {rate: 12 FIT, scaling: hazard, acceleration: none, initial_exposure: 100 h, uncertainty: {failures: 3}}
           crack: {rate: 5 FIT, uncertainty: {samples: [4 FIT, 6 FIT]}}
     diagram: Motor
+    depends_on: [C, {parallel: [D, C]}]
+common_causes:
+  heat: {of: [Twin], beta: 0.1}
+  software: {of: [Triple], mgl: [0.1, 0.3]}
+  wear: {of: [Left, Right], alpha: [0.95, 0.05], testing: non-staggered}
 components:
+  Twin: {rate: 5 FIT, quantity: 2, required: 1}
+  Triple: {rate: 5 FIT, quantity: 3, depends_on: Twin}
+  Left: {rate: 5 FIT}
+  Right: {rate: 5 FIT, depends_on: {parallel: [C, D]}}
   C:
     hazard: {model: general.constant, inputs: {rate: 3 FIT}}
     life: {distribution: lognormal, log_deviation: 0.5}

@@ -287,17 +287,17 @@ FAULTS = {
     "contradiction": (
         knows("failed: [Arm]\n  working: [Arm]"),
         6,
-        "knowledge/working: Arm is known to have failed; expected either",
+        "knowledge/working: Arm is said to have failed and to work; expected either",
     ),
     "contradiction by a member": (
         knows("failed: ['Wheel[1]']\n  working: [Wheel]"),
         6,
-        "knowledge/working: Wheel[1] is known to",
+        "knowledge/working: Wheel[1] is said to have failed",
     ),
     "contradiction by a module": (
         knows("failed: [Power/Fuse]\n  working: [Power]"),
         6,
-        "knowledge/working: Power/Fuse is known",
+        "knowledge/working: Power/Fuse is said to have failed",
     ),
     "begun anew too soon": (FINE + "every: 59 min\n", 4, "every: 0.983333 h is shorter than the tasks, which take 1 h"),
     "begun anew at once": (

@@ -57,3 +57,13 @@ def test_the_lists_of_the_reference_are_valid():
     assert plan.knowledge.failed == {"Mobility/Motor Left"}
     assert plan.tasks[0].legs[1].stresses == {"load": 0.8, "Arm/temperature": 45}
     assert of_table.tasks[0].legs[1].functions == ("lift", "look")
+
+
+def test_the_common_causes_of_the_reference_are_valid():
+    page = (ROOT / "docs" / "reference" / "design-file.md").read_text(encoding="utf-8")
+    (groups,) = re.findall(r"```yaml\n(.*?)```", page, re.S)
+    parts = ["Motor Left", "Motor Right", "Camera", "Lidar Camera"]
+    components = "".join(f"  {name}: {{rate: 1 FIT}}\n" for name in parts) + "  Wheel: {rate: 2 FIT, quantity: 4}\n"
+    arm = "modules: {Arm: {components: {Camera: {rate: 1 FIT}}}}\n"
+    robot = parse(f"schema_version: 1\nname: R\ncomponents:\n{components}{arm}{groups}")
+    assert len(robot.causes) == 1 + 11 + 4

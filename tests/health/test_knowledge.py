@@ -202,7 +202,7 @@ def test_knowledge_of_a_task_file_is_of_its_units() -> None:
     q, now, end = (-mp.expm1(-mpf(0.01) * t) for t in (10, 50, 60))
     assert found.probability == exact((1 - q**2) * (1 - end**2) / (1 - now**2))
     assert found.failure == exact(1 - (1 - q**2) * (1 - end**2) / (1 - now**2))
-    with pytest.raises(DesignError, match="M/x is known to have failed"):
+    with pytest.raises(DesignError, match="M/x is said to have failed"):
         parse_plan(text.replace("motor[1]", "M/x"), design)
 
 

@@ -75,6 +75,8 @@ REFUSED = {
     "components: {a: {rate: 1 /h, life: {shape: 2}}}": "is no parameter of exponential",
     "components: {a: {rate: 1 /h, acceleration: {model: peck}}}": "acceleration 'peck' is not simulated",
     "components: {a: {rate: 1 /h, acceleration: {model: arrhenius}}}": "arrhenius needs 'activation_energy'",
+    "components: {a: {rate: 1 /h, depends_on: b}, b: {rate: 1 /h}}": "components/a/depends_on: 'depends_on' is not sim",
+    "components: {a: {rate: 1 /h, quantity: 2}}\ncommon_causes: {x: {of: [a], beta: 0.1}}": "'common_causes' is not",
     "components: {a: {rate: 1 /h, standby: cold}}": "'standby' is not simulated",
     "components: {a: {rate: 1 /h, quantity: 20000}}": "expected a whole number, 1 … 10000",
     "components: {a: {rate: 1 /h, quantity: 2, required: 3}}": "required: 3; expected a whole number, 1 … 2",

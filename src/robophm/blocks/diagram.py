@@ -68,3 +68,18 @@ def units(block: Block) -> Iterator[str]:
             yield top.name
         else:
             stack.extend(reversed(top.blocks))
+
+
+def drawn(block: Block) -> int:
+    """How many units a diagram draws, a unit as often as it is drawn; quick where blocks are drawn many times."""
+    count: dict[int, int] = {}  # by id(): a block's own hash would recurse
+    stack = [block]
+    while stack:
+        top = stack[-1]
+        inner = () if isinstance(top, Unit) else top.blocks
+        if missing := [one for one in inner if id(one) not in count]:
+            stack += missing
+            continue
+        count[id(top)] = sum(count[id(one)] for one in inner) if inner else 1
+        stack.pop()
+    return count[id(block)]

@@ -249,8 +249,9 @@ class _Observer:
         elif what == "replaced":
             self.failed.discard(part)
             self.ledger.replace(keys)
-        elif what == "inspected":
-            self.ledger.inspect(keys)
+        elif what == "inspected":  # what fails a part together with others has not happened either
+            causes = (cause for cause in self.plant.robot.causes if part in cause.members)
+            self.ledger.inspect([*keys, *(mode.key for cause in causes for mode in cause.modes)])
 
     def _integrate(self, time: int, duty: Array | None) -> None:
         if self.ledger.integrated_to is not None and time <= self.ledger.integrated_to:

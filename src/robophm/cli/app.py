@@ -73,12 +73,13 @@ def check(design: Design, as_json: Json = False) -> None:
     from robophm.design.file import load
 
     robot = load(design)
-    count = sum(component.quantity for component in robot.all_components())
+    count = sum(component.quantity for component in robot.all_components()) - len(robot.causes)
     if as_json:
         print_json(
             {
                 "robot": robot.name,
                 "parts": count,
+                "common_causes": len(robot.causes),
                 "signals": list(robot.signals),
                 "warnings": list(robot.warnings),
             }
@@ -88,7 +89,8 @@ def check(design: Design, as_json: Json = False) -> None:
         warn(warning)
     console().print(
         f"{design}: {robot.name} is valid: {len(list(robot.all_modules()))} modules, {count} parts, "
-        f"{len(robot.signals)} signals, {len(robot.warnings)} warnings", markup=False
+        + (f"{len(robot.causes)} common causes, " if robot.causes else "")
+        + f"{len(robot.signals)} signals, {len(robot.warnings)} warnings", markup=False
     )  # fmt: skip
 
 

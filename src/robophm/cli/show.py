@@ -14,6 +14,7 @@ from robophm.design.legacy import legacy_rate, legacy_reliability
 from robophm.design.robot import Module, Robot
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
+from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
 from robophm.report.diagram_text import diagram_text
 from robophm.report.labels import part_labels
@@ -63,6 +64,8 @@ def draw(out: Console, robot: Robot, unit: str) -> None:
         if path:
             out.print(f"\n{path}", style="bold", markup=False)
         out.print(diagram_text(module.wiring, label, out.width), markup=False, soft_wrap=True)
+        for note in dependence(robot, path):
+            out.print(f"  {note}", markup=False, soft_wrap=True)
     out.print()
 
 

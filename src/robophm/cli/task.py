@@ -14,7 +14,7 @@ from rich.console import Console
 from robophm.cli.output import console, print_json, print_table, progress_console, table, warn
 from robophm.cli.progress import counted
 from robophm.core.errors import DesignError
-from robophm.design.build_task import build_knowledge
+from robophm.design.build_task import build_knowledge, contradiction
 from robophm.design.fault import Fault
 from robophm.design.legacy import UNIT_MODES, LegacyTask, UnitMode, legacy_task
 from robophm.design.robot import Robot
@@ -57,8 +57,8 @@ def with_knowledge(plan: Plan, robot: Robot, failed: Sequence[str], working: Seq
     except Fault as fault:
         raise DesignError(str(fault)) from None
     known = Knowledge(plan.knowledge.failed | more.failed, plan.knowledge.working | more.working)
-    if both := sorted(known.failed & known.working):
-        raise DesignError(f"{both[0]} is said to have failed and to work; expected either")
+    if says := contradiction(known, robot):
+        raise DesignError(says)
     return replace(plan, knowledge=known)
 
 

@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -23,6 +23,7 @@ from robophm.core.signal import SECOND, signal_name
 from robophm.core.units import conversion, quantity
 from robophm.design import schema
 from robophm.design.build_task import build_task
+from robophm.design.common_cause import CommonCauses
 from robophm.design.fault import Fault, Path, written
 from robophm.design.robot import (
     CLOCK_UNITS,
@@ -51,6 +52,10 @@ MOST_PARTS = 1000
 """Equal parts of a component that can be told apart; n equal parts in series may be many more."""
 
 
+MOST_DRAWN = 1_000_000
+"""Parts in a diagram when all modules, and all that they depend on, are drawn in their places."""
+
+
 @dataclass(frozen=True)
 class _Scope:
     """What a level inherits from those above it."""
@@ -75,7 +80,10 @@ class _Scope:
 
 def build(design: schema.RobotFile) -> Robot:
     """Put a robot together. Raises Fault (a DesignError with its place) at the first contradiction."""
-    return _Builder(design).robot()
+    try:
+        return _Builder(design).robot()
+    except RecursionError:
+        raise Fault((), "what contains or depends on one another is nested too deeply") from None
 
 
 class _Builder:
@@ -84,17 +92,26 @@ class _Builder:
         self.components: dict[str, Component] = {}
         self.modules: dict[str, schema._Group] = {}
         self.places: dict[str, Path] = {}
+        self.depends_on: dict[str, Any] = {}
         self.used_signals: dict[Path, None] = {}  # in the order of the design
         self.told_apart = {
-            name.partition("[")[0].rpartition("/")[2] for name in _drawn(design) if name.endswith("]")
-        }  # last steps of names drawn as 'motor[2]'
+            name.partition("[")[0].rpartition("/")[2] for name in _told_apart(design)
+        }  # last steps of names drawn as 'motor[2]', and of those that may fail together
 
     def robot(self) -> Robot:
         design = self.design
         root = self._module((), (), design, _Scope())
-        expand = _Expansion(self)
+        groups = CommonCauses(self.components, self.modules)
+        expand = _Expansion(self, groups.of)
+        for level, said in self.modules.items():
+            for name, group in said.common_causes.items():
+                place = (*self.places[level], "common_causes", name)
+                groups.add(level, name, place, group, expand.parts(level, group.of, (*place, "of")))
         functions = {name: expand.block((), diagram, ("functions", name)) for name, diagram in design.functions.items()}
         whole = expand.module(root)
+        for diagram in (whole.diagram, *functions.values()):
+            if blocks.drawn(diagram) > MOST_DRAWN:
+                raise Fault((), f"its diagrams unfold to more than {MOST_DRAWN:,} parts")
         used = set(blocks.units(whole.diagram)).union(*(blocks.units(diagram) for diagram in functions.values()))
         drawn = {name.partition("[")[0] for name in used}
         clocks: dict[str, MeasuredClock] = {
@@ -118,6 +135,9 @@ class _Builder:
             **{key: getattr(whole, key) for key in ("modules", "components", "wiring", "diagram", "description")},
             path=design.name,
             functions=functions,
+            causes=tuple(groups.causes),
+            groups=groups.groups,
+            depends_on={path: expand.needs(path) for path in self.depends_on},
             usage=self._usage(),
             clocks=clocks,
             powered=self._powered(),
@@ -132,6 +152,8 @@ class _Builder:
         scope = above.within(place, level)
         self.modules["/".join(path)] = level
         self.places["/".join(path)] = place
+        if isinstance(level, schema.Module) and level.depends_on is not None:
+            self.depends_on["/".join(path)] = level.depends_on
         for name in level.modules.keys() & level.components.keys():
             raise Fault((*place, "components", name), f"duplicate name '{name}': a module here has it too")
         if not level.modules and not level.components:
@@ -192,6 +214,8 @@ class _Builder:
         )
         self.components[name] = component
         self.places[name] = place
+        if part.depends_on is not None:
+            self.depends_on[name] = part.depends_on
         return component
 
     def _mode(
@@ -464,17 +488,39 @@ class _Builder:
 
 
 class _Expansion:
-    """Diagrams of names become diagrams of units; a module drawn inside itself is found."""
+    """Diagrams of names become diagrams of units; what contains itself, or depends on itself, is found."""
 
-    def __init__(self, builder: _Builder) -> None:
+    def __init__(self, builder: _Builder, causes: Mapping[str, Sequence[str]]) -> None:
         self.builder = builder
+        self.causes = causes
+        """In series with each unit."""
         self.expanded: dict[str, blocks.Block] = {}
-        self.under_way: list[str] = []
+        self.under_way: list[tuple[str, str]] = []
+        """(what is done, to which path)"""
 
     def module(self, module: Module) -> Module:
         inner = tuple(self.module(child) for child in module.modules)
-        diagram = self.path(module.path, ())
-        return replace(module, modules=inner, wiring=self._wiring(module.path), diagram=diagram)
+        parts = tuple(self.builder.components[part.path] for part in module.components)
+        wiring, diagram = self._wiring(module.path), self.path("", module.path, ())
+        return replace(module, modules=inner, components=parts, wiring=wiring, diagram=diagram)
+
+    def parts(self, level: str, names: Iterable[str], place: Path) -> list[str]:
+        """Paths of the components or units that are named at a level."""
+        found = []
+        for i, name in enumerate(names):
+            at = (*place, str(i))
+            found.append(self._resolve(level, name, at))
+            if found[-1] in self.builder.modules:
+                raise Fault(at, f"'{name}' is a module; expected a part")
+        return found
+
+    def needs(self, path: str) -> blocks.Block:
+        """What a module or component depends on, as drawn."""
+        level, said = path.rpartition("/")[0], self.builder.depends_on[path]
+        place = (*self.builder.places[path], "depends_on")
+        if isinstance(said, list):
+            return blocks.Series(*(self._named(level, one, (*place, str(i))) for i, one in enumerate(said)))
+        return self._named(level, said, place)
 
     def _wiring(self, path: str) -> blocks.Block:
         level = self.builder.modules[path]
@@ -518,28 +564,62 @@ class _Expansion:
         raise Fault(place, f"unknown part '{name}'{nearest(name, known)}")
 
     def block(self, path: Path, diagram: Any, place: Path) -> blocks.Block:
-        return self._expand(self._named("/".join(path), diagram, place), place)
+        level = "/".join(path)
+        return self._expand(level, self._named(level, diagram, place), place)
 
-    def path(self, path: str, place: Path) -> blocks.Block:
-        """The expanded diagram of a module or component, or one member of a component."""
+    def path(self, level: str, path: str, place: Path) -> blocks.Block:
+        """What must work so that a module, a component or a member of one, drawn at a level, does its work.
+
+        It needs what it depends on, and what the modules around it do, up to one that is around the level too.
+        """
+        itself = self._itself(path, place)
+        steps = path.partition("[")[0].split("/")
+        around = ("/".join(steps[: n + 1]) for n in range(len(steps)))
+        needed = [one for one in around if one in self.builder.depends_on and not f"{level}/".startswith(f"{one}/")]
+        if not needed:
+            return itself
+        return blocks.Series(itself, *(self._once("depends on", one, place) for one in needed))
+
+    def _itself(self, path: str, place: Path) -> blocks.Block:
         component = self.builder.components.get(path.partition("[")[0])
-        if component:
-            if path in component.units:
-                return blocks.Unit(path)
-            return blocks.KOutOfN(component.required, *component.units)
-        if path in self.under_way:
-            circle = [*self.under_way[self.under_way.index(path) :], path]
-            raise Fault(place, f"cycle: {' → '.join(step or 'the robot' for step in circle)} contains itself")
-        if path not in self.expanded:
-            self.under_way.append(path)
-            self.expanded[path] = self._expand(self._wiring(path), (*self.builder.places[path], "diagram"))
-            self.under_way.pop()
-        return self.expanded[path]
+        if not component:
+            return self._once("contains", path, place)
+        if path in component.units:
+            return self._unit(path, self.causes.get(path, ()))
+        first, *others = (self.causes.get(unit, ()) for unit in component.units)
+        of_all = [cause for cause in first if all(cause in causes for causes in others)]  # need not be told apart
+        units = (
+            self._unit(unit, [cause for cause in self.causes.get(unit, ()) if cause not in of_all])
+            for unit in component.units
+        )
+        group = blocks.KOutOfN(component.required, *units)
+        return blocks.Series(group, *of_all) if of_all else group
 
-    def _expand(self, block: blocks.Block, place: Path) -> blocks.Block:
+    @staticmethod
+    def _unit(name: str, causes: Sequence[str]) -> blocks.Block:
+        return blocks.Series(name, *causes) if causes else blocks.Unit(name)
+
+    def _once(self, what: str, path: str, place: Path) -> blocks.Block:
+        """Expanded: what a module contains, or what something depends on."""
+        key = f"{what} {path}"
+        if key not in self.expanded:
+            if (what, path) in self.under_way:
+                circle = [*self.under_way[self.under_way.index((what, path)) :], (what, path)]
+                steps = " → ".join(step or "the robot" for _, step in circle)
+                raise Fault(place, f"cycle: {steps} {what} itself")
+            self.under_way.append((what, path))
+            if what == "contains":
+                level, drawn, at = path, self._wiring(path), (*self.builder.places[path], "diagram")
+            else:
+                level, drawn, at = path.rpartition("/")[0], self.needs(path), (*self.builder.places[path], "depends_on")
+            self.expanded[key] = self._expand(level, drawn, at)
+            self.under_way.pop()
+        return self.expanded[key]
+
+    def _expand(self, level: str, block: blocks.Block, place: Path) -> blocks.Block:
         if isinstance(block, blocks.Unit):
-            return self.path(block.name, place)
-        inner = (self._expand(child, place) for child in block.blocks)
+            return self.path(level, block.name, place)
+        inner = (self._expand(level, child, place) for child in block.blocks)
         return blocks.KOutOfN(block.k, *inner) if isinstance(block, blocks.KOutOfN) else type(block)(*inner)
 
 
@@ -547,19 +627,25 @@ def _join(level: str, name: str) -> str:
     return f"{level}/{name}" if level else name
 
 
-def _drawn(level: Any) -> Iterable[str]:
-    """Every name in every diagram of a design."""
+def _told_apart(level: Any) -> Iterable[str]:
+    """The names by which a design tells equal parts apart: those drawn as 'motor[2]', and what may fail together."""
+    for group in level.common_causes.values():
+        yield from group.of
     stack: list[Any] = [level.diagram, *getattr(level, "functions", {}).values()]
+    stack += [below.depends_on for below in (*level.modules.values(), *level.components.values())]
     while stack:
         block = stack.pop()
         if isinstance(block, str):
-            yield block
+            if block.endswith("]"):
+                yield block
+        elif isinstance(block, list):
+            stack.extend(block)
         elif block is not None:
             for kind in ("series", "parallel", "k_of_n"):
                 inner = getattr(block, kind, None)
                 stack.extend(getattr(inner, "of", inner) or ())
     for module in level.modules.values():
-        yield from _drawn(module)
+        yield from _told_apart(module)
 
 
 def _plug(place: Path, find: Any, name: str) -> Any:

@@ -76,15 +76,25 @@ def build_knowledge(said: schema.Knowledge, robot: Robot, place: Path = ()) -> K
         for i, path in enumerate(getattr(said, kind)):
             found |= _units_of(path, robot, kind, (*place, kind, str(i)))
         known.append(frozenset(found))
-    failed, working = known
-    if both := sorted(failed & working):
-        raise Fault((*place, "working"), f"{both[0]} is known to have failed; expected either, not both")
-    return Knowledge(failed, working)
+    knowledge = Knowledge(*known)
+    if says := contradiction(knowledge, robot):
+        raise Fault((*place, "working"), says)
+    return knowledge
+
+
+def contradiction(knowledge: Knowledge, robot: Robot) -> str:
+    """What cannot both be known; "" where there is nothing."""
+    if both := sorted(knowledge.failed & knowledge.working):
+        return f"{both[0]} is said to have failed and to work; expected either, not both"
+    for cause in robot.causes:
+        if cause.path in knowledge.failed and (alive := sorted(knowledge.working.intersection(cause.members))):
+            return f"{alive[0]} is said to work, and {cause.path} to have failed it; expected either, not both"
+    return ""
 
 
 def _units_of(path: str, robot: Robot, kind: str, place: Path) -> set[str]:
     """The units that a path of a part, a member of it or a module names."""
-    of_module = [part for part in robot.all_components() if part.path.startswith(path + "/")]
+    of_module = [part for part in robot.all_components() if part.path.startswith(path + "/") and not part.members]
     if of_module and kind == "failed":
         raise Fault(place, f"'{path}' is a module; expected a part of it that failed, such as {of_module[0].units[0]}")
     if of_module:
@@ -126,7 +136,7 @@ def _stated(key: str, value: str | float, robot: Robot, place: Path) -> float:
         if name in stress.design and name in stress.model.numbers
     ]
     below = f"{path}/" if "/" in key else ""
-    takers = [(mode, stress) for mode, stress in stresses if f"{mode.path}/".startswith(below)]
+    takers = [(mode, stress) for mode, stress in stresses if f"{mode.origin}/".startswith(below)]
     if not takers:
         known = sorted({name for mode in robot.modes for stress in mode.stresses for name in stress.model.numbers})
         hint = nearest(name, known)

@@ -259,6 +259,7 @@ def _keys(place: tuple[str, ...], lines: Lines, root: type[BaseModel]) -> list[s
         "failure_modes": schema.FailureMode,
         "signals": schema.SignalBinding,
         "clocks": schema.ClockBinding,
+        "common_causes": schema.CommonCause,
         "tasks": schema.Leg,
         "legs": schema.Leg,
     }

@@ -126,6 +126,15 @@ class FailureMode:
     source: str
     uncertainty: Uncertainty | None = None
     """None: the rate is taken as exact."""
+    share: float = 1.0
+    """Of the hazard of that rate and life: what is not this part's own is a common cause's."""
+    member: str = ""
+    """Of a common cause's: path of the part's failure mode that it is a share of."""
+
+    @property
+    def origin(self) -> str:
+        """Path of the failure mode whose stresses, idleness and true rate this one has: its own or a member's."""
+        return self.member or self.path
 
     @property
     def measured(self) -> tuple[Stress, ...]:
@@ -153,6 +162,8 @@ class Component:
     duty: float = 1.0
     """Share at which it ages in a leg of a task that does not need it."""
     description: str = ""
+    members: tuple[str, ...] = ()
+    """Of a common cause: the units that it fails together."""
 
     @property
     def name(self) -> str:
@@ -227,6 +238,12 @@ class Robot(Module):
     """The outermost module, with what holds for the robot as a whole."""
 
     functions: Mapping[str, Block] = field(default_factory=dict)
+    causes: tuple[Component, ...] = ()
+    """Common causes of failure, each a unit in series with its members."""
+    groups: Mapping[str, str] = field(default_factory=dict)
+    """What parts may fail together and how often, in words; by the paths of the groups."""
+    depends_on: Mapping[str, Block] = field(default_factory=dict)
+    """What modules and components work only while it does: by their paths, as drawn."""
     usage: Usage = field(default_factory=Usage)
     clocks: Mapping[str, MeasuredClock] = field(default_factory=dict)
     """The clocks that are measured for the robot as a whole, whether parts age on them or not."""
@@ -245,9 +262,14 @@ class Robot(Module):
         """The robot's own name."""
         return self.path
 
+    def all_components(self) -> Iterator[Component]:
+        """The components in design order, then the common causes."""
+        yield from super().all_components()
+        yield from self.causes
+
     @cached_property
     def modes(self) -> tuple[FailureMode, ...]:
-        """Every failure mode, in design order."""
+        """Every failure mode, in design order, then those of common causes."""
         return tuple(mode for component in self.all_components() for mode in component.modes)
 
     @cached_property

@@ -207,6 +207,16 @@ class FailureMode(_Strict):
     uncertainty: Uncertainty | None = Field(None, description="how sure the rate is; inherited, default exact")
 
 
+def _one_or_list(value: object) -> str:
+    return "list" if isinstance(value, list) else "one"
+
+
+DependsOn = Annotated[
+    Annotated["Diagram", Tag("one")] | Annotated[list["Diagram"], Field(min_length=1), Tag("list")],
+    Discriminator(_one_or_list),
+]
+"""A diagram, or a list of blocks all of which must work."""
+
 Duty = Annotated[float, Field(ge=0, le=1, description="share at which parts age in a leg that does not need them")]
 
 
@@ -219,6 +229,7 @@ class Component(FailureMode):
     environment: str | None = None
     monitored: bool = Field(False, description="known to work until reported failed")
     duty: Duty | None = None
+    depends_on: DependsOn | None = Field(None, description="works only while this does: a part, a block, or a list")
     signals: dict[str, SignalBinding] = Field(default_factory=dict)
     offsets: dict[str, Written] = Field(default_factory=dict, description="added to inherited signals, e.g. 15 K")
     clocks: dict[Clock, ClockBinding] = Field(default_factory=dict)
@@ -270,6 +281,24 @@ Diagram = Annotated[
 ]
 
 
+class CommonCause(_Strict):
+    """Alike parts that may fail together, and how often: exactly one of beta, mgl, alpha."""
+
+    of: list[str] = Field(min_length=1, description="parts of this level, below it, or from the robot down after /")
+    beta: float | None = Field(None, ge=0, lt=1, description="share of all failures that takes all of them")
+    mgl: list[float] | None = Field(None, description="beta, gamma, delta …: one fewer than parts")
+    alpha: list[float] | None = Field(None, description="share of failure events that take 1, 2 … of them; as many")
+    testing: Literal["staggered", "non-staggered"] = Field("staggered", description="how alpha was found")
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> CommonCause:
+        if sum(kind is not None for kind in (self.beta, self.mgl, self.alpha)) != 1:
+            raise ValueError("expected exactly one of beta, mgl, alpha")
+        if "testing" in self.model_fields_set and self.alpha is None:
+            raise ValueError("testing is of alpha; expected none here")
+        return self
+
+
 class _Group(_Strict):
     description: str | None = None
     environment: str | None = None
@@ -281,10 +310,13 @@ class _Group(_Strict):
     modules: dict[Name, Module] = Field(default_factory=dict)
     components: dict[Name, Component] = Field(default_factory=dict)
     diagram: Diagram | None = Field(None, description="how the blocks of this level are wired; default series")
+    common_causes: dict[Name, CommonCause] = Field(default_factory=dict, description="groups that may fail together")
 
 
 class Module(_Group):
     """A module or sub-module, to any depth."""
+
+    depends_on: DependsOn | None = Field(None, description="works only while this does: a part, a block, or a list")
 
 
 class Usage(_Strict):
@@ -373,7 +405,7 @@ class RobotFile(_Group):
     thresholds: Thresholds = Field(default_factory=Thresholds)
 
 
-for _model in (Series, Parallel, KOutOfNGroup, KOutOfN, Module, RobotFile):
+for _model in (Component, Series, Parallel, KOutOfNGroup, KOutOfN, Module, RobotFile):
     _model.model_rebuild()
 
 

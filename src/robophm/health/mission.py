@@ -261,7 +261,7 @@ def _factors(outlook: Outlook, task: Task) -> Array:
     known: dict[object, Array] = {}
     for i, mode in enumerate(plant.robot.modes) if names else ():
         stated = {
-            name: tuple(leg.stated(mode.path, name) for leg in legs)
+            name: tuple(leg.stated(mode.origin, name) for leg in legs)
             for stress in mode.stresses for name in stress.design if name in names
         }  # fmt: skip
         somewhere = [any(values[k] is not None for values in stated.values()) for k in range(len(legs))]

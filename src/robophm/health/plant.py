@@ -19,6 +19,7 @@ from robophm.blocks.merging import merge_series, single_points_of_failure
 from robophm.blocks.phases import Phases
 from robophm.blocks.reliability import Structure
 from robophm.design.robot import Robot
+from robophm.design.task import Knowledge
 from robophm.life.distribution import side_by_side
 
 Array = npt.NDArray[np.float64]
@@ -43,12 +44,17 @@ class Plant:
         """Equal parts in series that a unit of each component stands for."""
         self.monitored = np.array([part.monitored for part in self.components])[self.component_of]
         """Of each unit."""
+        self.share = np.array([mode.share for mode in robot.modes])
+        """Of each mode: of the hazard of its life."""
         self.by_age = np.array([mode.scaling == "age" for mode in robot.modes])
         self.initial = np.array([mode.initial_exposure for mode in robot.modes])
         self.usage = np.array([robot.usage.per_operating_hour(mode.clock) for mode in robot.modes])
         self.clock = np.array([mode.clock for mode in robot.modes])
         self.calendar = self.clock == "calendar"
-        duty = np.repeat([part.duty for part in self.components], np.diff(self.first_mode))
+        part_of = {mode.path: i for i, part in enumerate(self.components) for mode in part.modes}
+        self.part = np.array([part_of[mode.origin] for mode in robot.modes])
+        """The component that each mode rests with: its own, or of a common cause's the member."""
+        duty = np.array([part.duty for part in self.components])[self.part]
         self.duty = np.where(self.calendar, 1.0, duty)
         """Share at which each mode ages in a leg of a task that does not need its part."""
         self._systems: dict[int, tuple[Block, System]] = {}
@@ -74,8 +80,18 @@ class Plant:
             drawn = np.zeros(len(self.components), dtype=bool)
             for function in key:
                 drawn[[self.component_of[self.place[unit]] for unit in units(self.diagram(function))]] = True
-            self._needed[key] = np.repeat(drawn, np.diff(self.first_mode))
+            self._needed[key] = drawn[self.part]
         return self._needed[key]
+
+    def working(self, knowledge: Knowledge) -> npt.NDArray[np.bool_]:
+        """Whether each unit is known to work now: it is monitored, or said to; a cause, as one of its members works."""
+        works = self.monitored.copy()
+        works[[self.place[unit] for unit in knowledge.working]] = True
+        works[[self.place[unit] for unit in knowledge.failed]] = False
+        for cause in self.robot.causes:
+            if cause.path not in knowledge.failed and any(works[self.place[unit]] for unit in cause.members):
+                works[self.place[cause.path]] = True
+        return works
 
     def system(self, diagram: Block) -> System:
         """A diagram prepared; once for each."""
@@ -98,10 +114,11 @@ class Modes:
     def __init__(self, plant: Plant, modes: npt.NDArray[np.intp]) -> None:
         self.modes = modes
         """Their indices among the robot's."""
+        self._share = plant.share[modes]
         self._lives = side_by_side([plant.robot.modes[i].life for i in modes])
 
     def lifewise(self, name: str, *arguments: Array) -> Array:
-        """One method of every mode's life distribution; arguments of shape (modes, ...)."""
+        """A hazard by one method of every mode's life distribution, its share; arguments of shape (modes, ...)."""
         shape = np.broadcast_shapes(*(argument.shape for argument in arguments))
         result = np.empty(shape)
         arguments = tuple(one if one.shape == shape else np.broadcast_to(one, shape) for one in arguments)
@@ -110,7 +127,7 @@ class Modes:
             # The parameters lie along the modes' axis, which the methods take as the last.
             found = getattr(life, name)(*(argument[members].transpose(last) for argument in arguments))
             result[members] = found.transpose(-1, *range(len(shape) - 1))
-        return result
+        return column(self._share, len(shape)) * result
 
 
 class Parts(Modes):

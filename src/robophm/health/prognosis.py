@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -74,6 +75,11 @@ class Outlook:
         """What its remaining life follows."""
         return self.plan or self.future
 
+    @cached_property
+    def _working(self) -> npt.NDArray[np.bool_]:
+        """Of every unit of the robot."""
+        return self.plant.working(self.knowledge)
+
     def survival(self, diagram: Block) -> State:
         """Survival since new: nothing is known but the exposure."""
         system = self.plant.system(diagram)
@@ -116,9 +122,7 @@ class Outlook:
         each unit, shape (units, ...), is this outlook's own unless given.
         """
         plant = self.plant
-        works = needed | plant.monitored[parts.units]
-        if self.knowledge.working:
-            works = works | np.isin(parts.units, [plant.place[unit] for unit in self.knowledge.working])
+        works = needed | self._working[parts.units]
         if unseen is None:
             unseen = parts.of_units(self.unseen_hazard[parts.modes])
         known = np.where(column(works, unseen.ndim), 0.0, unseen)
@@ -315,9 +319,9 @@ def as_lived(
     return Outlook(
         plant,
         age=effective,
-        cumulative_hazard=_increment(plant, np.zeros(len(now)), gathered) + ledger.hazard.value,
+        cumulative_hazard=_increment(plant, np.zeros(len(now)), gathered) + plant.share * ledger.hazard.value,
         seen_age=seen,
-        unseen_hazard=_increment(plant, seen, gathered) + (ledger.hazard.value - then[:, 2]),
+        unseen_hazard=_increment(plant, seen, gathered) + plant.share * (ledger.hazard.value - then[:, 2]),
         factor_now=now,
         usage_now=usage,
         future=Future.steady(future, plant, factor, ahead, plant.robot.usage.operating),

@@ -8,6 +8,7 @@ history.
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -84,12 +85,12 @@ def draw_rates(plant: Plant, count: int, seed: int) -> Array:
     """Ratio of each mode's rate to the stated one in so many draws; shape (modes, count), each row of mean 1.
 
     Each is drawn evenly from its distribution (McKay, Beckman and Conover 1979) and on its own: another part in the
-    design changes nothing.
+    design changes nothing. What a common cause takes from a part has that part's rate.
     """
     ratios = np.ones((len(plant.robot.modes), count))
     for i, mode in enumerate(plant.robot.modes):
         if mode.uncertainty:
-            random = np.random.default_rng([seed, *mode.path.encode()])
+            random = np.random.default_rng([seed, *mode.origin.encode()])
             ratios[i] = _ratio(mode.uncertainty, (random.permutation(count) + random.random(count)) / count)
     return ratios
 
@@ -333,12 +334,14 @@ class _Drawn:
         evidence = -working * lived - unknown * (lived - unseen)
         alone = evidence.sum(axis=0)
         if _effective(alone) < _FEWEST_EFFECTIVE * len(alone):  # together they leave few draws: draw by each instead
-            for i in np.flatnonzero(np.ptp(ratios, axis=1) > 0):
-                chosen = _resampled(evidence[i])
+            same_rate: dict[str, list[int]] = defaultdict(list)
+            for i in np.flatnonzero(np.ptp(ratios, axis=1) > 0).tolist():
+                same_rate[outlook.plant.robot.modes[m[i]].origin].append(i)
+            for modes in same_rate.values():
+                chosen = _resampled(evidence[modes].sum(axis=0))
                 for rows in (ratios, lived, unseen):
-                    rows[i] = rows[i, chosen]
-                if self._is_power[i]:
-                    row = np.count_nonzero(self._is_power[:i])
+                    rows[modes] = rows[modes][:, chosen]
+                for row in np.cumsum(self._is_power)[modes][self._is_power[modes]] - 1:
                     scale[row] = scale[row, chosen]
             alone = np.zeros_like(alone)
         lived, unseen = parts.of_units(lived), parts.of_units(unseen)

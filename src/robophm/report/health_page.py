@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.health.report import Figures, HealthReport, Subject
 from robophm.report.curve import Line, curve_svg
+from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
 from robophm.report.labels import part_labels
 from robophm.report.markup import Html
@@ -34,8 +36,12 @@ def _sections(robot: Robot, report: HealthReport, history: list[Mapping[str, Any
     yield _summary(report)
     yield _tiles(report)
     label = _labels(robot, report)
-    levels = [("Modules of the robot", robot), *((module.path, module) for module in robot.modules)]
-    yield section("How it is wired", *(figure(diagram_svg(level.wiring, label), name, True) for name, level in levels))
+    levels = [("", robot), *((module.path, module) for module in robot.modules)]
+    wiring = (
+        (figure(diagram_svg(level.wiring, label), path or "Modules of the robot", True), *dependence(robot, path))
+        for path, level in levels
+    )
+    yield section("How it is wired", *chain.from_iterable(wiring))
     yield section("Curves", side_by_side(*_history_curves(report.robot, history), *_outlook_curves(robot, report)))
     yield section("Modules", _subject_table(report.subjects))
     yield section("What contributes most", _contributors(report))
