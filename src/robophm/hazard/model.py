@@ -8,6 +8,7 @@ and what ``robophm rate`` lists and explains.
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -68,17 +69,31 @@ class Choice:
     description: str = ""
     default: str | None = None
     aliases: Mapping[str, str] = field(default_factory=dict)
-    """What people call an option, in lower case, and the option: {"mlcc": "CDR"}."""
+    """What people call an option, and the option: {"mlcc": "CDR"}."""
     required: bool = True
 
-    def option(self, written: str) -> str | None:
-        """The option that a word means, in whatever case and with blanks for underscores; None where it means none."""
+    @cached_property
+    def _spellings(self) -> Mapping[str, set[str]]:
+        spellings: dict[str, set[str]] = {}
+        for said, option in (*zip(self.options, self.options, strict=True), *self.aliases.items()):
+            spellings.setdefault(_spelled(said), set()).add(option)
+        return spellings
+
+    def meant(self, written: str) -> list[str]:
+        """The options that a word may mean, in whatever case and with blanks, hyphens or underscores between words."""
         if written in self.options:
-            return written
-        said = " ".join(written.lower().split())
-        if said in self.aliases:
-            return self.aliases[said]
-        return next((option for option in self.options if option.lower() == said.replace(" ", "_")), None)
+            return [written]
+        return sorted(self._spellings.get(_spelled(written), ()))
+
+    def option(self, written: str) -> str | None:
+        """The one option that a word means; None where it means none, or more than one."""
+        meant = self.meant(written)
+        return meant[0] if len(meant) == 1 else None
+
+
+def _spelled(words: str) -> str:
+    """Words without what people vary in writing them: case, and what stands between."""
+    return " ".join(re.split(r"[\s_-]+", words.casefold())).strip()
 
 
 @dataclass(frozen=True)
@@ -153,11 +168,12 @@ class Model:
             elif isinstance(entry, Note):
                 settled[name] = self._words(name, value)
             elif isinstance(entry, Choice):
-                option = entry.option(str(value))
-                if option is None:
-                    hint = nearest(str(value), (*entry.options, *entry.aliases))
+                meant = entry.meant(str(value))
+                if len(meant) != 1:
+                    may_be = "; it may be " + " or ".join(f"'{option}'" for option in meant)
+                    hint = may_be if meant else nearest(str(value), (*entry.options, *entry.aliases))
                     raise ModelError(f"{self.name}: {name} '{value}' is not one of its choices{hint}")
-                settled[name] = option
+                settled[name] = meant[0]
             else:
                 try:
                     number = quantity(value, entry.unit) if name in given else float(entry.default or 0.0)

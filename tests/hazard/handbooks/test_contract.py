@@ -103,6 +103,20 @@ def test_every_choice_has_an_answer(name, key, option):
 
 
 @every
+def test_an_option_is_meant_by_one_word_in_any_spelling(name):
+    """Case, blanks, hyphens and underscores do not count, no two options become one, and no other name is needless."""
+    for key, entry in handbook_model(name).inputs.items():
+        if isinstance(entry, Choice):
+            for option in entry.options:
+                for said in (option, option.upper(), *(re.sub("[ _-]", mark, option) for mark in " -_")):
+                    assert entry.option(said) == option, (key, said)
+            plain = Choice(entry.options)
+            for said, option in entry.aliases.items():
+                assert entry.option(said) == option
+                assert plain.option(said) is None, (key, said)
+
+
+@every
 def test_the_environments_are_those_of_the_handbook(name):
     entry = handbook_model(name).inputs.get("environment")
     if entry:

@@ -179,7 +179,7 @@ def junction_inputs(hottest: float = HOTTEST) -> Mapping[str, Input]:
             PACKAGE,
             "package, which gives the thermal resistance unless that is stated",
             default="unknown",
-            aliases={key.lower().replace("-", mark): key for key in PACKAGE for mark in ("", " ", "-")},
+            aliases={key.replace("-", ""): key for key in PACKAGE if "-" in key},
         ),
         "thermal_resistance": Range(0.0, 1e3, "K/W", "junction to case, by its maker", required=False, monotone=1),
     }

@@ -49,7 +49,6 @@ ALIASES = {
     "varistor": "transient_suppressor_varistor",
     "mov": "transient_suppressor_varistor",
     "zener": "voltage_regulator_zener",
-    "voltage reference": "voltage_reference",
 }
 
 

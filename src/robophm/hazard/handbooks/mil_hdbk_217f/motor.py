@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source, Table, band
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
-from robophm.hazard.handbooks.mil_hdbk_217f._factors import span
+from robophm.core.table import Source, Table
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, steps
+from robophm.hazard.handbooks.mil_hdbk_217f._factors import EFFECTIVE_FAILURES, span
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
 SOURCE = Source(
@@ -22,21 +22,6 @@ KIND = Table("motor type A and B", SOURCE, """
     servo               2.4   1.7   servo
     stepper             11    5.4   stepper
 """, columns=("A", "B"))  # fmt: skip
-
-EFFECTIVE_FAILURES = Table("effective cumulative failures λ1, λ2 up to LC/α", SOURCE, """
-    0.10  0.13
-    0.20  0.15
-    0.30  0.23
-    0.40  0.31
-    0.50  0.41
-    0.60  0.51
-    0.70  0.61
-    0.80  0.68
-    0.90  0.76
-    inf   1.0   printed for above 1.0; 0.91 to 1.0 is not printed
-""")  # fmt: skip
-
-BANDS = tuple(float(limit) for limit in EFFECTIVE_FAILURES), tuple(EFFECTIVE_FAILURES.values())
 
 ALIASES = {"general": "electrical_general", "dc": "electrical_general", "brushless": "electrical_general"}
 
@@ -70,7 +55,7 @@ def _wear(number: str, letter: str, divisor: float, part: str, life: Array, desi
     """λ1/(A · αB) or λ2/(B · αW)."""
     share = np.asarray(design_life) / life
     return (
-        Factor(f"λ{number}", band(share, *BANDS), f"LC/α{part} = {span(share)}, effective cumulative failures")
+        Factor(f"λ{number}", steps(EFFECTIVE_FAILURES, share), f"of LC/α{part} = {span(share)}, cumulative failures")
         * Factor(f"1/{letter}", 1 / divisor, f"{letter} = {divisor:g}")
         * Factor(f"1/α{part}", 1 / life, f"α{part} = {span(life)} h, {'bearings' if part == 'B' else 'windings'}")
     )

@@ -42,7 +42,7 @@ POWER = Table("power field-effect transistor πA from a rated power on", SOURCE,
 @hazard_model(
     source=SOURCE,
     inputs={
-        "kind": Choice(KIND, "MOSFET or junction FET", aliases={"mosfet": "MOSFET", "jfet": "JFET"}),
+        "kind": Choice(KIND, "MOSFET or junction FET"),
         "application": Choice(
             APPLICATION, "what it does; counts below 2 W", aliases={"amplifier": "linear", "switch": "switching"}
         ),
