@@ -3,14 +3,15 @@ from __future__ import annotations
 import os
 import textwrap
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 NO_SHARED = "no shared/ folder beside the project"
-PUBLISHED = "published answer of"
-DISPUTED = "disputed answer of"
-"""The properties by which a test says of which kind of part the answer is that it has compared."""
+ANSWER = "published answer"
+"""The property by which a test says which published answer it has compared."""
 
 
 @pytest.fixture(scope="session")
@@ -22,17 +23,27 @@ def shared() -> Path:
     return folder
 
 
+@pytest.fixture
+def answer(record_property: Callable[[str, object], None]) -> Callable[..., None]:
+    """Say that a test compares a published answer: of which kind of part, of which file, and whether it is disputed."""
+
+    def say(kind: str, file: str, *, disputed: bool = False) -> None:
+        record_property(ANSWER, {"kind": kind, "file": file, "disputed": disputed})
+
+    return say
+
+
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Say how many tests the absence of shared/ has cost, and which published answers were compared."""
     skipped = [report for report in terminalreporter.stats.get("skipped", []) if NO_SHARED in str(report.longrepr)]
     if skipped:
         terminalreporter.write_line(f"{len(skipped)} tests skipped: {NO_SHARED}", yellow=True)
     answers = [
-        (report.outcome, name, str(kind))
+        {**said, "failed": outcome == "failed"}
         for outcome in ("passed", "failed")
         for report in terminalreporter.stats.get(outcome, [])
-        for name, kind in getattr(report, "user_properties", ())
-        if name in (PUBLISHED, DISPUTED)
+        for name, said in getattr(report, "user_properties", ())
+        if name == ANSWER
     ]
     if answers:
         width = terminalreporter.config.get_terminal_writer().fullwidth
@@ -40,23 +51,24 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
             terminalreporter.write_line(textwrap.fill(line, width, subsequent_indent="    ", break_on_hyphens=False))
 
 
-def coverage(answers: list[tuple[str, str, str]]) -> list[str]:
-    """The kinds of parts by how many answers of each were compared, and those of which there are none.
-
-    An answer is of an outcome, a property, and a kind.
-    """
+def coverage(answers: list[dict[str, Any]]) -> list[str]:
+    """The kinds of parts by how many answers of each were compared, and those of which there are none."""
     from robophm.hazard.handbooks import handbook_models
 
-    failed = sum(outcome == "failed" for outcome, _, _ in answers)
-    kinds = Counter(kind for _, _, kind in answers)
-    disputed = Counter(kind for _, name, kind in answers if name == DISPUTED)
-    rows: dict[str, tuple[list[str], list[str]]] = {}
-    for kind in sorted(handbook_models(), key=lambda kind: -kinds[kind]):
-        handbook, _, part = kind.partition(".")
-        some, none = rows.setdefault(handbook, ([], []))
-        note = f" (of them {disputed[kind]} disputed)" if disputed[kind] else ""
-        (some if kinds[kind] else none).append(f"{part} {kinds[kind]}{note}" if kinds[kind] else part)
-    return [
-        f"answers of handbooks: {len(answers)} run, {disputed.total()} of them disputed, {failed} failed",
-        *(f"  {handbook}: {', '.join(some)}; none run of {', '.join(none)}" for handbook, (some, none) in rows.items()),
-    ]
+    files = Counter(said["file"] for said in answers)
+    kinds = Counter(said["kind"] for said in answers)
+    disputed = Counter(said["kind"] for said in answers if said["disputed"])
+    counts = ", ".join(f"{number} of {file}" for file, number in files.items())
+    failed = sum(said["failed"] for said in answers)
+    lines = [f"published answers compared: {counts}; {disputed.total()} of them disputed, {failed} failed"]
+    handbooks = {kind.partition(".")[0]: None for kind in handbook_models() if not kind.startswith("general.")}
+    for handbook in handbooks:
+        parts = [kind for kind in handbook_models() if kind.startswith(f"{handbook}.")]
+        some = [
+            f"{kind.partition('.')[2]} {kinds[kind]}" + (f" ({disputed[kind]} disputed)" if disputed[kind] else "")
+            for kind in sorted(parts, key=lambda kind: -kinds[kind])
+            if kinds[kind]
+        ]
+        none = [kind.partition(".")[2] for kind in parts if not kinds[kind]]
+        lines += [f"  {handbook}: {', '.join(some)}", f"    none: {', '.join(none)}"]
+    return lines

@@ -15,7 +15,8 @@ from .adapter import DATA
 from .mil_hdbk_217f.adapters import ADAPTERS as MIL_HDBK_217F
 from .nswc_11.adapters import ADAPTERS as NSWC_11
 
-ANSWERS = json.loads((DATA / "handbook_answers.json").read_text(encoding="utf-8"))
+FILE = "handbook_answers.json"
+ANSWERS = json.loads((DATA / FILE).read_text(encoding="utf-8"))
 CASES = {case["name"]: case for case in ANSWERS["cases"]}
 AGREED = [name for name, case in CASES.items() if "disputed" not in case]
 DISPUTED = {
@@ -59,10 +60,10 @@ def within(case):
 
 
 @pytest.mark.parametrize("name", AGREED)
-def test_published_answers(name, record_property):
+def test_published_answers(name, answer):
     case = CASES[name]
     of = adapter(case)
-    record_property("published answer of", of.kind)
+    answer(of.kind, FILE)
     for found in of.answers(case):
         assert found == within(case)
     for factor, printed in case.get("intermediate", {}).items():
@@ -71,9 +72,9 @@ def test_published_answers(name, record_property):
 
 
 @pytest.mark.parametrize("name", DISPUTED)
-def test_where_the_print_is_disputed_the_equation_counts(name, record_property):
+def test_where_the_print_is_disputed_the_equation_counts(name, answer):
     of = adapter(CASES[name])
-    record_property("disputed answer of", of.kind)
+    answer(of.kind, FILE, disputed=True)
     assert of.answers(CASES[name]) == pytest.approx([DISPUTED[name]], rel=1e-12)
 
 
