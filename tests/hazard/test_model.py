@@ -10,6 +10,8 @@ from robophm.core.table import Source
 from robophm.hazard.handbooks import handbook_model
 from robophm.hazard.model import BLOCK, Choice, Factor, Range, acceleration, hazard_model
 
+from .handbooks.adapter import plausible
+
 SOURCE = Source("Handbook", "1.2", "3", "made up")
 
 
@@ -79,6 +81,31 @@ def test_declared_names_and_units():
 def test_defaults_and_what_is_optional():
     assert model.settle({"load": "4 W"}) == {"load": 4.0, "kind": "good"}
     assert model.settle({"load": "4000 mW", "kind": "bad", "extra": 1}) == {"load": 4.0, "kind": "bad", "extra": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("kind", "given", "name", "answers"),
+    [
+        ("capacitor", {"style": "CDR"}, "series_resistance", False),
+        ("diode_low_frequency", {"kind": "zener"}, "voltage", False),
+        ("microcircuit.processor", {}, "case_temperature", True),
+        ("microcircuit.processor", {}, "screening_points", False),
+        ("microcircuit.processor", {"quality": "custom", "screening_points": 80}, "screening_points", True),
+        ("coil", {}, "power_loss", False),
+        ("coil", {"rise_from": "39010/1C"}, "temperature_rise", False),
+    ],
+)
+def test_what_is_left_open_counts_or_does_not(kind, given, name, answers):
+    of = handbook_model(f"mil_hdbk_217f.{kind}")
+    assert of.answers_to(name, of.settle({**plausible(of.name), **given})) == answers
+
+
+def test_what_counts_only_with_others_counts():
+    """A step of a shaft has a fillet, and without it there is no answer at all."""
+    shaft = handbook_model("nswc_11.shaft")
+    plain = {k: v for k, v in plausible(shaft.name).items() if not k.startswith(("step", "fillet", "groove"))}
+    assert shaft.answers_to("step_diameter", shaft.settle(plain))
+    assert model.answers_to("extra", {"load": 4.0, "kind": "good"})
 
 
 def test_a_combination_outside_is_an_error_in_a_design_and_a_flag_live():

@@ -26,6 +26,9 @@ Array = npt.NDArray[np.float64]
 PER_MILLION_HOURS = 1e-6
 """What turns the handbooks' failures per 10⁶ h into 1/h."""
 
+FARTHEST = 1e6
+"""Where a number is tried that may be any."""
+
 BLOCK = 2**16
 """How many samples a formula takes at once: few enough that what it computes on the way stays in the cache."""
 
@@ -202,6 +205,17 @@ class Model:
         if isinstance(entry, Note):
             return f"words, at most {LONGEST_NOTE} characters"
         return f"{entry.low:g} … {entry.high:g} {entry.unit}".rstrip()
+
+    def answers_to(self, name: str, settled: Mapping[str, Any]) -> bool:
+        """Whether a number that the settled inputs leave open would count: of a voltage a Zener diode's rate does not."""
+        entry = self.numbers[name]
+        low, high = np.clip((entry.low, entry.high), -FARTHEST, FARTHEST)
+        try:
+            alone = self.evaluate(settled).value
+            value = self.evaluate({**settled, name: np.array([low, (low + high) / 2, high])}).value
+        except ModelError:  # it counts with others, which are left open too
+            return True
+        return not bool(np.all(value == alone))
 
     def explain(self, inputs: Mapping[str, Any]) -> Factor:
         """The result as a tree of factors. Inputs are settled ones; numbers may be arrays that broadcast."""
