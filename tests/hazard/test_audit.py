@@ -213,7 +213,7 @@ REFUSED = {
     "all: no range is checked": (f"{MIL}.capacitor", {"temperature": "900 degC"}, "temperature 900 degC is outside"),
     "all: a choice that is not known counts 1.0": (f"{MIL}.capacitor", {"style": "0"}, "style '0' is not one of its"),
     "all: a factor typed by the user": (f"{MIL}.capacitor", {"quality": "7.5"}, "quality '7.5' is not one of its"),
-    "motor: lambda1 and lambda2 without a design life": (f"{MIL}.motor", {"design_life": None}, "needs the input 'design_life'"),
+    "motor: lambda1 and lambda2 by choice": (f"{MIL}.motor", {"design_life": None}, "needs the input 'design_life'"),
     "crystal: 16 million MHz": (f"{MIL}.crystal", {"frequency": "16e6 MHz"}, "frequency 1.6e.07 MHz is outside"),
     "actuator: a piston as wide as its bore": (
         f"{NSWC}.actuator_axial_load", {"bore": "50 mm", "piston_diameter": "50 mm"}, "bore wider than the piston"

@@ -207,7 +207,7 @@ class Model:
         return f"{entry.low:g} … {entry.high:g} {entry.unit}".rstrip()
 
     def answers_to(self, name: str, settled: Mapping[str, Any]) -> bool:
-        """Whether a number that the settled inputs leave open would count: of a voltage a Zener diode's rate does not."""
+        """Whether a number that settled inputs leave open would change the result: a Zener's voltage would not."""
         entry = self.numbers[name]
         low, high = np.clip((entry.low, entry.high), -FARTHEST, FARTHEST)
         try:

@@ -71,6 +71,30 @@ def test_the_declaration_is_complete(name):
             assert entry.default is None or entry.default in entry.options
 
 
+@pytest.mark.parametrize(
+    ("name", "of", "status"),
+    [
+        *((f"mil_hdbk_217f.microcircuit.{kind}", "200 screening points", "from memory") for kind in (
+            "gaas", "hybrid", "linear", "logic", "memory", "processor", "programmable", "vhsic",
+        )),
+        *((f"mil_hdbk_217f.microcircuit.{kind}", "224 pins, 175 °C", "from memory") for kind in (
+            "gaas", "linear", "logic", "memory", "processor", "programmable", "vhsic",
+        )),
+        ("mil_hdbk_217f.microcircuit.memory", "unknown kind is Flotox", "from memory"),
+        ("mil_hdbk_217f.microcircuit.memory", "life of the system", "single transcription"),
+        ("mil_hdbk_217f.diode_high_frequency", "πR ends at 3000 W", "from one of them"),
+        ("mil_hdbk_217f.laser_diode", "limits of 25 A", "from one program"),
+        ("mil_hdbk_217f.transistor_gaas_fet", "πE of MF", "unresolved"),
+        ("mil_hdbk_217f.surface_mount", "8 mil", "from memory"),
+        ("nswc_11.actuator_axial_load", "k2", "unverified"),
+    ],
+)  # fmt: skip
+def test_what_is_not_sure_says_so(name, of, status):
+    """In the source of a model, and so in the reference page."""
+    (clause,) = (part for part in handbook_model(name).source.status.split("; ") if of in part)
+    assert status in clause
+
+
 @every
 def test_the_rate_at_plausible_inputs_is_one_of_a_part(name):
     model, inputs = plausible(name)

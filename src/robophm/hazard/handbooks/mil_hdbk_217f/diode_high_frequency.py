@@ -16,7 +16,12 @@ from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
 )
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
-SOURCE = Source(TITLE, "6.2", "6-4 … 6-5", "two transcriptions agree; checked against Appendix A")
+SOURCE = Source(
+    TITLE,
+    "6.2",
+    "6-4 … 6-5",
+    "two transcriptions agree; checked against Appendix A; that πR ends at 3000 W is from one of them",
+)
 
 KIND = Table("high-frequency diode type", SOURCE, """
     impatt     0.22    5260  silicon IMPATT, up to 35 GHz

@@ -20,7 +20,7 @@ SOURCE = Source(
     "6.13",
     "6-21 … 6-22",
     "two transcriptions agree; checked against Appendix A as one program has it; a third reading has B = 2790 of "
-    "other optoelectronics, which Appendix A contradicts",
+    "other optoelectronics, which Appendix A contradicts; the limits of 25 A and of 25 to 75 °C are from one program",
 )
 
 KIND = Table("laser diode λb", SOURCE, """
