@@ -43,9 +43,3 @@ def surroundings(environment_table: Table, environment: str) -> Factor:
     return Factor("πE", environment_table[environment], f"environment {environment}") * Factor(
         "10⁻⁶", PER_MILLION_HOURS, "failures/10⁶ h to 1/h"
     )
-
-
-def span(values: Array | float) -> str:
-    """A number, or from where to where many go."""
-    low, high = np.min(values), np.max(values)
-    return f"{low:.3g}" if low == high else f"{low:.3g} … {high:.3g}"

@@ -8,8 +8,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius
-from robophm.hazard.handbooks.mil_hdbk_217f._factors import span
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, span
 from robophm.hazard.model import Array, Choice, Factor, Input, Range
 
 HOT_SPOT = Source(TITLE, "11.3", "11-3 … 11-4", "one transcription; the range of case areas from another program")

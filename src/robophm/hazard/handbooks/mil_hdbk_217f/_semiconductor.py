@@ -7,8 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
-from robophm.hazard.handbooks.mil_hdbk_217f._factors import span
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.model import Array, Choice, Factor, Input, Range
 
 THERMAL = Source(TITLE, "6.14", "6-23", "two transcriptions agree on the table; the page is by order, not seen")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, steps
-from robophm.hazard.handbooks.mil_hdbk_217f._factors import EFFECTIVE_FAILURES, span
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span, steps
+from robophm.hazard.handbooks.mil_hdbk_217f._factors import EFFECTIVE_FAILURES
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
 SOURCE = Source(
@@ -45,10 +45,15 @@ def hazard_rate(
     life cycle, which has to be stated. Bearings last longest near 35 °C. There is no πE and no πQ.
     """
     kelvin = np.maximum(np.asarray(temperature) + 273, 200.0)  # what a broken sensor says
-    bearing = 1 / (10 ** (2.534 - 2357 / kelvin) + 1 / (10 ** (20 - 4500 / kelvin) + 300))
-    winding = 10 ** (2357 / kelvin - 1.83)
+    cold = _power_of_ten(2.534 - 2357 / kelvin)  # np.power takes many times as long as np.exp
+    bearing = 1 / (cold + 1 / (_power_of_ten(20 - 4500 / kelvin) + 300))
+    winding = _power_of_ten(2.534 - 1.83) / cold  # 10^(2357/T − 1.83)
     a, b = KIND.rows[kind]
     return _wear("1", "A", a, "B", bearing, design_life) + _wear("2", "B", b, "W", winding, design_life)
+
+
+def _power_of_ten(exponent: Array | float) -> Array:
+    return np.asarray(np.exp(np.log(10) * exponent))
 
 
 def _wear(number: str, letter: str, divisor: float, part: str, life: Array, design_life: Array) -> Factor:

@@ -11,7 +11,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, written_range
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, span
 from robophm.hazard.model import Array, Choice, Factor, Input, Range
 
 LIMITS = "limits of 224 pins, 175 °C and 200 screening points from memory"
@@ -154,7 +154,7 @@ def temperature_factor(junction: Array, activation_energy: float, reference: flo
     return Factor(
         "πT",
         0.1 * handbook_arrhenius(junction, activation_energy, reference),
-        f"junction at {written_range(junction)} °C of at most {JUNCTION_LIMIT:g}, Ea = {activation_energy:g} eV",
+        f"junction at {span(junction)} °C of at most {JUNCTION_LIMIT:g}, Ea = {activation_energy:g} eV",
         outside=junction > JUNCTION_LIMIT,
     )
 
