@@ -37,6 +37,8 @@ calibrate: setup
 
 bench: setup
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[bench]"
+	@test -d .venv/peers/ramstk || $(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--constraint constraints.txt --no-deps --target .venv/peers ramstk pypubsub
 	$(BIN)/python -m benchmarks
 
 clean:

@@ -1,11 +1,17 @@
 from __future__ import annotations
 
 import os
+import textwrap
+from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 NO_SHARED = "no shared/ folder beside the project"
+ANSWER = "published answer"
+"""The property by which a test says which published answer it has compared."""
 
 
 @pytest.fixture(scope="session")
@@ -17,8 +23,52 @@ def shared() -> Path:
     return folder
 
 
+@pytest.fixture
+def answer(record_property: Callable[[str, object], None]) -> Callable[..., None]:
+    """Say that a test compares a published answer: of which kind of part, of which file, and whether it is disputed."""
+
+    def say(kind: str, file: str, *, disputed: bool = False) -> None:
+        record_property(ANSWER, {"kind": kind, "file": file, "disputed": disputed})
+
+    return say
+
+
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Say how many tests the absence of shared/ has cost."""
+    """Say how many tests the absence of shared/ has cost, and which published answers were compared."""
     skipped = [report for report in terminalreporter.stats.get("skipped", []) if NO_SHARED in str(report.longrepr)]
     if skipped:
         terminalreporter.write_line(f"{len(skipped)} tests skipped: {NO_SHARED}", yellow=True)
+    answers = [
+        {**said, "failed": outcome == "failed"}
+        for outcome in ("passed", "failed")
+        for report in terminalreporter.stats.get(outcome, [])
+        for name, said in getattr(report, "user_properties", ())
+        if name == ANSWER
+    ]
+    if answers:
+        width = terminalreporter.config.get_terminal_writer().fullwidth
+        for line in coverage(answers):
+            terminalreporter.write_line(textwrap.fill(line, width, subsequent_indent="    ", break_on_hyphens=False))
+
+
+def coverage(answers: list[dict[str, Any]]) -> list[str]:
+    """The kinds of parts by how many answers of each were compared, and those of which there are none."""
+    from robophm.hazard.handbooks import handbook_models
+
+    files = Counter(said["file"] for said in answers)
+    kinds = Counter(said["kind"] for said in answers)
+    disputed = Counter(said["kind"] for said in answers if said["disputed"])
+    counts = ", ".join(f"{number} of {file}" for file, number in files.items())
+    failed = sum(said["failed"] for said in answers)
+    lines = [f"published answers compared: {counts}; {disputed.total()} of them disputed, {failed} failed"]
+    handbooks = {kind.partition(".")[0]: None for kind in handbook_models() if not kind.startswith("general.")}
+    for handbook in handbooks:
+        parts = [kind for kind in handbook_models() if kind.startswith(f"{handbook}.")]
+        some = [
+            f"{kind.partition('.')[2]} {kinds[kind]}" + (f" ({disputed[kind]} disputed)" if disputed[kind] else "")
+            for kind in sorted(parts, key=lambda kind: -kinds[kind])
+            if kinds[kind]
+        ]
+        none = [kind.partition(".")[2] for kind in parts if not kinds[kind]]
+        lines += [f"  {handbook}: {', '.join(some)}", f"    none: {', '.join(none)}"]
+    return lines

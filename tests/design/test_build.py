@@ -212,6 +212,29 @@ components:
     assert signals(found["Rectifier"]) == {"temperature": "/t.data", "voltage": "/v.data"}
 
 
+CHIP = """
+signals: {case_temperature: {topic: /t, field: data}}
+environment: GM
+components:
+  Chip: {hazard: {model: mil_hdbk_217f.microcircuit.processor, inputs: {family: CMOS, bits: 32 bit, package: LQFP,
+    pins: 100, power: 0.3 W, years_in_production: 3 year%s}}}
+"""
+
+
+def test_what_would_count_is_not_left_unheard():
+    """The environment's case temperature holds unless one is stated: a sensor of it has nothing to be compared with."""
+    with pytest.raises(DesignError) as refused:
+        robot(CHIP % "")
+    assert str(refused.value) == (
+        "design:7: components/Chip/hazard/inputs: mil_hdbk_217f.microcircuit.processor says nothing of "
+        "'case_temperature', which signals/case_temperature measures; expected its value as designed, "
+        "case_temperature: -55 … 175 degC"
+    )
+    assert signals(modes(CHIP % ", case_temperature: 50 degC")["Chip"]) == {"case_temperature": "/t.data"}
+    other = CHIP.replace("case_temperature", "screening_points")  # which only custom screening has
+    assert signals(modes(other % "")["Chip"]) == {}
+
+
 @pytest.mark.parametrize(
     ("life", "survival"),
     [

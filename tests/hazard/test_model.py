@@ -1,5 +1,7 @@
 """A declared model: factors that remember, checks that a declaration makes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,8 @@ from robophm.core.errors import ModelError
 from robophm.core.table import Source
 from robophm.hazard.handbooks import handbook_model
 from robophm.hazard.model import BLOCK, Choice, Factor, Range, acceleration, hazard_model
+
+from .handbooks.adapter import plausible
 
 SOURCE = Source("Handbook", "1.2", "3", "made up")
 
@@ -28,13 +32,34 @@ def model(load, kind, extra=None):
     return Factor("a", 2.0 if kind == "bad" else 1.0) * (Factor("b", load, outside=np.asarray(load) > 5) + more) * 3
 
 
-def test_an_option_is_meant_in_any_case_and_by_its_other_names():
-    choice = Choice(("CDR", "power_rectifier", "cdr_old"), aliases={"mlcc": "CDR", "power_rectifier": "cdr_old"})
-    meant = {"CDR": "CDR", "cdr": "CDR", " MLCC ": "CDR", "Power  Rectifier": "power_rectifier"}
-    assert {said: choice.option(said) for said in meant} == meant
-    assert choice.option("power_rectifier") == "power_rectifier"
-    assert choice.option("CD R") is None
-    assert choice.option("") is None
+@pytest.mark.parametrize(
+    "said", ["rack-panel", "rack panel", "rack_panel", "Rack Panel", "RACK-PANEL", " rack  panel ", "rack_-panel"]
+)
+def test_an_option_is_meant_however_its_words_are_put_together(said):
+    for option in ("rack-panel", "rack panel", "rack_panel"):
+        assert Choice((option, "rectangular"), aliases={"d-sub": option}).option(said) == option
+
+
+@pytest.mark.parametrize("said", ["D-sub", "d sub", "D_SUB"])
+def test_another_name_of_an_option_is_read_like_the_option(said):
+    assert Choice(("rack-panel", "rectangular"), aliases={"d-sub": "rack-panel"}).option(said) == "rack-panel"
+
+
+@pytest.mark.parametrize("said", ["rackpanel", "rack", "panel", "rack panel 2", "", " ", "-", "dsub"])
+def test_what_no_option_is_called_means_none(said):
+    assert Choice(("rack-panel", "rectangular"), aliases={"d-sub": "rack-panel"}).option(said) is None
+
+
+def test_a_word_that_may_mean_two_options_is_refused_with_both():
+    """As it stands an option is itself; written otherwise it may be either."""
+    choice = Choice(("power_rectifier", "rectifier_old"), aliases={"Power-Rectifier": "rectifier_old"})
+    two = replace(model, inputs={**model.inputs, "kind": choice})
+    assert two.settle({"load": "4 W", "kind": "power_rectifier"})["kind"] == "power_rectifier"
+    assert choice.option("power rectifier") is None
+    with pytest.raises(ModelError, match=r"not one of .*; it may be 'power_rectifier' or 'rectifier_old'"):
+        two.settle({"load": "4 W", "kind": "power rectifier"})
+    with pytest.raises(ModelError, match=r"kind 'power rectifer' is not .*; did you mean 'power_rectifier'"):
+        two.settle({"load": "4 W", "kind": "power rectifer"})
 
 
 def test_products_and_sums_remember_their_parts():
@@ -56,6 +81,31 @@ def test_declared_names_and_units():
 def test_defaults_and_what_is_optional():
     assert model.settle({"load": "4 W"}) == {"load": 4.0, "kind": "good"}
     assert model.settle({"load": "4000 mW", "kind": "bad", "extra": 1}) == {"load": 4.0, "kind": "bad", "extra": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("kind", "given", "name", "answers"),
+    [
+        ("capacitor", {"style": "CDR"}, "series_resistance", False),
+        ("diode_low_frequency", {"kind": "zener"}, "voltage", False),
+        ("microcircuit.processor", {}, "case_temperature", True),
+        ("microcircuit.processor", {}, "screening_points", False),
+        ("microcircuit.processor", {"quality": "custom", "screening_points": 80}, "screening_points", True),
+        ("coil", {}, "power_loss", False),
+        ("coil", {"rise_from": "39010/1C"}, "temperature_rise", False),
+    ],
+)
+def test_what_is_left_open_counts_or_does_not(kind, given, name, answers):
+    of = handbook_model(f"mil_hdbk_217f.{kind}")
+    assert of.answers_to(name, of.settle({**plausible(of.name), **given})) == answers
+
+
+def test_what_counts_only_with_others_counts():
+    """A step of a shaft has a fillet, and without it there is no answer at all."""
+    shaft = handbook_model("nswc_11.shaft")
+    plain = {k: v for k, v in plausible(shaft.name).items() if not k.startswith(("step", "fillet", "groove"))}
+    assert shaft.answers_to("step_diameter", shaft.settle(plain))
+    assert model.answers_to("extra", {"load": 4.0, "kind": "good"})
 
 
 def test_a_combination_outside_is_an_error_in_a_design_and_a_flag_live():

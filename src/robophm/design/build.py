@@ -372,9 +372,16 @@ class _Builder:
             raise Fault((*place, named) if named else place, str(error)) from None
         channels = {}
         for name, entry in model.numbers.items():
-            if name in scope.signals and name in design:  # what this part does not need, it does not listen to
+            if name in scope.signals and name in design:
                 at, binding = scope.signals[name]
                 channels[name] = self._channel(at, binding, entry.unit, part.offsets.get(name))
+            elif name in scope.signals and model.answers_to(name, design):
+                signal = "/".join(scope.signals[name][0])
+                raise Fault(
+                    place,
+                    f"{model.name} says nothing of '{name}', which {signal} measures; expected its value as designed, "
+                    f"{name}: {model.expected(name)}",
+                )
         return Stress(model, design, channels)
 
     def _channel(self, place: Path, binding: schema.SignalBinding, unit: str, more: str | float | None) -> Channel:

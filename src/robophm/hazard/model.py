@@ -8,6 +8,7 @@ and what ``robophm rate`` lists and explains.
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -24,6 +25,9 @@ Array = npt.NDArray[np.float64]
 
 PER_MILLION_HOURS = 1e-6
 """What turns the handbooks' failures per 10⁶ h into 1/h."""
+
+FARTHEST = 1e6
+"""Where a number is tried that may be any."""
 
 BLOCK = 2**16
 """How many samples a formula takes at once: few enough that what it computes on the way stays in the cache."""
@@ -68,17 +72,31 @@ class Choice:
     description: str = ""
     default: str | None = None
     aliases: Mapping[str, str] = field(default_factory=dict)
-    """What people call an option, in lower case, and the option: {"mlcc": "CDR"}."""
+    """What people call an option, and the option: {"mlcc": "CDR"}."""
     required: bool = True
 
-    def option(self, written: str) -> str | None:
-        """The option that a word means, in whatever case and with blanks for underscores; None where it means none."""
+    @cached_property
+    def _spellings(self) -> Mapping[str, set[str]]:
+        spellings: dict[str, set[str]] = {}
+        for said, option in (*zip(self.options, self.options, strict=True), *self.aliases.items()):
+            spellings.setdefault(_spelled(said), set()).add(option)
+        return spellings
+
+    def meant(self, written: str) -> list[str]:
+        """The options that a word may mean, in whatever case and with blanks, hyphens or underscores between words."""
         if written in self.options:
-            return written
-        said = " ".join(written.lower().split())
-        if said in self.aliases:
-            return self.aliases[said]
-        return next((option for option in self.options if option.lower() == said.replace(" ", "_")), None)
+            return [written]
+        return sorted(self._spellings.get(_spelled(written), ()))
+
+    def option(self, written: str) -> str | None:
+        """The one option that a word means; None where it means none, or more than one."""
+        meant = self.meant(written)
+        return meant[0] if len(meant) == 1 else None
+
+
+def _spelled(words: str) -> str:
+    """Words without what people vary in writing them: case, and what stands between."""
+    return " ".join(re.split(r"[\s_-]+", words.casefold())).strip()
 
 
 @dataclass(frozen=True)
@@ -153,11 +171,12 @@ class Model:
             elif isinstance(entry, Note):
                 settled[name] = self._words(name, value)
             elif isinstance(entry, Choice):
-                option = entry.option(str(value))
-                if option is None:
-                    hint = nearest(str(value), (*entry.options, *entry.aliases))
+                meant = entry.meant(str(value))
+                if len(meant) != 1:
+                    may_be = "; it may be " + " or ".join(f"'{option}'" for option in meant)
+                    hint = may_be if meant else nearest(str(value), (*entry.options, *entry.aliases))
                     raise ModelError(f"{self.name}: {name} '{value}' is not one of its choices{hint}")
-                settled[name] = option
+                settled[name] = meant[0]
             else:
                 try:
                     number = quantity(value, entry.unit) if name in given else float(entry.default or 0.0)
@@ -186,6 +205,17 @@ class Model:
         if isinstance(entry, Note):
             return f"words, at most {LONGEST_NOTE} characters"
         return f"{entry.low:g} … {entry.high:g} {entry.unit}".rstrip()
+
+    def answers_to(self, name: str, settled: Mapping[str, Any]) -> bool:
+        """Whether a number that settled inputs leave open would change the result: a Zener's voltage would not."""
+        entry = self.numbers[name]
+        low, high = np.clip((entry.low, entry.high), -FARTHEST, FARTHEST)
+        try:
+            alone = self.evaluate(settled).value
+            value = self.evaluate({**settled, name: np.array([low, (low + high) / 2, high])}).value
+        except ModelError:  # it counts with others, which are left open too
+            return True
+        return not bool(np.all(value == alone))
 
     def explain(self, inputs: Mapping[str, Any]) -> Factor:
         """The result as a tree of factors. Inputs are settled ones; numbers may be arrays that broadcast."""

@@ -1,7 +1,6 @@
-"""What the tests of the sections share: published cases beside a model, and the second transcription."""
+"""What the tests of the sections share: a model's factors, and the second transcription of the handbooks."""
 
-import json
-from pathlib import Path
+import functools
 
 import numpy as np
 import pytest
@@ -9,11 +8,9 @@ from ruamel.yaml import YAML
 
 from robophm.hazard.handbooks import handbook_model
 
-DATA = Path(__file__).parents[2] / "data"
-
 
 class Section:
-    """One model, its factors and its published cases."""
+    """A model of MIL-HDBK-217F, its factors and its rate."""
 
     def __init__(self, name):
         self.model = handbook_model(f"mil_hdbk_217f.{name}")
@@ -34,52 +31,13 @@ def section():
     return Section
 
 
-@pytest.fixture
-def agrees():
-    """Whether a value is a case's published one, within its tolerance."""
-
-    def agrees(case, found):
-        tolerance = case["tolerance"]
-        expected = pytest.approx(case["expected"]["value"], rel=tolerance.get("rel", 0), abs=tolerance.get("abs", 0))
-        assert case["source"]
-        assert float(found) == expected, case["name"]
-
-    return agrees
+@pytest.fixture(scope="session")
+def factors():
+    """The leaves of a model's explanation, by symbol."""
+    return lambda model, inputs: {f.symbol: float(np.asarray(f.value)) for f in model.explain(inputs).leaves()}
 
 
-@pytest.fixture
-def carried(shared):
-    """Fails where the cases of a file in tests/data are not those published for its sections, all of them."""
-    published = json.loads((shared / "cases" / "handbook.json").read_text(encoding="utf-8"))["cases"]
-
-    def carried(name, *sections):
-        here = {case["name"]: case for case in json.loads((DATA / f"{name}.json").read_text(encoding="utf-8"))["cases"]}
-        there = {
-            case["name"]: {key: value for key, value in case.items() if key != "handbook"}
-            for case in published
-            if case["handbook"].startswith("MIL") and case["section"] in sections and not case.get("disputed")
-        }
-        assert here == there
-        return len(here)
-
-    return carried
-
-
-@pytest.fixture
+@pytest.fixture(scope="session")
 def second(shared):
-    """The second transcription of a handbook table."""
-    return lambda name: YAML(typ="safe").load(shared / "handbook" / "tables" / f"mil217_{name}.yaml")
-
-
-@pytest.fixture
-def original(shared):
-    """What the 2020 tool answers for a section, where that is the handbook's answer."""
-    cases = json.loads((shared / "cases" / "handbook_original_tool.json").read_text(encoding="utf-8"))["cases"]
-
-    def original(section):
-        found = [case for case in cases if case["section"] == section]
-        assert found
-        assert all(case["verdict"].startswith("agrees") for case in found)
-        return found
-
-    return original
+    """The second transcription of the tables, by the name of its file."""
+    return functools.cache(lambda name: YAML(typ="safe").load(shared / "handbook" / "tables" / f"{name}.yaml"))

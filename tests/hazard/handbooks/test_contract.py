@@ -30,7 +30,7 @@ def choices():
         (name, key, option)
         for name in NAMES
         for key, entry in handbook_model(name).inputs.items()
-        if isinstance(entry, Choice)
+        if isinstance(entry, Choice) and key != "environment"
         for option in entry.options
     ]
 
@@ -71,6 +71,30 @@ def test_the_declaration_is_complete(name):
             assert entry.default is None or entry.default in entry.options
 
 
+@pytest.mark.parametrize(
+    ("name", "of", "status"),
+    [
+        *((f"mil_hdbk_217f.microcircuit.{kind}", "200 screening points", "from memory") for kind in (
+            "gaas", "hybrid", "linear", "logic", "memory", "processor", "programmable", "vhsic",
+        )),
+        *((f"mil_hdbk_217f.microcircuit.{kind}", "224 pins, 175 °C", "from memory") for kind in (
+            "gaas", "linear", "logic", "memory", "processor", "programmable", "vhsic",
+        )),
+        ("mil_hdbk_217f.microcircuit.memory", "unknown kind is Flotox", "from memory"),
+        ("mil_hdbk_217f.microcircuit.memory", "life of the system", "single transcription"),
+        ("mil_hdbk_217f.diode_high_frequency", "πR ends at 3000 W", "from one of them"),
+        ("mil_hdbk_217f.laser_diode", "limits of 25 A", "from one program"),
+        ("mil_hdbk_217f.transistor_gaas_fet", "πE of MF", "unresolved"),
+        ("mil_hdbk_217f.surface_mount", "8 mil", "from memory"),
+        ("nswc_11.actuator_axial_load", "k2", "unverified"),
+    ],
+)  # fmt: skip
+def test_what_is_not_sure_says_so(name, of, status):
+    """In the source of a model, and so in the reference page."""
+    (clause,) = (part for part in handbook_model(name).source.status.split("; ") if of in part)
+    assert status in clause
+
+
 @every
 def test_the_rate_at_plausible_inputs_is_one_of_a_part(name):
     model, inputs = plausible(name)
@@ -103,11 +127,81 @@ def test_every_choice_has_an_answer(name, key, option):
 
 
 @every
-def test_the_environments_are_those_of_the_handbook(name):
-    entry = handbook_model(name).inputs.get("environment")
-    if entry:
-        assert set(entry.options) <= set(ENVIRONMENTS)
-        assert {"GB", "GF", "GM"} <= set(entry.options)
+def test_an_option_is_meant_by_one_word_in_any_spelling(name):
+    """Case, blanks, hyphens and underscores do not count, no two options become one, and no other name is needless."""
+    for key, entry in handbook_model(name).inputs.items():
+        if isinstance(entry, Choice):
+            for option in entry.options:
+                for said in (option, option.upper(), *(re.sub("[ _-]", mark, option) for mark in " -_")):
+                    assert entry.option(said) == option, (key, said)
+            plain = Choice(entry.options)
+            for said, option in entry.aliases.items():
+                assert entry.option(said) == option
+                assert plain.option(said) is None, (key, said)
+
+
+@pytest.mark.parametrize("environment", ENVIRONMENTS)
+@pytest.mark.parametrize("name", [name for name in NAMES if "environment" in handbook_model(name).inputs])
+def test_every_environment_has_an_answer_or_is_refused(name, environment):
+    """All fourteen; one without a printed πE is no choice."""
+    entry = handbook_model(name).inputs["environment"]
+    assert set(entry.options) <= set(ENVIRONMENTS)
+    assert {"GB", "GF", "GM"} <= set(entry.options)
+    if environment in entry.options:
+        model, inputs = plausible(name, environment=environment)
+        value, extrapolated = model.evaluate(inputs)
+        assert 0 < value < math.inf
+        assert not extrapolated
+    else:
+        with pytest.raises(ModelError, match=f"^{name}: environment '{environment}' is not one of its choices"):
+            plausible(name, environment=environment)
+
+
+STRESS = {
+    ("mil_hdbk_217f.capacitor", "dc_voltage", "rated_voltage"): 1,
+    ("mil_hdbk_217f.diode_low_frequency", "voltage", "rated_voltage"): 1,
+    ("mil_hdbk_217f.elapsed_time_meter", "temperature", "rated_temperature"): 1,
+    ("mil_hdbk_217f.laser_diode", "required_optical_power", "rated_optical_power"): 0.95,
+    ("mil_hdbk_217f.relay", "load_current", "rated_current"): 1,
+    ("mil_hdbk_217f.resistor", "power", "rated_power"): 1,
+    ("mil_hdbk_217f.switch", "load_current", "rated_current"): 1,
+    ("mil_hdbk_217f.thyristor", "voltage", "rated_voltage"): 1,
+    ("mil_hdbk_217f.transistor_bipolar_high_power_high_frequency", "voltage", "rated_voltage"): 0.55,
+    ("mil_hdbk_217f.transistor_bipolar_low_frequency", "voltage", "rated_voltage"): 1,
+    ("mil_hdbk_217f.transistor_bipolar_low_noise_high_frequency", "voltage", "rated_voltage"): 1,
+}
+"""What is applied, its rating, and the largest ratio of them."""
+RATINGS_ALONE = {
+    ("mil_hdbk_217f.diode_high_frequency", "rated_power"),  # πR
+    ("mil_hdbk_217f.lamp", "rated_voltage"),  # λb
+    ("mil_hdbk_217f.thyristor", "rated_current"),  # πR
+    ("mil_hdbk_217f.transistor_bipolar_low_frequency", "rated_power"),  # πR
+    ("mil_hdbk_217f.transistor_bipolar_low_noise_high_frequency", "rated_power"),  # πR
+    ("mil_hdbk_217f.transistor_fet_low_frequency", "rated_power"),  # πA
+    ("nswc_11.bearing_rated_life", "rated_life"),
+    ("nswc_11.static_seal", "rated_temperature"),  # C_T, which goes on above it
+}
+"""Ratings of which the handbook takes no ratio."""
+
+
+def test_every_rating_is_known_to_limit_something_or_nothing():
+    ratings = {(name, key) for name, key in numbers() if key.startswith("rated_")}
+    assert ratings == {(name, rated) for name, _, rated in STRESS} | RATINGS_ALONE
+
+
+@pytest.mark.parametrize(("name", "applied", "rated"), STRESS)
+def test_overstress_is_an_error_in_a_design_and_a_flag_live(name, applied, rated):
+    model, inputs = plausible(name)
+    limit = STRESS[name, applied, rated] * inputs[rated]
+    unit = model.numbers[applied].unit
+    assert plausible(name, **{applied: f"{limit * (1 - 1e-9)} {unit}"})
+    with pytest.raises(ModelError, match=rf"^{name}: .* is outside the handbook's range: .* of at most "):
+        plausible(name, **{applied: f"{limit * (1 + 1e-6)} {unit}"})
+    measured = np.array([limit * (1 - 1e-9), limit * (1 + 1e-6), limit * 2])
+    value, extrapolated = model.evaluate({**inputs, applied: measured})
+    assert extrapolated.tolist() == [False, True, True]
+    assert np.all(np.isfinite(value))
+    assert np.all(np.diff(value) >= 0)
 
 
 @pytest.mark.parametrize(("name", "key"), numbers())

@@ -1,53 +1,12 @@
-"""MIL-HDBK-217F Notice 2 §19.1 against Appendix A and the printed table of λb."""
-
-import json
-from pathlib import Path
+"""MIL-HDBK-217F Notice 2 §19.1, quartz crystals: the unit of their frequency."""
 
 import pytest
 
 from robophm.core.errors import ModelError, UnitError
 from robophm.hazard.handbooks import handbook_model
-from robophm.hazard.handbooks.mil_hdbk_217f.crystal import ENVIRONMENT, QUALITY
 
-CASES = json.loads((Path(__file__).parents[3] / "data" / "crystal.json").read_text())["cases"]
 CRYSTAL = handbook_model("mil_hdbk_217f.crystal")
 PLAIN = {"frequency": "1 MHz", "quality": "MIL-SPEC", "environment": "GB"}
-
-
-def given(published):
-    """The inputs of a published case as ours; a name that is not known fails."""
-    ours = {}
-    for name, value in published.items():
-        match name:
-            case "f_MHz":
-                ours["frequency"] = f"{value} MHz"
-            case "quality" | "environment":
-                ours[name] = value
-            case _:
-                pytest.fail(f"the published input '{name}' is not known here")
-    return ours
-
-
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
-def test_published(case, answers):
-    inputs = dict(case["inputs"])
-    symbol = {None: None, "lambda_b": "λb"}[inputs.pop("factor", None)]
-    answers(CRYSTAL, case, {**PLAIN, **given(inputs)}, symbol)
-
-
-def test_the_cases_are_all_there(as_published):
-    assert len(CASES) == 24
-    as_published(CASES, "19.1")
-
-
-def test_tables_agree_row_by_row(second, factors):
-    theirs = second("crystals_fuses_lamps_filters_meters")["crystal"]
-    assert dict(QUALITY) == theirs["piQ"]
-    assert dict(ENVIRONMENT) == theirs["piE"]
-    for label, value in theirs["printed_lambda_b"].items():
-        frequency = label.removeprefix("f_").replace("_", ".")
-        found = factors(CRYSTAL, CRYSTAL.settle({**PLAIN, "frequency": f"{frequency} MHz"}))["λb"]
-        assert found == pytest.approx(value, abs=0.00055), label
 
 
 def test_the_frequency_is_in_megahertz():

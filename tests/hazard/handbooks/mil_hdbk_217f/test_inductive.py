@@ -1,62 +1,14 @@
-"""MIL-HDBK-217F Notice 2 §11 against what is printed: Appendix A, the table of πT, the ways to a hot spot."""
+"""MIL-HDBK-217F Notice 2 §11, coils and transformers: by hand, and the ways to a hot spot."""
 
-import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from robophm.core.errors import ModelError
-from robophm.hazard.handbooks.mil_hdbk_217f import coil, transformer
-from robophm.hazard.handbooks.mil_hdbk_217f._inductive import CASE, ENVIRONMENT, NEEDS, SLASH_SHEET
+from robophm.hazard.handbooks.mil_hdbk_217f._inductive import NEEDS
 
-DATA = Path(__file__).parents[3] / "data" / "inductive.json"
-CASES = json.loads(DATA.read_text(encoding="utf-8"))["cases"]
-WHOLE = [case for case in CASES if "factor" not in case["inputs"]]
-SINGLE = [case for case in CASES if "factor" in case["inputs"]]
 PLAIN = {"kind": "fixed", "temperature": "25 degC", "temperature_rise": "0 K", "environment": "GB"}
-
-
-def written(published):
-    """The inputs of a published case as a user writes them; a name that is not known fails."""
-    given = {"kind": "fixed", "temperature_rise": "0 K"}
-    for name, value in published.items():
-        match name:
-            case "THS_C":
-                given["temperature"] = f"{value} degC"
-            case "type":
-                given["kind"] = value
-            case "piQ":
-                given["quality"] = next(word for word, number in coil.QUALITY.items() if number == value)
-            case "quality" | "environment":
-                given[name] = value
-            case _:
-                pytest.fail(f"the published input '{name}' is not known here")
-    return given
-
-
-def test_the_cases_are_all_there(carried):
-    assert (len(WHOLE), len(SINGLE)) == (20, 12)
-    assert carried("inductive", "11.1", "11.2") == 32
-
-
-@pytest.mark.parametrize("case", WHOLE, ids=lambda case: case["name"])
-def test_published_rates(case, section, agrees):
-    name = {"11.1": "transformer", "11.2": "coil"}[case["section"]]
-    agrees(case, section(name).rate(written(case["inputs"])))
-
-
-@pytest.mark.parametrize("case", SINGLE, ids=lambda case: case["name"])
-def test_printed_factors(case, section, agrees):
-    assert case["inputs"].keys() == {"factor", "THS_C"}
-    assert case["inputs"]["factor"] == "piT"
-    agrees(case, section("coil").factors(PLAIN, temperature=float(case["inputs"]["THS_C"]))["πT"])
-
-
-def test_the_2020_tool_agrees(original, section, agrees):
-    for case in original("11.2"):
-        agrees(case, section("coil").factors(PLAIN, temperature=float(case["inputs"]["THS_C"]))["πT"])
 
 
 def test_worked_by_hand(section):
@@ -106,26 +58,3 @@ def test_a_hot_spot_beyond_the_table_is_refused_in_a_design_and_flagged_live(sec
     value, extrapolated = part.model.evaluate({**design, "temperature": np.array([-300.0, 20.0, 179.0, 180.0, 191.0])})
     assert extrapolated.tolist() == [True, False, False, True, True]
     assert np.all(value >= 0)
-
-
-def test_the_tables_agree_row_by_row(second):
-    table = second("inductive")
-    assert dict(transformer.KIND) == table["transformer_lambda_b"]
-    assert dict(transformer.QUALITY) == table["piQ_transformer"]
-    assert dict(coil.KIND) == table["coil_lambda_b"]
-    assert dict(coil.QUALITY) == table["piQ_coil"]
-    assert dict(ENVIRONMENT) == table["piE"]
-    hot_spot = table["hot_spot"]
-    assert {key.removeprefix("T27/"): area for key, area in CASE.items()} == hot_spot["case_areas_in2_MIL-T-27"]
-    for rise in (15, 35):
-        (label,) = (key for key, value in hot_spot.items() if value == rise)
-        sheets = "_".join(key.removeprefix("39010/") for key, value in SLASH_SHEET.items() if value == rise)
-        assert label.removeprefix("dT_MIL-C-39010_").replace("1C-3C", "1C_2C_3C") == sheets
-
-
-def test_the_printed_table_agrees_to_its_two_digits(second, section):
-    rows = second("inductive")["printed_piT"]
-    assert len(rows) == 18
-    for label, value in rows.items():
-        found = section("coil").factors(PLAIN, temperature=float(label[2:]))["πT"]
-        assert found == pytest.approx(value, abs=0.055), label

@@ -1,24 +1,11 @@
 """MIL-HDBK-217F Notice 2 Appendix A: the published rates, and that the parts' own sections reproduce them."""
 
-import math
-
 import pytest
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks import handbook_model
-from robophm.hazard.handbooks.mil_hdbk_217f.parts_count import RATES
 
 COUNT = handbook_model("mil_hdbk_217f.parts_count")
-
-
-def test_rates_agree_row_by_row(second):
-    theirs = second("appendixA_published")["rows"]
-    del theirs["connector_rectangular"], theirs["switch_toggle"]["CL"]
-    assert len(RATES) == 29
-    for part, values in RATES.rows.items():
-        ours = {name: value for name, value in zip(RATES.columns, values, strict=True) if not math.isnan(value)}
-        assert ours == theirs.pop(part.replace("-", "_")), part
-    assert not theirs
 
 
 @pytest.mark.parametrize("part", ["relay-general", "switch-toggle", "circuit-breaker"])

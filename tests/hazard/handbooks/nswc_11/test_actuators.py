@@ -4,10 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from ruamel.yaml import YAML
 
 from robophm.core.errors import ModelError
-from robophm.hazard.handbooks.nswc_11._actuator import PARTICLES, WEAR, YIELD
 
 STEEL = {
     "cylinder_modulus": "30e6 psi", "cylinder_poisson": 0.3, "piston_modulus": "30e6 psi", "piston_poisson": 0.3,
@@ -82,15 +80,6 @@ def test_a_piston_wider_than_its_bore_does_not_go_in(part):
     value, extrapolated = actuator.model.evaluate({**actuator.inputs(), "bore": np.array([49.0, 50.0, 50.1])})
     assert extrapolated.tolist() == [True, True, False]
     assert value.tolist()[:2] == [0, 0]
-
-
-def test_tables_agree_row_by_row(shared):
-    second = YAML(typ="safe").load(shared / "handbook" / "tables" / "nswc_motors_couplings_shafts_actuators.yaml")[
-        "actuator"
-    ]
-    assert dict(WEAR) == second["gamma"]
-    assert dict(PARTICLES) == second["C_N"]
-    assert {name: list(row) for name, row in YIELD.rows.items()} == second["yield_kpsi_range"]
 
 
 def test_of_a_range_of_yield_strengths_the_lower_end_counts(part):

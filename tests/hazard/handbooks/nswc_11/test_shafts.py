@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from ruamel.yaml import YAML
 
 from robophm.core.errors import ModelError
-from robophm.hazard.handbooks.nswc_11.shaft import BENDING, ELASTICITY, FINISH, GROOVE, groove_factor
+from robophm.hazard.handbooks.nswc_11.shaft import GROOVE, groove_factor
 
 PLAIN = dict.fromkeys(("step_diameter", "step_length", "fillet_radius", "groove_depth", "groove_radius"))
 BY_HAND = {
@@ -58,16 +57,9 @@ def test_half_a_step_or_groove_is_none(missing, part):
         part("shaft").inputs(**{missing: None})
 
 
-@pytest.fixture(scope="module")
-def second(shared):
-    return YAML(typ="safe").load(shared / "handbook" / "tables" / "nswc_motors_couplings_shafts_actuators.yaml")[
-        "shaft"
-    ]
-
-
 def test_every_cell_of_the_grooves(second):
     cells = 0
-    for depth, row in second["C_SCG[h_over_D][h_over_r]"].items():
+    for depth, row in second("nswc_motors_couplings_shafts_actuators")["shaft"]["C_SCG[h_over_D][h_over_r]"].items():
         for column in map(float, GROOVE.columns):
             value, outside = groove_factor(float(depth), column)
             assert outside == (column not in row)
@@ -108,12 +100,3 @@ def test_finishes_by_hand(finish, kpsi, factor, part):
     found = part("shaft").factors(finish=finish, tensile_strength=f"{kpsi * 1000} psi")["C_f"]
     assert found == pytest.approx(factor, rel=1e-9)
     assert found <= 1
-
-
-def test_tables_agree_row_by_row(second):
-    assert dict(ELASTICITY) == second["E_Mpsi"]
-    assert dict(BENDING) == second["allowable_bending_in"]
-    assert FINISH.keys() == second["C_f"].keys() - {"TS"}
-    for finish, written in second["C_f"].items():
-        if isinstance(written, float):
-            assert FINISH.rows[finish] == (written, 0, 0, 0)

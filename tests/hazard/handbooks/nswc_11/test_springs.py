@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from ruamel.yaml import YAML
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks.nswc_11._spring import MATERIAL, STRENGTH
@@ -112,17 +111,6 @@ def test_what_no_table_has_is_stated(part):
     by_table = spring.rate(alloy="music_wire", tensile_strength=None, material="monel", shear_modulus=None)
     by_number = spring.rate(alloy="other", tensile_strength="295000 psi", material="other", shear_modulus="9.5e6 psi")
     assert by_table == pytest.approx(by_number, rel=1e-12)
-
-
-@pytest.fixture(scope="module")
-def second(shared):
-    return YAML(typ="safe").load(shared / "handbook" / "tables" / "nswc_springs.yaml")
-
-
-def test_tables_agree_row_by_row(second):
-    theirs = {n: (r["GM_Mpsi"], r["C_G"], r["EM_Mpsi"], r["C_E_printed"]) for n, r in second["materials"].items()}
-    assert dict(MATERIAL.rows) == theirs
-    assert dict(STRENGTH.rows) == {n: (r["TS_kpsi"], r["C_Y"]) for n, r in second["tensile"].items()}
 
 
 @pytest.mark.parametrize("material", MATERIAL)

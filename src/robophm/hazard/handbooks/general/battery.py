@@ -26,9 +26,8 @@ BASE_RATE = Table("battery base rate λ0", SOURCE, """
             "kind of cells",
             aliases={
                 "primary cell": "primary", "alkaline": "primary", "nicd": "nickel_cadmium", "ni-cd": "nickel_cadmium",
-                "nickel-cadmium": "nickel_cadmium", "liion": "lithium_ion", "li-ion": "lithium_ion",
-                "lithium-ion": "lithium_ion", "lithium ion": "lithium_ion", "lipo": "lithium_ion",
-                "li-po": "lithium_ion", "li-polymer": "lithium_ion", "lifepo4": "lithium_ion",
+                "liion": "lithium_ion", "li-ion": "lithium_ion", "lipo": "lithium_ion", "li-po": "lithium_ion",
+                "li-polymer": "lithium_ion", "lifepo4": "lithium_ion",
             },
         ),
     },

@@ -16,8 +16,8 @@ STANDARDS = ("FIDES", "Telcordia SR-332", "SN 29500", "IEC TR 62380", "IEC 61709
             STANDARDS,
             "by which it was computed",
             aliases={
-                "fides": "FIDES", "telcordia": "Telcordia SR-332", "sr-332": "Telcordia SR-332",
-                "bellcore": "Telcordia SR-332", "siemens sn 29500": "SN 29500", "sn29500": "SN 29500",
+                "telcordia": "Telcordia SR-332", "sr-332": "Telcordia SR-332", "bellcore": "Telcordia SR-332",
+                "siemens sn 29500": "SN 29500", "sn29500": "SN 29500",
                 "62380": "IEC TR 62380", "61709": "IEC 61709", "nprd-2016": "NPRD",
             },
         ),

@@ -57,7 +57,9 @@ def per_million_hours() -> Factor:
     return Factor("10⁻⁶", PER_MILLION_HOURS, "failures/10⁶ h to 1/h")
 
 
-def written_range(values: Array) -> str:
-    """A number or the ends of many, for the note of a factor."""
+def span(values: Array | float) -> str:
+    """A number, or from where to where many go, for the note of a factor."""
+    if not np.ndim(values):
+        return f"{float(values):.3g}"
     low, high = np.min(values), np.max(values)
     return f"{low:.3g}" if low == high else f"{low:.3g} … {high:.3g}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, written_range
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.model import Array, Factor
 
 SOURCE = Source(
@@ -31,6 +31,6 @@ def load_factor(load: str, load_current: Array, rated_current: Array) -> Factor:
     return Factor(
         "πL",
         np.exp((np.minimum(stress, 1.0) / LOAD[load]) ** 2),
-        f"{load} load, stress S = {written_range(stress)} of at most 1",
+        f"{load} load, stress S = {span(stress)} of at most 1",
         outside=stress > 1,
     )

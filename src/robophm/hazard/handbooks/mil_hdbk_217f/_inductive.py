@@ -8,8 +8,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius
-from robophm.hazard.handbooks.mil_hdbk_217f._factors import span
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, span
 from robophm.hazard.model import Array, Choice, Factor, Input, Range
 
 HOT_SPOT = Source(TITLE, "11.3", "11-3 … 11-4", "one transcription; the range of case areas from another program")
@@ -99,7 +98,12 @@ def hot_spot_inputs() -> Mapping[str, Input]:
             tuple(NEEDS), "what gives the rise ΔT: as stated, a slash sheet or case by name, area, weight", "stated"
         ),
         "temperature_rise": Range(
-            0.0, 200.0, "K", "average rise ΔT above ambient, where stated; 0 K at the hot spot itself", required=False
+            0.0,
+            200.0,
+            "K",
+            "average rise ΔT above ambient, where stated; 0 K at the hot spot itself",
+            required=False,
+            monotone=1,
         ),
         "power_loss": Range(0.0, 1e4, "W", "power lost as heat", required=False),
         "case_area": Range(3 * SQUARE_INCH, 150 * SQUARE_INCH, "cm^2", "radiating area of the case", required=False),

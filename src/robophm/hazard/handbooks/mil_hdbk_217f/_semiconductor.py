@@ -7,8 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
-from robophm.hazard.handbooks.mil_hdbk_217f._factors import span
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.model import Array, Choice, Factor, Input, Range
 
 THERMAL = Source(TITLE, "6.14", "6-23", "two transcriptions agree on the table; the page is by order, not seen")
@@ -179,7 +178,7 @@ def junction_inputs(hottest: float = HOTTEST) -> Mapping[str, Input]:
             PACKAGE,
             "package, which gives the thermal resistance unless that is stated",
             default="unknown",
-            aliases={key.lower().replace("-", mark): key for key in PACKAGE for mark in ("", " ", "-")},
+            aliases={key.replace("-", ""): key for key in PACKAGE if "-" in key},
         ),
         "thermal_resistance": Range(0.0, 1e3, "K/W", "junction to case, by its maker", required=False, monotone=1),
     }

@@ -6,7 +6,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table, band
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, written_range
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, span
 from robophm.hazard.model import PER_MILLION_HOURS, Array, Choice, Factor, Range, hazard_model
 
 SOURCE = Source(TITLE, "10.1", "10-1 … 10-6", "three transcriptions agree; checked against Appendix A")
@@ -153,7 +153,7 @@ def hazard_rate(
         * Factor(
             "πV",
             (stress / reference) ** exponent + 1,
-            f"column {column['πV']}, stress S = {written_range(stress)} of at most 1",
+            f"column {column['πV']}, stress S = {span(stress)} of at most 1",
             outside=stress > 1,
         )
         * series

@@ -13,8 +13,8 @@ from robophm.hazard.handbooks.mil_hdbk_217f import (
     TITLE,
     handbook_arrhenius,
     per_million_hours,
+    span,
     steps,
-    written_range,
 )
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
@@ -127,7 +127,7 @@ def hazard_rate(
         * Factor(
             "πT",
             handbook_arrhenius(insert, 0.14),
-            f"insert at {written_range(insert)} °C of at most 250, Ea = 0.14 eV",
+            f"insert at {span(insert)} °C of at most 250, Ea = 0.14 eV",
             outside=insert > 250,
         )
         * Factor("πK", steps(MATING, matings), "matings and unmatings in 1000 h")

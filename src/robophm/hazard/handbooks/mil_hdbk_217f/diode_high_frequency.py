@@ -6,8 +6,8 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
-from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing, span
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
+from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
     COMMERCIAL_IS_PLASTIC,
     RF_ENVIRONMENT,
@@ -16,7 +16,12 @@ from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
 )
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
-SOURCE = Source(TITLE, "6.2", "6-4 … 6-5", "two transcriptions agree; checked against Appendix A")
+SOURCE = Source(
+    TITLE,
+    "6.2",
+    "6-4 … 6-5",
+    "two transcriptions agree; checked against Appendix A; that πR ends at 3000 W is from one of them",
+)
 
 KIND = Table("high-frequency diode type", SOURCE, """
     impatt     0.22    5260  silicon IMPATT, up to 35 GHz

@@ -6,8 +6,8 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
-from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing, span, stress_ratio
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
+from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing, stress_ratio
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
     ENVIRONMENT,
     QUALITY,
@@ -49,7 +49,6 @@ ALIASES = {
     "varistor": "transient_suppressor_varistor",
     "mov": "transient_suppressor_varistor",
     "zener": "voltage_regulator_zener",
-    "voltage reference": "voltage_reference",
 }
 
 

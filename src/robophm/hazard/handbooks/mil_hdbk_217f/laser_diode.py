@@ -6,8 +6,8 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
-from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing, span
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
+from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
     OPTICAL_ENVIRONMENT,
     junction_inputs,
@@ -20,7 +20,7 @@ SOURCE = Source(
     "6.13",
     "6-21 … 6-22",
     "two transcriptions agree; checked against Appendix A as one program has it; a third reading has B = 2790 of "
-    "other optoelectronics, which Appendix A contradicts",
+    "other optoelectronics, which Appendix A contradicts; the limits of 25 A and of 25 to 75 °C are from one program",
 )
 
 KIND = Table("laser diode λb", SOURCE, """

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius
-from robophm.hazard.handbooks.mil_hdbk_217f._factors import STEEPEST, closing, span, stress_ratio
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, span
+from robophm.hazard.handbooks.mil_hdbk_217f._factors import STEEPEST, closing, stress_ratio
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
 SOURCE = Source(TITLE, "9.1", "9-1 … 9-3", "two transcriptions agree; five styles checked against Appendix A")

@@ -11,6 +11,7 @@ import numpy as np
 
 from robophm.core.table import Source, Table
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, steps
+from robophm.hazard.handbooks.mil_hdbk_217f._factors import EFFECTIVE_FAILURES
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
 SOURCE = Source(
@@ -82,19 +83,6 @@ TEMPERATURE_SWING = Table("surface mount ΔT [K] by environment", SOURCE, """
     SF   7
 """)  # fmt: skip
 
-CUMULATIVE_FAILURES = Table("ECF by design life / α, up to", SOURCE, """
-    0.1  0.13
-    0.2  0.15
-    0.3  0.23
-    0.4  0.31
-    0.5  0.41
-    0.6  0.51
-    0.7  0.61
-    0.8  0.68
-    0.9  0.76
-    inf  1.0
-""")  # fmt: skip
-
 MIL = 0.0254  # mm
 
 
@@ -106,7 +94,7 @@ MIL = 0.0254  # mm
             "lead of the package",
             aliases={
                 "s-lead": "J-lead", "plcc": "J-lead", "soj": "J-lead", "soic": "gull-wing", "qfp": "gull-wing",
-                "lqfp": "gull-wing", "tssop": "gull-wing", "gull wing": "gull-wing", "qfn": "leadless",
+                "lqfp": "gull-wing", "tssop": "gull-wing", "qfn": "leadless",
             },
         ),
         "package": Choice(PACKAGE, "material of the package"),
@@ -145,7 +133,7 @@ def hazard_rate(
     per_cycle = strain**2.26 / 3.5 / LEAD[lead]  # 1/Nf, which has no pole where nothing moves
     rate = CYCLING[application]
     return (
-        Factor("ECF", steps(CUMULATIVE_FAILURES, design_life * rate * per_cycle), "by design life over α = Nf/CR")
+        Factor("ECF", steps(EFFECTIVE_FAILURES, design_life * rate * per_cycle), "by design life over α = Nf/CR")
         * Factor("CR", rate, f"{application}, cycles/h")
         * Factor("1/Nf", per_cycle, f"{lead} {package} on {substrate}, 1/cycle")
     )

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table, band
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
-from robophm.hazard.handbooks.mil_hdbk_217f._factors import span, surroundings
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
+from robophm.hazard.handbooks.mil_hdbk_217f._factors import surroundings
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
 SOURCE = Source(TITLE, "12.2", "12-4", "two transcriptions agree; λb checked against its printed table by a third")

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
-from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing, span, stress_ratio
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
+from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing, stress_ratio
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
     ENVIRONMENT,
     QUALITY,

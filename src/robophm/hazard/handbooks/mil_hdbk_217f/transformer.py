@@ -29,7 +29,6 @@ ALIASES = {
     "power": "high_power_pulse_power_filter",
     "filter": "high_power_pulse_power_filter",
     "high power pulse": "high_power_pulse_power_filter",
-    "low power pulse": "low_power_pulse",
     "pulse": "low_power_pulse",
 }
 

@@ -30,7 +30,7 @@ KIND = Table("high-frequency silicon field-effect transistor type λb", SOURCE, 
 @hazard_model(
     source=SOURCE,
     inputs={
-        "kind": Choice(KIND, "MOSFET or junction FET", aliases={"mosfet": "MOSFET", "jfet": "JFET"}),
+        "kind": Choice(KIND, "MOSFET or junction FET"),
         **junction_inputs(),
         "quality": rf_quality(),
         "environment": Choice(RF_ENVIRONMENT, "environment of Table 3-2"),

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
-from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing, span
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
+from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
     ENVIRONMENT,
     QUALITY,
@@ -42,7 +42,7 @@ POWER = Table("power field-effect transistor πA from a rated power on", SOURCE,
 @hazard_model(
     source=SOURCE,
     inputs={
-        "kind": Choice(KIND, "MOSFET or junction FET", aliases={"mosfet": "MOSFET", "jfet": "JFET"}),
+        "kind": Choice(KIND, "MOSFET or junction FET"),
         "application": Choice(
             APPLICATION, "what it does; counts below 2 W", aliases={"amplifier": "linear", "switch": "switching"}
         ),

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
-from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing, span
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
+from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
     RF_QUALITY,
     junction_inputs,
@@ -19,7 +19,11 @@ from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
 SOURCE = Source(
-    TITLE, "6.8", "6-14 … 6-15", "two transcriptions agree; checked against Appendix A; πE of MF is unresolved"
+    TITLE,
+    "6.8",
+    "6-14 … 6-15",
+    "two transcriptions agree but on πE of MF, 7.5 or 9, which is unresolved: Notice 1 has revised the page, and "
+    "Appendix A, against which it is checked, needs 9",
 )
 
 APPLICATION = Table("GaAs transistor application πA", SOURCE, """

@@ -2,7 +2,7 @@
 
 λp = (C1 · πT + C2 · πE) · πQ · πL   failures/10⁶ h, but for §5.3 and §5.5
 
-That the tables end at 224 pins and a junction of 175 °C is from memory.
+That the tables end at 224 pins and a junction of 175 °C, and screening at 200 points, is from memory.
 """
 
 from __future__ import annotations
@@ -11,16 +11,12 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, written_range
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, span
 from robophm.hazard.model import Array, Choice, Factor, Input, Range
 
-STATUS = "C1, C2, πE, πQ: two transcriptions agree"
-SOURCE = Source(
-    TITLE,
-    "5.8 … 5.11",
-    "–",
-    f"{STATUS}; that the tables end at 224 pins and 175 °C is from memory; families F and FTTL are printed both",
-)
+LIMITS = "limits of 224 pins, 175 °C and 200 screening points from memory"
+STATUS = f"C1, C2, πE, πQ: two transcriptions agree; {LIMITS}"
+SOURCE = Source(TITLE, "5.8 … 5.11", "–", f"{STATUS}; families F and FTTL are printed both")
 
 FAMILY = Table("microcircuit activation energy by logic family", SOURCE, """
     CMOS      0.35  1
@@ -158,7 +154,7 @@ def temperature_factor(junction: Array, activation_energy: float, reference: flo
     return Factor(
         "πT",
         0.1 * handbook_arrhenius(junction, activation_energy, reference),
-        f"junction at {written_range(junction)} °C of at most {JUNCTION_LIMIT:g}, Ea = {activation_energy:g} eV",
+        f"junction at {span(junction)} °C of at most {JUNCTION_LIMIT:g}, Ea = {activation_energy:g} eV",
         outside=junction > JUNCTION_LIMIT,
     )
 

@@ -21,7 +21,13 @@ from robophm.hazard.handbooks.mil_hdbk_217f.microcircuit import (
 )
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
-SOURCE = Source(TITLE, "5.5", "–", "linear checked against a worked example; the other πF from a single transcription")
+SOURCE = Source(
+    TITLE,
+    "5.5",
+    "–",
+    "linear checked against a worked example; the other πF from a single transcription; "
+    "limit of 200 screening points from memory",
+)
 
 FUNCTION = Table("hybrid πF", SOURCE, """
     digital    1.0

@@ -33,8 +33,9 @@ SOURCE = Source(
     TITLE,
     "5.2",
     "5-20 f. (example)",
-    f"{STATUS}; Flotox checked against a worked example; that λcyc grows with the life of the system, by 10,000 h, "
-    "is from a single transcription, and the inverse would be expected of physics",
+    f"{STATUS}; Flotox checked against a worked example; that an EEPROM of unknown kind is Flotox is from memory; that "
+    "λcyc grows with the life of the system, by 10,000 h, is from a single transcription, and the inverse would be "
+    "expected of physics",
 )
 
 STYLE = Table("memory C1 by bits, up to", SOURCE, """

@@ -13,6 +13,7 @@ from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.handbooks.mil_hdbk_217f.microcircuit import (
     CASE,
     ENVIRONMENTS,
+    LIMITS,
     PACKAGE,
     PINS,
     POWER,
@@ -31,7 +32,7 @@ SOURCE = Source(
     "5.3",
     "–",
     "single transcription but for λEOS, which a second program shares; no published answer; "
-    "that the section ends at 0.8 … 2 µm and 3 cm² is from memory",
+    f"that the section ends at 0.8 … 2 µm and 3 cm² is from memory, as are the {LIMITS.removesuffix(' from memory')}",
 )
 
 STYLE = Table("VHSIC λBD", SOURCE, """
