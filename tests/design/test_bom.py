@@ -9,8 +9,8 @@ import pytest
 
 from robophm.core.errors import DesignError, RobophmError
 from robophm.design.bom import import_bom, read_parts
+from robophm.design.bom.assumptions import Assumptions
 from robophm.design.bom.columns import ColumnMapping
-from robophm.design.bom.models import Assumptions
 from robophm.design.file import load, parse
 
 DATA = Path(__file__).parents[1] / "data" / "bom"
@@ -49,16 +49,19 @@ def test_kicad(tmp_path):
         "temperature": "40 degC",
     }
     assert chip.hazard_rate == pytest.approx(ceramic_chip(0.1), rel=1e-12)
-    assert any("stand-in" in text for text in chip.rating.assumed)
+    assert chip.rating.assumed.keys() == {"style", "dc_voltage", "rated_voltage", "temperature"}
+    assert "stand-in" in chip.rating.assumed["rated_voltage"]
     assert parts["C5"].rating.inputs["style"] == "CE"
     assert parts["C6"].rating.inputs["style"] == "CWR"
-    assert [str(note) for note in found.parts_list.left_out] == ["row 5: C8,C9 is not fitted (DNP)"]
+    assert [str(note) for note in found.parts_list.left_out] == [
+        "row 5: C8,C9 is not fitted (DNP)",
+        "row 7: H1,H2 is no electrical part",
+    ]
     kinds = {name: one.part.recognised.kind for name, one in parts.items()}
     assert kinds["D1"] == "led"
-    assert kinds["H1, H2"] == "no part"
     assert (kinds["J1"], parts["J1"].part.recognised.facts["pins"]) == ("connector", "10")
     assert (kinds["Y1"], parts["Y1"].part.recognised.facts["frequency"]) == ("crystal", "8 MHz")
-    assert (kinds["U1"], parts["U1"].part.recognised.facts["pins"]) == ("microcircuit", "64")
+    assert (kinds["U1"], parts["U1"].part.recognised.facts["pins"]) == ("microcontroller", "64")
     component = next(part for part in found.robot.all_components() if part.path == "C1-C4, C7")
     assert (component.quantity, component.modes[0].rate) == (5, pytest.approx(chip.hazard_rate, rel=1e-12))
     assert component.modes[0].source.startswith("kicad.csv, row 2: C1-C4, C7; assumed ")
@@ -74,17 +77,17 @@ def test_nothing_is_invented(tmp_path):
             line = next(line for line in found.text.splitlines() if f"row {one.part.row}:" in line)
             assert line.startswith("  # ")
             assert line.endswith(f"# needs a rate: {one.outcome.text}")
-    assert {"H1, H2", "U1"} <= {one.outcome.name for one in found.parts if one.rating is None}
+    assert {one.outcome.name for one in found.parts if one.rating is None} == {"AE1"}
 
 
 def test_a_line_that_needs_a_rate_is_a_part_once_it_has_one(tmp_path):
     """Take off the '# ', state a rate: the design loads, and the next import leaves the part alone."""
     design = tmp_path / "robot.yaml"
     text = imported("kicad.csv", tmp_path).text
-    before, _, after = text.partition('  # U1: {rate: "? FIT"')
-    design.write_text(f'{before}  U1: {{rate: "30 FIT"{after}')
-    assert {part.path: part.modes[0].rate for part in load(design).all_components()}["U1"] == 30e-9
-    again = by_name(imported("kicad.csv", tmp_path))["U1"].outcome
+    before, _, after = text.partition('  # AE1: {rate: "? FIT"')
+    design.write_text(f'{before}  AE1: {{rate: "30 FIT"{after}')
+    assert {part.path: part.modes[0].rate for part in load(design).all_components()}["AE1"] == 30e-9
+    again = by_name(imported("kicad.csv", tmp_path))["AE1"].outcome
     assert (again.state, again.text) == ("kept", "edited by hand, stays as it is")
 
 
@@ -231,8 +234,10 @@ def test_wrong_wishes(tmp_path, how, words):
 
 def test_a_list_without_a_part_that_can_be_rated(tmp_path):
     source = tmp_path / "list.csv"
-    source.write_text("Reference,Value\nC1,100n\n")
-    with pytest.raises(DesignError, match=r"no part of list\.csv has a rate, e\.g\. C1: the list does not say whether"):
+    source.write_text("Reference,Value\nC1,\nAE1,antenna\n")
+    with pytest.raises(
+        DesignError, match=r"no part of list\.csv has a rate, e\.g\. C1: the list does not say its capac"
+    ):
         import_bom(source, tmp_path / "robot.yaml")
 
 

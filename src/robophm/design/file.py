@@ -103,12 +103,17 @@ def rewrite(path: Path, text: str) -> Robot:
     Raises DesignError, the file as it was, where the text is no valid design or cannot be written.
     """
     robot = parse(text, str(path))
+    replace_text(path, text)
+    return robot
+
+
+def replace_text(path: Path, text: str) -> None:
+    """As ``rewrite``, of a text that has been found valid already. Raises DesignError where it cannot be written."""
     try:
         write_atomically(path.with_name(path.name + ".bak"), path.read_bytes())
         write_atomically(path, text)
     except OSError as error:
         raise DesignError(f"{path}: cannot be saved: {error.strerror}; the file is as it was") from None
-    return robot
 
 
 def _yaml() -> Any:
