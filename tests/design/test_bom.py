@@ -161,6 +161,46 @@ def test_altium(tmp_path):
     assert "'=Value' is a formula" in str(found.parts_list.notes[0])
 
 
+def test_a_whole_board(tmp_path):
+    """As KiCad and Altium list it today: every kind is known and rated, what is no part is left out and said."""
+    kinds = {
+        "battery": "BT1", "capacitor": "C1, C2, C5-C9 / C3, C4 / C10", "led": "D1", "diode": "D2, D3",
+        "tvs diode": "D4", "fuse": "F1", "ferrite bead": "FB1, FB2", "connector": "J1 / J2 / J3", "relay": "K1",
+        "inductor": "L1", "fet": "Q1", "bipolar transistor": "Q2", "resistor": "R1-R4 / R5", "potentiometer": "RV1",
+        "switch": "SW1 / SW2", "microcontroller": "U1", "analog circuit": "U2 / U5", "memory": "U3", "logic": "U4",
+        "microcircuit": "U6", "oscillator": "X1", "crystal": "Y1",
+    }  # fmt: skip
+    found = imported("kicad_board.csv", tmp_path)
+    assert {one.outcome.name: one.part.recognised.kind for one in found.parts} == {
+        name: kind for kind, names in kinds.items() for name in names.split(" / ")
+    }
+    assert {one.outcome.state for one in found.parts} == {"added"}
+    assert [note.row for note in found.parts_list.left_out] == [11, 24]
+    assert len(found.robot.components) == len(found.parts) == 29
+    for one in found.parts:
+        assert all(f"{name}: " in found.text and why in found.text for name, why in one.rating.assumed.items())
+    found = imported("altium_board.csv", tmp_path)
+    parts = by_name(found)
+    assert [name for name, one in parts.items() if one.rating is None] == ["PCB1"]
+    assert [str(note) for note in found.parts_list.left_out] == ["row 17: FID1, FID2 is no electrical part"]
+    styles = {name: parts[name].rating.inputs["style"] for name in ("J1", "J2", "J3")}
+    assert styles == {"J1": "power", "J2": "circular", "J3": "rf-coaxial"}
+
+
+def test_what_is_assumed_stands_beside_its_input(tmp_path):
+    lines = imported("kicad.csv", tmp_path).text.splitlines()
+    at = lines.index('  "R1, R2, R5-R7":')
+    assert lines[at + 3 : at + 10] == [
+        "    hazard:",
+        "      model: mil_hdbk_217f.resistor",
+        "      inputs:",
+        "        style: RM  # assumed: the nearest to a chip",
+        "        power: 0.05 W  # assumed: 0.5 of the rated",
+        "        rated_power: 0.1 W  # assumed: by its size 0603",
+        "        temperature: 40 degC  # assumed: around it",
+    ]
+
+
 def test_a_messy_list(tmp_path):
     """Titles, blank lines, headings, a sum, the header again; a faulty row costs only itself."""
     read = read_parts(DATA / "messy.csv")

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robophm.design.bom.assumptions import Assumptions, TooLittle
-from robophm.design.bom.kinds import KINDS, PREFIXES
+from robophm.design.bom.assumptions import OF_ALL, Assumptions, TooLittle
+from robophm.design.bom.kinds import KINDS, NO_PARTS, PREFIXES
 from robophm.design.bom.models import Rater, rates
 from robophm.design.bom.parts import TYPES, Recognised
 from robophm.design.bom.rules import RULES
@@ -26,9 +26,13 @@ FACTS = {
     "frequency": "8 MHz",
     "pins": "8",
 }
-IN_NO_HANDBOOK = {"no part", "liquid crystal or OLED display", "supercapacitor", "buzzer", "antenna"}
+IN_NO_HANDBOOK = {*NO_PARTS, "liquid crystal or OLED display", "supercapacitor", "buzzer", "antenna"}
 SAID_BY_THE_KIND = {"schottky diode", "zener diode", "tvs diode", "varistor", "led"}
-ASKED_FOR = {"capacitor": {"capacitance": "100 nF"}, "printed board": {"holes": "300"}}
+ASKED_FOR = {
+    "capacitor": {"capacitance": "100 nF"},
+    "printed board": {"holes": "300"},
+    "encoder": {"type": "with contacts"},
+}
 """Without which no rate is given; of all other kinds nothing needs to be known."""
 
 ARRHENIUS = math.exp(-0.35 / 8.617e-5 * (1 / 313 - 1 / 298))
@@ -143,6 +147,7 @@ def test_other_semiconductors_are_as_printed_too(kind, row, facts, environment):
 @pytest.mark.parametrize(
     ("kind", "facts", "words"),
     [
+        ("encoder", {}, "the list does not say that it has contacts"),
         ("capacitor", {"type": "ceramic"}, "the list does not say its capacitance"),
         ("capacitor", {"type": "polymer", "capacitance": "1 uF"}, "the handbook has no polymer capacitors"),
         ("capacitor", {"type": "ceramic", "capacitance": "9 F"}, "capacitance 9e+06 uF is outside"),
@@ -218,6 +223,16 @@ def test_inputs(kind, more, inputs):
     facts = {name: text for name, text in (FACTS | more).items() if text}
     made = rated(kind, facts).inputs
     assert {name: made.get(name) for name in inputs} == inputs
+
+
+@pytest.mark.parametrize("kind", RULES)
+def test_what_is_assumed_of_all_parts_is_what_the_wishes_change(kind):
+    """And nothing else is: what a report may leave out beside each kind, it says once."""
+    facts = ASKED_FOR.get(kind, {})
+    usual, other = rated(kind, facts), rated(kind, facts, Assumptions("55 degC", 0.3, "15 K"))
+    changed = {name for name in usual.inputs if usual.inputs[name] != other.inputs[name]}
+    assert changed <= OF_ALL & set(usual.assumed)
+    assert {name for name in OF_ALL & set(usual.assumed) if usual.inputs[name] != "0 W"} <= changed | {"quality"}
 
 
 def test_what_is_taken_for_another_kind_says_so():

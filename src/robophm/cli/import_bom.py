@@ -12,7 +12,7 @@ from typing import Any
 from robophm.cli.output import console, may_write, print_json, print_table, table, warn, write
 from robophm.core.errors import RobophmError
 from robophm.design.bom import ImportedList, ImportedPart, import_bom
-from robophm.design.bom.assumptions import Assumptions
+from robophm.design.bom.assumptions import OF_ALL, Assumptions
 from robophm.design.bom.columns import ColumnMapping, mapping_text, parse_mapping
 from robophm.design.file import replace_text
 from robophm.report.words import rate_text
@@ -118,7 +118,10 @@ def _print(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> N
     _warn(source, map(str, parts.notes), "notes")
     columns = [(c.field, c.header, f"{c.confidence:.0%}") for c in read.columns]
     print_table(out, table("", ["column", "header in the list", "sure"], columns, figures=(2,)))
-    out.print(f"{source}: header in row {read.header_row}, {read.sheet}, decimal '{read.decimal}'", markup=False)
+    unused = f"; not used: {', '.join(read.unused)}" if read.unused else ""
+    out.print(
+        f"{source}: header in row {read.header_row}, {read.sheet}, decimal '{read.decimal}'{unused}", markup=False
+    )
     of_all = found.assumptions
     quality = of_all.quality or "each model's own"
     out.print(
@@ -137,7 +140,9 @@ def _print(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> N
         )
         for kind, of in _by_kind(found.parts).items()
     ]
-    print_table(out, table("", ["kind", "rows", "parts", "λ", "assumed, in how many rows"], kinds, figures=(1, 2, 3)))
+    print_table(
+        out, table("", ["kind", "rows", "parts", "λ", "assumed besides, in how many rows"], kinds, figures=(1, 2, 3))
+    )
     for state in ("changed", "kept"):
         lines = [f"{one.outcome.name}: {one.outcome.text}" for one in found.parts if one.outcome.state == state]
         _several(out, state, lines)
@@ -175,7 +180,8 @@ def _assumed(parts: Iterable[ImportedPart]) -> dict[str, Counter[str]]:
 
 
 def _assumed_in_words(parts: Iterable[ImportedPart]) -> str:
-    said = [(f"{name} {min(values)}" if len(values) == 1 else name, values) for name, values in _assumed(parts).items()]
+    own = {name: values for name, values in _assumed(parts).items() if name not in OF_ALL}
+    said = [(f"{name} {min(values)}" if len(values) == 1 else name, values) for name, values in own.items()]
     return ", ".join(f"{what} ({values.total()})" for what, values in said) or "–"
 
 

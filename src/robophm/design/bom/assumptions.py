@@ -25,6 +25,13 @@ class Assumptions:
     """A level, of the models that know it; None for each model's own default, its lowest or 'commercial'."""
 
 
+OF_ALL = frozenset({
+    "temperature", "case_temperature", "temperature_rise", "power", "voltage", "dc_voltage", "load_current",
+    "required_optical_power", "environment", "quality",
+})  # fmt: skip
+"""Inputs that are as assumed of all parts, where the list says nothing else."""
+
+
 class TooLittle(Exception):  # noqa: N818  no error: what it says is what the part still needs
     """Why a part has no rate."""
 

@@ -62,13 +62,18 @@ KINDS: Mapping[str, str] = {
     "connector": r"connectors?|conn|(pin)? ?headers?|terminal ?blocks?|terminals?|sockets?|plugs?|jacks?|receptacles?|"
     r"usb|rj45|d-?sub|stecker|buchsen?|steckverbinder|\w*leisten?|\w*klemmen?|connecteurs?|borniers?",
     "battery": r"batter(y|ies)|batterien?|akku|coin ?cell",
-    "motor": r"\w*motors?|\w*motoren|moteurs?",
+    "motor": r"\w*motors?|\w*motoren|moteurs?|steppers?|nema ?[0-9]+|servos?",
     "lamp": r"lamps?|lampen?|incandescent",
     "buzzer": r"buzzers?|speakers?|lautsprecher",
     "antenna": r"antennas?|antennen?",
+    "hardware": r"stand-?offs?|spacers?|screws?|nuts?|washers?|heat ?sinks?|schrauben?|muttern?|abstandsbolzen|"
+    r"kühlkörper|labels?|etiketten?",
     "printed board": r"pcbs?|printed (circuit|wiring)? ?boards?|bare ?boards?|leiterplatten?|platine",
 }  # fmt: skip
-"""Kinds of parts and the words that name them; 'no part' is what fails no circuit."""
+"""Kinds of parts and the words that name them.""" ""
+
+NO_PARTS = ("no part", "hardware")
+"""What stands on lists and fails no circuit."""
 
 PREFIXES: Mapping[str, tuple[str, ...]] = {
     # IEEE 315 as schematic editors use it. Where IEC 81346 or habit has another meaning, both are here: words decide.

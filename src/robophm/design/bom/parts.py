@@ -64,7 +64,7 @@ _VOLTAGE = (re.compile(rf"{_NUMBER}\s?(k?)V(?:DC|dc)?{_END}"),)
 _CURRENT = (re.compile(rf"{_NUMBER}\s?([mu]?)A{_END}"),)
 _FREQUENCY = (re.compile(rf"{_NUMBER}\s?([kKMG]?)[hH][zZ]{_END}"),)
 _POWER = (re.compile(rf"(?<![\w./])([0-9]{{1,9}}(?:\.[0-9]{{1,6}})?(?:/[0-9]{{1,2}})?)\s?(m?)W{_END}"),)
-_SIZE = re.compile(rf"{_NUMBER}[ -]?([kKMG]?)i?[ -]?(bits?|[bB]|[bB]ytes?){_END}")
+_SIZE = re.compile(rf"{_NUMBER}[ -]?([kKMG]?)i?[ -]?((?i:bits?|bytes?)|[bB]){_END}")
 _SERIAL_MEMORY = re.compile(r"2[45](?:LC|AA|FC|C)0*([1-9][0-9]{0,3})(?![0-9])", re.IGNORECASE)
 _WORD = re.compile(r"(?<![0-9])(4|8|16|32)[ -]?bit", re.IGNORECASE)
 _LAYERS = re.compile(r"(?<![0-9])([0-9]{1,2})[ -]?(?:layers?|lagig|lagen|couches)", re.IGNORECASE)
@@ -78,12 +78,20 @@ _SCALE = {"µ": "u", "μ": "u", "K": "k", "R": ""}
 _LETTER_AS_POINT = re.compile(r"(?<![\w.])([0-9]{1,4})([pnuµμmkKMGRV])([0-9]{1,3})(?=[FHΩ]?(?![^\W_]))")  # 4u7, 6V3
 
 _CHIP = re.compile(r"(?<![0-9])(01005|0201|0402|0603|0805|1206|1210|1218|1806|1808|1812|2010|2220|2225|2512)(?![0-9])")
+_NUMBERS_OF_CHIPS = ("201", "402", "603", "805")
+"""What spreadsheets make of a size."""
+
 _METRIC = re.compile(r"_[0-9]{4,5}Metric")
 _DIELECTRIC = any_of("C0G|COG|NP0|NPO|X5R|X7R|X7S|X7T|X6S|X8R|X5S|X8L|Y5V|Z5U|U2J")
-_ROWS_OF_PINS = re.compile(r"(?<![0-9])0?([0-9])x0?([0-9]{1,3})(?![0-9])")
+_ROWS_OF_PINS = re.compile(r"(?<![0-9.])0?([1-9])x0?([0-9]{1,3})(?![0-9.]|mm)")  # 1x06, but not 3.9x4.9mm
 _PACKAGE_PINS = re.compile(
     r"(?<![A-Za-z])(?:[A-Z]{0,3}SOP|[A-Z]?SOIC|SO|[A-Z]?SOT-?23|SC-?70|P?DIP|[A-Z]{0,2}QFN|[A-Z]?DFN|[A-Z]?SON|[A-Z]?QFP|"
     r"[A-Z]{0,2}BGA|LGA|WLCSP|PLCC|TO-?220|TO-?263)-?([0-9]{1,4})(?![0-9.])",
+)
+_SURFACE = re.compile(
+    r"sm[dt]|(?<![A-Za-z])(?:[A-Z]{0,3}SOP|[A-Z]?SOIC|SO|[A-Z]?SOT|SC|[A-Z]{0,2}QFN|[A-Z]?DFN|[A-Z]?SON|[A-Z]?QFP|"
+    r"[A-Z]{0,2}BGA|LGA|WLCSP|PLCC)-?[0-9]",
+    re.IGNORECASE,
 )
 _POSITIONS = re.compile(rf"{_NUMBER}[ -]?(?:pins?|pos(?:itions?)?|ways?|pol(?:ig)?|contacts?|p){_END}", re.IGNORECASE)
 _THROUGH_HOLE = re.compile(
@@ -151,6 +159,7 @@ TYPES: Mapping[str, Mapping[str, re.Pattern[str]]] = {
             "primary": r"primary|alkali\w*|(cr|br|lr)[0-9]+\w*|coin|button ?cell|knopfzelle",
             "lithium ion": r"li-?(ion|po|polymer)|lithium\w*|lipo|lifepo4|18650|21700",
         },
+        "encoder": {"with contacts": r"mechanical|mechanisch\w*|ec1[12]\w*|(with )?switch|contacts?|kontakte?"},
         "memory": {"DRAM": r"s?drams?|ddr[0-9]?|mt4[178]\w*|k4[abt]\w*", "SRAM": r"srams?|psrams?|is6[12]\w*|as6c\w*"},
         "motor": {"stepper": r"stepp\w*|schritt\w*|nema ?[0-9]+", "servo": r"servo\w*"},
     }.items()
@@ -203,9 +212,7 @@ class _Said:
         if not kind:
             return {}
         found: dict[str, str | None] = {"type": self.type(kind), "size": self.chip()}
-        through = _THROUGH_HOLE.search(self.words)
-        surface = found["size"] or re.search(r"sm[dt]", self.words, re.IGNORECASE)
-        found["mounting"] = "through hole" if through else "surface" if surface else None
+        found["mounting"] = self.mounting(self.footprint) or self.mounting(self.words)
         if kind in ("capacitor", "supercapacitor"):
             found |= self.capacitor(found["type"])
         elif kind in ("resistor", "resistor network", "potentiometer", "thermistor"):
@@ -238,6 +245,11 @@ class _Said:
         if kind in _WITH_CURRENT:
             found["rated_current"] = self.first(_CURRENT, "A", self.value, self.rest)
         return {name: text for name, text in found.items() if text}
+
+    def mounting(self, text: str) -> str | None:
+        if _THROUGH_HOLE.search(text):
+            return "through hole"
+        return "surface" if self.chip() or _SURFACE.search(text) else None
 
     def type(self, kind: str) -> str | None:
         words = spread(self.words)
@@ -312,6 +324,8 @@ class _Said:
         return None
 
     def chip(self) -> str | None:
+        if self.footprint in _NUMBERS_OF_CHIPS:
+            return f"0{self.footprint}"
         for text in (self.footprint, self.words):
             if match := _CHIP.search(_METRIC.sub("", text)):
                 return match[1]
@@ -320,10 +334,10 @@ class _Said:
     def pins(self) -> str | None:
         texts = (self.footprint, self.value, self.rest)
         for text in texts:
-            if rows := _ROWS_OF_PINS.search(text):
-                return str(int(rows[1]) * int(rows[2]))
             if package := _PACKAGE_PINS.search(text):
                 return package[1]
+            if rows := _ROWS_OF_PINS.search(text):
+                return str(int(rows[1]) * int(rows[2]))
         positions = next((found for text in texts if (found := _POSITIONS.search(text))), None)
         return positions[1] if positions else None
 

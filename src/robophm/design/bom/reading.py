@@ -11,6 +11,7 @@ from pathlib import Path
 from robophm.core.errors import DesignError
 from robophm.design.bom.columns import Column, ColumnMapping, PartsTable, read_table
 from robophm.design.bom.component import LONGEST_NAME
+from robophm.design.bom.kinds import NO_PARTS
 from robophm.design.bom.parts import Described, Recognised, recognise, with_points
 from robophm.design.bom.references import ReferencesError, compressed, expand
 from robophm.design.bom.tables import Row
@@ -152,7 +153,8 @@ class _List:
             return
         if references and count and number != len(references):
             more = max(number, len(references))
-            counted = f"{compressed(references):.60} are {len(references)} references"
+            counting = "is 1 reference" if len(references) == 1 else f"are {len(references)} references"
+            counted = f"{compressed(references):.60} {counting}"
             self.notes.append(Note(row.number, f"{counted}, the quantity is {number}; {more} are taken"))
             number = more
         doubled = [name for name, times in Counter(references).items() if times > 1]
@@ -160,7 +162,7 @@ class _List:
             self.notes.append(Note(row.number, f"{', '.join(doubled[:5])} stand several times in this row"))
         name = _short_references(references) or described.value or described.part_number or described.description
         recognised = recognise(references, described, self.table.decimal)
-        if recognised.kind == "no part":
+        if recognised.kind in NO_PARTS:
             self.left_out.append(Note(row.number, f"{reference or name} is no electrical part"))
             return
         self.parts.append(

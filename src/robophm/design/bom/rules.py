@@ -173,6 +173,12 @@ def _switch(style: Entry) -> Rule:
     )
 
 
+def _encoder_style(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
+    if "type" not in part.facts:
+        raise TooLittle("the list does not say that it has contacts; no handbook has optical or magnetic encoders")
+    return "rotary", NEAREST
+
+
 RULES: Mapping[str, Rule] = {
     "capacitor": Rule(
         "mil_hdbk_217f.capacitor",
@@ -310,7 +316,7 @@ RULES: Mapping[str, Rule] = {
     "switch": _switch(
         by_type({style: style for style in TYPES["switch"]}, "pushbutton", "nothing else is said"),
     ),
-    "encoder": replace(_switch(assume("rotary", "one with contacts")), taken_for="a rotary switch"),
+    "encoder": replace(_switch(_encoder_style), taken_for="a rotary switch"),
     "connector": Rule(
         "mil_hdbk_217f.connector",
         {
