@@ -12,7 +12,8 @@ import numpy as np
 
 from benchmarks import Line, agree, benchmark, race
 from robophm.design.bom import read_parts
-from robophm.design.bom.models import Assumptions, Rater, rates
+from robophm.design.bom.assumptions import Assumptions
+from robophm.design.bom.models import Rater, rates
 
 ROWS = 10_000
 

@@ -32,7 +32,11 @@ def test_a_dry_run_as_json(inside, tmp_path):
     assert said["hazard_rate"] == pytest.approx(
         sum(part["quantity"] * part["hazard_rate"] for part in rated), rel=1e-12
     )
-    assert said["left_out"] == [{"row": 5, "text": "C8,C9 is not fitted (DNP)"}]
+    assert {note["row"]: note["text"] for note in said["left_out"]}[5] == "C8,C9 is not fitted (DNP)"
+    styles = [one for one in said["assumed"] if (one["kind"], one["input"]) == ("capacitor", "style")]
+    assert styles == [{"kind": "capacitor", "input": "style", "rows": 3, "values": {"CDR": 1, "CE": 1, "CWR": 1}}]
+    for part in rated:
+        assert part["assumed"].keys() <= {"model", *part["inputs"]}
     assert said["assumptions"]["environment"] == "GM"
 
 

@@ -9,8 +9,8 @@ import pytest
 
 from robophm.core.errors import DesignError, RobophmError
 from robophm.design.bom import import_bom, read_parts
+from robophm.design.bom.assumptions import Assumptions
 from robophm.design.bom.columns import ColumnMapping
-from robophm.design.bom.models import Assumptions
 from robophm.design.file import load, parse
 
 DATA = Path(__file__).parents[1] / "data" / "bom"
@@ -49,16 +49,19 @@ def test_kicad(tmp_path):
         "temperature": "40 degC",
     }
     assert chip.hazard_rate == pytest.approx(ceramic_chip(0.1), rel=1e-12)
-    assert any("stand-in" in text for text in chip.rating.assumed)
+    assert chip.rating.assumed.keys() == {"style", "dc_voltage", "rated_voltage", "temperature"}
+    assert "stand-in" in chip.rating.assumed["rated_voltage"]
     assert parts["C5"].rating.inputs["style"] == "CE"
     assert parts["C6"].rating.inputs["style"] == "CWR"
-    assert [str(note) for note in found.parts_list.left_out] == ["row 5: C8,C9 is not fitted (DNP)"]
+    assert [str(note) for note in found.parts_list.left_out] == [
+        "row 5: C8,C9 is not fitted (DNP)",
+        "row 7: H1,H2 is no electrical part",
+    ]
     kinds = {name: one.part.recognised.kind for name, one in parts.items()}
     assert kinds["D1"] == "led"
-    assert kinds["H1, H2"] == "no part"
     assert (kinds["J1"], parts["J1"].part.recognised.facts["pins"]) == ("connector", "10")
     assert (kinds["Y1"], parts["Y1"].part.recognised.facts["frequency"]) == ("crystal", "8 MHz")
-    assert (kinds["U1"], parts["U1"].part.recognised.facts["pins"]) == ("microcircuit", "64")
+    assert (kinds["U1"], parts["U1"].part.recognised.facts["pins"]) == ("microcontroller", "64")
     component = next(part for part in found.robot.all_components() if part.path == "C1-C4, C7")
     assert (component.quantity, component.modes[0].rate) == (5, pytest.approx(chip.hazard_rate, rel=1e-12))
     assert component.modes[0].source.startswith("kicad.csv, row 2: C1-C4, C7; assumed ")
@@ -74,17 +77,17 @@ def test_nothing_is_invented(tmp_path):
             line = next(line for line in found.text.splitlines() if f"row {one.part.row}:" in line)
             assert line.startswith("  # ")
             assert line.endswith(f"# needs a rate: {one.outcome.text}")
-    assert {"H1, H2", "U1"} <= {one.outcome.name for one in found.parts if one.rating is None}
+    assert {one.outcome.name for one in found.parts if one.rating is None} == {"AE1"}
 
 
 def test_a_line_that_needs_a_rate_is_a_part_once_it_has_one(tmp_path):
     """Take off the '# ', state a rate: the design loads, and the next import leaves the part alone."""
     design = tmp_path / "robot.yaml"
     text = imported("kicad.csv", tmp_path).text
-    before, _, after = text.partition('  # U1: {rate: "? FIT"')
-    design.write_text(f'{before}  U1: {{rate: "30 FIT"{after}')
-    assert {part.path: part.modes[0].rate for part in load(design).all_components()}["U1"] == 30e-9
-    again = by_name(imported("kicad.csv", tmp_path))["U1"].outcome
+    before, _, after = text.partition('  # AE1: {rate: "? FIT"')
+    design.write_text(f'{before}  AE1: {{rate: "30 FIT"{after}')
+    assert {part.path: part.modes[0].rate for part in load(design).all_components()}["AE1"] == 30e-9
+    again = by_name(imported("kicad.csv", tmp_path))["AE1"].outcome
     assert (again.state, again.text) == ("kept", "edited by hand, stays as it is")
 
 
@@ -156,6 +159,46 @@ def test_altium(tmp_path):
     assert parts["Q1"].part.recognised.kind == "fet"
     assert parts["R1, R2"].part.recognised.facts["rated_power"] == "0.0625 W"
     assert "'=Value' is a formula" in str(found.parts_list.notes[0])
+
+
+def test_a_whole_board(tmp_path):
+    """As KiCad and Altium list it today: every kind is known and rated, what is no part is left out and said."""
+    kinds = {
+        "battery": "BT1", "capacitor": "C1, C2, C5-C9 / C3, C4 / C10", "led": "D1", "diode": "D2, D3",
+        "tvs diode": "D4", "fuse": "F1", "ferrite bead": "FB1, FB2", "connector": "J1 / J2 / J3", "relay": "K1",
+        "inductor": "L1", "fet": "Q1", "bipolar transistor": "Q2", "resistor": "R1-R4 / R5", "potentiometer": "RV1",
+        "switch": "SW1 / SW2", "microcontroller": "U1", "analog circuit": "U2 / U5", "memory": "U3", "logic": "U4",
+        "microcircuit": "U6", "oscillator": "X1", "crystal": "Y1",
+    }  # fmt: skip
+    found = imported("kicad_board.csv", tmp_path)
+    assert {one.outcome.name: one.part.recognised.kind for one in found.parts} == {
+        name: kind for kind, names in kinds.items() for name in names.split(" / ")
+    }
+    assert {one.outcome.state for one in found.parts} == {"added"}
+    assert [note.row for note in found.parts_list.left_out] == [11, 24]
+    assert len(found.robot.components) == len(found.parts) == 29
+    for one in found.parts:
+        assert all(f"{name}: " in found.text and why in found.text for name, why in one.rating.assumed.items())
+    found = imported("altium_board.csv", tmp_path)
+    parts = by_name(found)
+    assert [name for name, one in parts.items() if one.rating is None] == ["PCB1"]
+    assert [str(note) for note in found.parts_list.left_out] == ["row 17: FID1, FID2 is no electrical part"]
+    styles = {name: parts[name].rating.inputs["style"] for name in ("J1", "J2", "J3")}
+    assert styles == {"J1": "power", "J2": "circular", "J3": "rf-coaxial"}
+
+
+def test_what_is_assumed_stands_beside_its_input(tmp_path):
+    lines = imported("kicad.csv", tmp_path).text.splitlines()
+    at = lines.index('  "R1, R2, R5-R7":')
+    assert lines[at + 3 : at + 10] == [
+        "    hazard:",
+        "      model: mil_hdbk_217f.resistor",
+        "      inputs:",
+        "        style: RM  # assumed: the nearest to a chip",
+        "        power: 0.05 W  # assumed: 0.5 of the rated",
+        "        rated_power: 0.1 W  # assumed: by its size 0603",
+        "        temperature: 40 degC  # assumed: around it",
+    ]
 
 
 def test_a_messy_list(tmp_path):
@@ -231,8 +274,10 @@ def test_wrong_wishes(tmp_path, how, words):
 
 def test_a_list_without_a_part_that_can_be_rated(tmp_path):
     source = tmp_path / "list.csv"
-    source.write_text("Reference,Value\nC1,100n\n")
-    with pytest.raises(DesignError, match=r"no part of list\.csv has a rate, e\.g\. C1: the list does not say whether"):
+    source.write_text("Reference,Value\nC1,\nAE1,antenna\n")
+    with pytest.raises(
+        DesignError, match=r"no part of list\.csv has a rate, e\.g\. C1: the list does not say its capac"
+    ):
         import_bom(source, tmp_path / "robot.yaml")
 
 

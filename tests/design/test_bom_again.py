@@ -12,7 +12,7 @@ LIST = """Reference,Value,Footprint,Description,Qty
 C1-C4,100nF,C_0603,X7R 50V,4
 C5,1uF,C_0805,X7R 25V,1
 C6,10uF,C_1206,X5R 16V,1
-U1,STM32,LQFP-64,,1
+AE1,2.4 GHz,,chip antenna,1
 """
 ROBOT = """# my robot
 schema_version: 1
@@ -57,7 +57,7 @@ def states(found):
 def test_the_same_list_changes_nothing(source, design):
     found = import_bom(source, design)
     assert found.text == design.read_text()
-    assert states(found) == {"C1-C4": "unchanged", "C5": "unchanged", "C6": "unchanged", "U1": "needs a rate"}
+    assert states(found) == {"C1-C4": "unchanged", "C5": "unchanged", "C6": "unchanged", "AE1": "needs a rate"}
 
 
 def test_added_changed_removed(source, design):
@@ -72,7 +72,7 @@ def test_added_changed_removed(source, design):
     assert states(found) == {
         "C1-C4": "changed",
         "C6": "unchanged",
-        "U1": "needs a rate",
+        "AE1": "needs a rate",
         "C7": "added",
         "C5": "removed",
     }
@@ -109,7 +109,7 @@ def test_a_part_edited_by_hand_is_not_overwritten(source, design):
         ("quantity: 4", "quantity: 5"),
         ("quantity: 4", "quantity: 4\n    required: 3"),
         ('"100nF, C_0603, X7R 50V"', "decoupling"),
-        ("40 degC}", "40 degC, quality: M}"),
+        ("temperature: 40 degC", "quality: M\n        temperature: 40 degC"),
     ],
 )
 def test_any_edit_makes_a_part_theirs(source, design, edit):
@@ -136,6 +136,44 @@ def test_comments_stay(source, design):
     for comment in ("# mine", "# was 3", "# see the errata", "# the slow one", "# here", "# checked", "# the end"):
         assert comment in found.text
     assert "quantity: 3   # was 3" in found.text
+
+
+def test_remarks_beside_inputs_stay_and_ours_follow_the_list(source, design):
+    text = design.read_text()
+    old = "        dc_voltage: 25 V  # assumed: 0.5 of the rated\n        rated_voltage: 50 V\n"
+    assert old in text
+    design.write_text(text.replace(old, "        dc_voltage: 25 V\n        rated_voltage: 50 V  # Bob knows\n"))
+    source.write_text(LIST.replace("X7R 50V", "X7R 16V").replace("C5,1uF,C_0805,X7R 25V", "C5,1uF,C_0805,X7R"))
+    found = import_bom(source, design)
+    assert states(found)["C1-C4"] == states(found)["C5"] == "changed"
+    new = "        dc_voltage: 8 V  # assumed: 0.5 of the rated\n        rated_voltage: 16 V  # Bob knows\n"
+    assert new in found.text
+    assert "        rated_voltage: 1 V  # assumed: a stand-in: only the ratio to what is applied counts\n" in found.text
+
+
+@pytest.mark.parametrize("outer", [True, False])
+def test_a_hazard_that_somebody_put_in_braces_is_brought_up_to_the_list(source, design, outer):
+    text = design.read_text()
+    start = text.index("    hazard:\n")
+    end = text.index("    source:", start)
+    inputs = "{style: CDR, capacitance: 100 nF, dc_voltage: 25 V, rated_voltage: 50 V, temperature: 40 degC}"
+    hazard = f"{{model: mil_hdbk_217f.capacitor, inputs: {inputs}}}"
+    block = f"\n      model: mil_hdbk_217f.capacitor\n      inputs: {inputs}"
+    design.write_text(f"{text[:start]}    hazard: {hazard if outer else block}  # mine\n{text[end:]}")
+    assert states(import_bom(source, design))["C1-C4"] == "unchanged"
+    source.write_text(LIST.replace("100nF", "220nF"))
+    found = import_bom(source, design)
+    assert states(found)["C1-C4"] == "changed"
+    assert "        capacitance: 220 nF\n" in found.text
+    assert "# mine" in found.text
+
+
+def test_a_part_that_becomes_another_kind(source, design):
+    source.write_text(LIST.replace("C6,10uF,C_1206,X5R 16V,1", "C6,10uF,CP_Radial,Elko 16V,1"))
+    found = import_bom(source, design)
+    assert states(found)["C6"] == "changed"
+    part = next(part for part in found.robot.all_components() if part.path == "C6")
+    assert part.modes[0].stresses[0].design["style"] == "CE"
 
 
 def test_the_rest_of_a_design_stays_letter_for_letter(source, tmp_path):

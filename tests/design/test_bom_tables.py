@@ -122,6 +122,32 @@ def test_a_workbook_is_imported_like_text(tmp_path):
     assert dict(found[0][0][2].facts)["capacitance"] == "0.1 uF"
 
 
+def test_numbers_of_a_workbook_do_not_say_what_a_comma_means(tmp_path):
+    """They have points in every country; what people wrote beside them tells."""
+    rows = [
+        ["Bezeichner", "Wert", "Bauform", "Nennspannung", "Toleranz"],
+        ["C1", "0,1 µF", "0603", "6.3", "0.1"],
+        ["C2", "1.000 µF", "radial", "2.5", "0.2"],
+        ["R1", "2.2", "805", "1.125", "0.05"],
+    ]
+    for name, make in (("a.xlsx", office), ("b.ods", open_document)):
+        path = tmp_path / name
+        path.write_bytes(make(rows))
+        facts = [part.recognised.facts for part in read_parts(path).parts]
+        assert [one.get("capacitance") for one in facts] == ["0.1 uF", "1000 uF", None]
+        assert [one.get("rated_voltage") for one in facts] == ["6.3 V", "2.5 V", None]
+        assert (facts[2]["resistance"], facts[2]["size"]) == ("2.2 ohm", "0805")
+
+
+@pytest.mark.parametrize(
+    ("cells", "field"), [(["R1, R2", "C3"], "reference"), (["10k 1%", "100nF"], "value")], ids=["references", "values"]
+)
+def test_a_column_called_part_is_what_its_cells_are(tmp_path, cells, field):
+    path = tmp_path / "list.csv"
+    path.write_text("Part;Qty\n" + "".join(f"{cell};1\n" for cell in cells))
+    assert {column.header: column.field for column in read_table(path).columns}["Part"] == field
+
+
 def zipped(*parts):
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -161,13 +187,13 @@ def test_what_is_no_list_is_refused_in_one_line(tmp_path, name):
     content, words = HOSTILE[name]
     path = tmp_path / "list.csv"
     path.write_bytes(content)
-    begun = time.monotonic()
+    begun = time.process_time()
     with pytest.raises(DesignError) as raised:
         read_parts(path)
     assert words in str(raised.value)
     assert str(raised.value).startswith(f"{path}: ")
     assert len(str(raised.value).splitlines()) == 1
-    assert time.monotonic() - begun < 5
+    assert time.process_time() - begun < 5
 
 
 def test_a_hundred_megabytes_are_not_read(tmp_path):

@@ -12,9 +12,9 @@ from typing import Any
 from robophm.cli.output import console, may_write, print_json, print_table, table, warn, write
 from robophm.core.errors import RobophmError
 from robophm.design.bom import ImportedList, ImportedPart, import_bom
+from robophm.design.bom.assumptions import OF_ALL, Assumptions
 from robophm.design.bom.columns import ColumnMapping, mapping_text, parse_mapping
-from robophm.design.bom.models import Assumptions
-from robophm.design.file import rewrite
+from robophm.design.file import replace_text
 from robophm.report.words import rate_text
 
 MOST_LINES = 20
@@ -53,7 +53,7 @@ def run(source: Path, design: Path, wishes: Wishes) -> None:
         write(wishes.save_mapping, mapping_text(found.parts_list.table))
     if not wishes.dry_run:
         if design.exists():
-            rewrite(design, found.text)
+            replace_text(design, found.text)
         else:
             write(design, found.text)
     if wishes.as_json:
@@ -80,6 +80,11 @@ def _document(found: ImportedList, source: Path, design: Path, wishes: Wishes) -
         "columns": [{"field": c.field, "header": c.header, "confidence": c.confidence} for c in read.columns],
         "unused_columns": list(read.unused),
         "assumptions": asdict(found.assumptions),
+        "assumed": [
+            {"kind": kind, "input": name, "rows": values.total(), "values": dict(values)}
+            for kind, of in _by_kind(found.parts).items()
+            for name, values in _assumed(of).items()
+        ],
         "hazard_rate": _total(found),
         "parts": [_part(one) for one in found.parts],
         "removed": [asdict(one) for one in found.removed],
@@ -102,7 +107,7 @@ def _part(one: ImportedPart) -> dict[str, Any]:
         "facts": dict(one.part.recognised.facts),
         "model": rating.model if rating else None,
         "inputs": dict(rating.inputs) if rating else None,
-        "assumed": list(rating.assumed) if rating else [],
+        "assumed": dict(rating.assumed) if rating else {},
         "hazard_rate": one.hazard_rate,
     }
 
@@ -113,13 +118,31 @@ def _print(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> N
     _warn(source, map(str, parts.notes), "notes")
     columns = [(c.field, c.header, f"{c.confidence:.0%}") for c in read.columns]
     print_table(out, table("", ["column", "header in the list", "sure"], columns, figures=(2,)))
-    out.print(f"{source}: header in row {read.header_row}, {read.sheet}, decimal '{read.decimal}'", markup=False)
+    unused = f"; not used: {', '.join(read.unused)}" if read.unused else ""
+    out.print(
+        f"{source}: header in row {read.header_row}, {read.sheet}, decimal '{read.decimal}'{unused}", markup=False
+    )
+    of_all = found.assumptions
+    quality = of_all.quality or "each model's own"
+    out.print(
+        f"assumed of all: {of_all.temperature} around them, junctions and windings {of_all.rise} above it, applied "
+        f"{of_all.stress:g} of the rated, environment {of_all.environment}, quality {quality}",
+        markup=False,
+    )
     states = Counter(one.outcome.state for one in found.parts)
     kinds = [
-        (kind or "not clear", str(len(of)), str(sum(one.part.quantity for one in of)), _rates(of))
+        (
+            kind or "not clear",
+            str(len(of)),
+            str(sum(one.part.quantity for one in of)),
+            _rates(of),
+            _assumed_in_words(of),
+        )
         for kind, of in _by_kind(found.parts).items()
     ]
-    print_table(out, table("", ["kind", "rows", "parts", "λ"], kinds, figures=(1, 2, 3)))
+    print_table(
+        out, table("", ["kind", "rows", "parts", "λ", "assumed besides, in how many rows"], kinds, figures=(1, 2, 3))
+    )
     for state in ("changed", "kept"):
         lines = [f"{one.outcome.name}: {one.outcome.text}" for one in found.parts if one.outcome.state == state]
         _several(out, state, lines)
@@ -145,6 +168,21 @@ def _by_kind(parts: Iterable[ImportedPart]) -> dict[str, list[ImportedPart]]:
 def _rates(parts: list[ImportedPart]) -> str:
     rated = [one.part.quantity * one.hazard_rate for one in parts if one.hazard_rate is not None]
     return rate_text(math.fsum(rated)) if rated else "–"
+
+
+def _assumed(parts: Iterable[ImportedPart]) -> dict[str, Counter[str]]:
+    """The inputs that the list does not say: how many rows take which value."""
+    found: dict[str, Counter[str]] = {}
+    for rating in filter(None, (one.rating for one in parts)):
+        for name in rating.assumed:
+            found.setdefault(name, Counter())[rating.inputs.get(name, rating.model)] += 1
+    return found
+
+
+def _assumed_in_words(parts: Iterable[ImportedPart]) -> str:
+    own = {name: values for name, values in _assumed(parts).items() if name not in OF_ALL}
+    said = [(f"{name} {min(values)}" if len(values) == 1 else name, values) for name, values in own.items()]
+    return ", ".join(f"{what} ({values.total()})" for what, values in said) or "–"
 
 
 def _warn(source: Path, lines: Iterable[str], what: str) -> None:

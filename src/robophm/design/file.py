@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from robophm.core.errors import DesignError, nearest
 from robophm.core.files import write_atomically
+from robophm.design.nodes import MAX_DEPTH, MAX_VALUES, compose
 from robophm.design.robot import Robot
 
 if TYPE_CHECKING:
@@ -17,11 +18,6 @@ if TYPE_CHECKING:
 
 MAX_BYTES = 20_000_000
 """A larger file is refused before it is parsed."""
-
-MAX_VALUES = 1_000_000
-"""Of a file with its aliases followed: a small file can otherwise unfold to billions."""
-
-MAX_DEPTH = 100
 
 SCHEMA_VERSION = 1
 """Of design files and task lists; a file that says another number is refused."""
@@ -107,12 +103,17 @@ def rewrite(path: Path, text: str) -> Robot:
     Raises DesignError, the file as it was, where the text is no valid design or cannot be written.
     """
     robot = parse(text, str(path))
+    replace_text(path, text)
+    return robot
+
+
+def replace_text(path: Path, text: str) -> None:
+    """As ``rewrite``, of a text that has been found valid already. Raises DesignError where it cannot be written."""
     try:
         write_atomically(path.with_name(path.name + ".bak"), path.read_bytes())
         write_atomically(path, text)
     except OSError as error:
         raise DesignError(f"{path}: cannot be saved: {error.strerror}; the file is as it was") from None
-    return robot
 
 
 def _yaml() -> Any:
@@ -147,11 +148,10 @@ def read(path: Path) -> str:
 
 def values(text: str, name: str) -> tuple[Any, Lines]:
     """The plain values of a YAML text, and the line of each."""
-    from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
     try:
-        root = YAML(typ="safe", pure=True).compose(io.StringIO(text))
+        root = compose(text)
     except MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else 1
         raise DesignError(f"{name}:{line}: is not YAML: {error.problem}") from None

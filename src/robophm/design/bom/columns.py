@@ -154,7 +154,9 @@ def _chosen(path: Path, said: ColumnMapping) -> PartsTable:
     places = {column.place for column in columns}
     unused = tuple(cell for i, cell in enumerate(header.cells) if cell and i not in places)
     semicolons = sheet.name == DELIMITERS[";"]
-    decimal = said.decimal or _decimal(rows, [c.place for c in columns if c.field in _WITH_NUMBERS], semicolons)
+    written = sheet.name in DELIMITERS.values()  # and not numbers of a workbook, which have points in all countries
+    places_with_numbers = [column.place for column in columns if column.field in _WITH_NUMBERS]
+    decimal = said.decimal or _decimal(rows, places_with_numbers, semicolons, written)
     return PartsTable(sheet.name, header.number, tuple(columns), unused, decimal, rows, titles)
 
 
@@ -200,7 +202,10 @@ def _folded(text: str) -> str:
 _EXACT = {
     (field, _folded(name)): 1.0 - 0.004 * rank for field, names in FIELDS.items() for rank, name in enumerate(names)
 }
-_SHARED = {"comment": {"value": 0.9, "description": 0.6, "note": 0.5}}
+_SHARED = {
+    "comment": {"value": 0.9, "description": 0.6, "note": 0.5},
+    "part": {"reference": 0.85, "value": 0.6, "description": 0.5},
+}
 _LONG = [(field, _folded(name)) for field, names in FIELDS.items() for name in names if len(name) >= 5]
 
 
@@ -244,18 +249,23 @@ _OFTEN_OTHER = {"pos", "position", "part", "parts", "ref", "count", "amount"}
 
 
 _WITH_NUMBERS = ("value", "description", "voltage", "tolerance", "power", "quantity")
+_BARE = re.compile(r"-?[0-9.]+(?:[eE]-?[0-9]+)?")
 _COMMA = re.compile(r"(?<![\w,.])(?:0|[1-9]\d{0,2}),(?:\d{1,2}|\d{4,})(?![\d,])")
-_POINT = re.compile(r"(?<![\d,.])\d+\.\d+(?![\d.])")
+_POINT = re.compile(r"(?<![\d,.])\d+\.(?:\d{1,2}|\d{4,})(?![\d.])")  # 1.000 may be a thousand
 
 
-def _decimal(rows: tuple[Row, ...], places: list[int], semicolons: bool) -> Decimal:
-    """What parts ones from tenths in this list; where no cell tells, what usually goes with its delimiter."""
+def _decimal(rows: tuple[Row, ...], places: list[int], semicolons: bool, written: bool) -> Decimal:
+    """What parts ones from tenths in this list; where no cell tells, what usually goes with its delimiter.
+
+    Bare numbers tell it only where people, or a program in their language, have ``written`` them.
+    """
     commas = points = 0
     for row in rows[:2000]:
         for place in places:
-            if place < len(row.cells):
-                commas += bool(_COMMA.search(row.cells[place]))
-                points += bool(_POINT.search(row.cells[place]))
+            cell = row.cells[place] if place < len(row.cells) else ""
+            if written or not _BARE.fullmatch(cell):
+                commas += bool(_COMMA.search(cell))
+                points += bool(_POINT.search(cell))
     return "," if commas > points or (commas == points and semicolons) else "."
 
 
@@ -286,7 +296,7 @@ def parse_mapping(path: Path) -> ColumnMapping:
 
 def mapping_text(table: PartsTable) -> str:
     """A mapping file that reads this list as it was read."""
-    from robophm.design.bom.writing import quoted
+    from robophm.design.bom.component import quoted
 
     lines = [
         "# What the columns of a parts list mean; robophm import-bom reads it with --mapping.",

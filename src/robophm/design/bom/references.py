@@ -8,7 +8,7 @@ from collections.abc import Sequence
 MOST_REFERENCES = 10_000
 """In one cell."""
 
-_APART = re.compile(r"[,;\s]+")
+_APART = re.compile(r"(?:(?<=\d)\s*[/&+]\s*|\s+(?:and|und|et)\s+)(?=[A-Za-z]{1,10}\d)|[,;\s]+")
 _RANGE = re.compile(
     r"([A-Za-z_]{1,10})(\d{1,9})\s*(?:-|–|—|\.\.\.?|…|\bto\b|\bbis\b)\s*([A-Za-z_]{1,10})(\d{1,9})(?![\w.])", re.ASCII
 )

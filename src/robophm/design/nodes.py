@@ -1,0 +1,144 @@
+"""YAML text → nodes with their places. Read by libyaml where PyYAML brings it, else by ruamel.yaml: the same, slower.
+
+What the two may take differently is left to ruamel.yaml, which alone says what a fault is: so designs and errors are
+the same on every machine.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from functools import cache, lru_cache
+from typing import Any
+
+WORTHWHILE = 20_000
+"""Letters from which on libyaml saves more time than loading it takes."""
+
+MAX_VALUES = 1_000_000
+"""Of a file with its aliases followed: a small file can otherwise unfold to billions."""
+
+MAX_DEPTH = 100
+
+
+class Node:
+    """A value in a text: ``id`` is scalar, sequence or mapping; marks have ``index``, ``line``, ``column`` from 0."""
+
+    __slots__ = ("end_mark", "flow_style", "id", "start_mark", "tag", "value")
+
+    def __init__(self, id: str, tag: str, value: Any, event: Any) -> None:  # noqa: A002  as ruamel.yaml calls it
+        self.id, self.tag, self.value = id, tag, value
+        self.start_mark, self.end_mark = event.start_mark, event.end_mark
+        self.flow_style = getattr(event, "flow_style", None)
+
+    def close(self, end_mark: Any) -> None:
+        """All its children are there."""
+        self.end_mark = end_mark
+        if self.id == "mapping":
+            self.value = list(zip(self.value[::2], self.value[1::2], strict=False))
+
+
+def compose(text: str) -> Any:
+    """The root node of a text, None where it is empty. Raises ruamel.yaml's YAMLError, ValueError, RecursionError."""
+    from ruamel.yaml import YAML
+
+    if len(text) >= WORTHWHILE:
+        try:
+            return quick(text)
+        except Unsure:
+            pass
+    return YAML(typ="safe", pure=True).compose(io.StringIO(text))
+
+
+class Unsure(Exception):  # noqa: N818  no error: ruamel.yaml has the last word
+    """What this text is, the quick reader cannot tell."""
+
+
+_ODD = re.compile("[^\n\r\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
+"""Tabs, what no YAML may hold, and what YAML 1.1 took for line breaks."""
+
+
+_BLOCK = ("|", ">")
+_HEADER = re.compile(r"[|>][-+1-9]*[\r\n]")
+"""Of a block of lines; that a remark may follow it, they see otherwise."""
+
+
+def quick(text: str) -> Node | None:
+    """The root node of a plain, valid YAML text; of one with too many values, as many as show that.
+
+    Raises Unsure of any other text, and where there is no libyaml.
+    """
+    try:
+        from yaml import YAMLError, events
+        from yaml.cyaml import CParser
+    except ImportError:
+        raise Unsure from None
+    if _ODD.search(text) or not text.endswith("\n"):
+        raise Unsure
+    root: Node | None = None
+    inside: list[Node] = []
+    count = 0
+    try:
+        parser = CParser(text)
+        while count <= 2 * MAX_VALUES + 1 and (event := parser.get_event()) is not None:
+            if isinstance(event, events.CollectionEndEvent):
+                inside.pop().close(event.end_mark)
+            elif isinstance(event, events.NodeEvent):
+                node = _node(event, inside[-1] if inside else None)
+                if node.id == "scalar" and event.style in _BLOCK and not _HEADER.match(text, node.start_mark.index):
+                    raise Unsure
+                root, count = root or node, count + 1
+                if node.id != "scalar":
+                    inside.append(node)
+                if len(inside) > MAX_DEPTH:
+                    raise Unsure
+            elif isinstance(event, events.DocumentStartEvent):
+                if root or event.version or event.tags:
+                    raise Unsure
+            elif isinstance(event, events.DocumentEndEvent) and event.explicit:
+                raise Unsure
+    except (YAMLError, ValueError):
+        raise Unsure from None
+    for node in inside:
+        node.close(node.start_mark)
+    return root
+
+
+def _node(event: Any, parent: Node | None) -> Node:
+    """What an event begins, put into what it stands in. Raises Unsure."""
+    kind = type(event).__name__
+    if event.anchor is not None or kind == "AliasEvent" or event.tag is not None:
+        raise Unsure
+    if kind == "ScalarEvent":
+        plain = event.implicit[0]
+        if parent is None or (plain and not event.value):  # where nothing at all stands, they see otherwise
+            raise Unsure
+        node = Node("scalar", _tag(event.value) if plain else _STRING, event.value, event)
+    elif parent is not None and parent.id == "mapping" and len(parent.value) % 2 == 0:  # a key
+        raise Unsure
+    else:
+        mapping = kind == "MappingStartEvent"
+        node = Node("mapping" if mapping else "sequence", _MAP if mapping else _SEQUENCE, [], event)
+    if parent is not None:
+        parent.value.append(node)
+    return node
+
+
+_STRING, _MAP, _SEQUENCE = (f"tag:yaml.org,2002:{kind}" for kind in ("str", "map", "seq"))
+
+
+@lru_cache(10_000)
+def _tag(word: str) -> str:
+    """What YAML 1.2 takes an unquoted word for."""
+    return next((tag for tag, pattern in _resolvers().get(word[0], ()) if pattern.match(word)), _STRING)
+
+
+@cache
+def _resolvers() -> dict[str, list[tuple[str, Any]]]:
+    """By first letter, ruamel.yaml's own table: PyYAML's is that of YAML 1.1, where 'no' is false and 1:20 is 80."""
+    from ruamel.yaml.resolver import implicit_resolvers
+
+    found: dict[str, list[tuple[str, Any]]] = {}
+    for versions, tag, pattern, letters in implicit_resolvers:
+        for letter in letters if (1, 2) in versions else ():
+            found.setdefault(letter, []).append((tag, pattern))
+    return found

@@ -1,0 +1,150 @@
+"""libyaml and ruamel.yaml read the same, letter for letter, or ruamel.yaml alone is asked."""
+
+import io
+import random
+import sys
+import warnings
+
+import pytest
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+
+from robophm.core.errors import DesignError
+from robophm.design import file, nodes
+from robophm.design.nodes import WORTHWHILE, Unsure, quick
+
+TOKENS = [
+    *"\n \t#'\"[]{},:?!&*|>%@`~=-\\é🤖\u2028\x85\ufeff\x00\x7f",
+    *("\r\n", "\r", "  ", "- ", ": ", " # c\n", "&a ", "*a", "!!str ", "|\n", "|-\n", ">\n", ">+\n", "|2\n", "---\n"),
+    *("...\n", "%YAML 1.1\n---\n", "<<: ", "null", "yes", "0o17", "017", "1:20", "1_000", "1e3", ".inf", "a: b\n"),
+    *("2020-01-01", "\\x41", "\\/", "{a: 1}", "? a\n: b\n", "\n\n", "   \n", "'a''b'", '"a\\\n  b"'),
+]
+
+
+def seen(node):
+    """All that anybody asks of a node."""
+    mark = node.start_mark
+    said = [node.id, str(node.tag), mark.index, mark.line, mark.column, node.end_mark.index]
+    if node.id == "scalar":
+        return [*said, node.value]
+    inner = [one for item in node.value for one in (item if isinstance(item, tuple) else (item,))]
+    return [*said, bool(node.flow_style), *map(seen, inner)]
+
+
+def agree(text):
+    """Whether the quick reader had an answer; it must be the other's."""
+    try:
+        found = quick(text)
+    except Unsure:
+        return False
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of anchors that are used twice
+        theirs = YAML(typ="safe", pure=True).compose(io.StringIO(text))  # a YAMLError here is a failure
+    assert (theirs is None and found is None) or seen(found) == seen(theirs), repr(text)
+    return True
+
+
+@pytest.fixture(scope="module")
+def designs(examples):
+    return [path.read_text(encoding="utf-8") for path in sorted(examples.rglob("*.yaml"))]
+
+
+def test_designs_are_read_alike(designs):
+    assert len(designs) > 3
+    for text in designs:
+        agree(text)
+    assert any(agree(text) for text in designs)
+
+
+def test_damaged_designs_are_read_alike_or_not_at_all(designs):
+    """Lines of real designs with what YAML finds special strewn in."""
+    draw, quickly = random.Random(5), 0
+    for _ in range(1500):
+        lines = draw.choice(designs).splitlines(keepends=True)
+        at = draw.randrange(len(lines))
+        letters = list("".join(lines[at : at + 12]))
+        for _ in range(draw.randrange(4)):
+            place = draw.randrange(len(letters) + 1)
+            letters[place : place + draw.randrange(2)] = draw.choice(TOKENS)
+        quickly += agree("".join(letters).rstrip("\n") + "\n")
+    assert quickly > 120
+
+
+def test_any_tokens_are_read_alike_or_not_at_all():
+    draw, quickly = random.Random(6), 0
+    for _ in range(3000):
+        text = "a:\n  " + "".join(draw.choice(TOKENS) for _ in range(draw.randrange(1, 12))) + "\n"
+        quickly += agree(text)
+    assert quickly > 100
+
+
+@pytest.mark.parametrize(
+    ("word", "value"),
+    [
+        ("no", "no"), ("on", "on"), ("y", "y"), ("1:20", "1:20"), ("0o17", 15), ("017", "017"), ("0x1F", 31),
+        ("1e3", 1000.0), (".inf", float("inf")), ("True", True), ("null", None), ("~", None), ("1_000", 1000),
+        ("2020-01-01", "2020-01-01"), ("'12'", "12"), ("12", 12), ("-1.5", -1.5), ("=", None), ("<<", None),
+    ],
+)  # fmt: skip
+def test_words_are_those_of_yaml_1_2(word, value):
+    """YAML 1.2 §10.3.2; in 1.1, which libyaml was made for, the first are booleans and 80."""
+    root = quick(f"a: {word}\n")
+    if word in ("=", "<<"):
+        assert str(root.value[0][1].tag) == f"tag:yaml.org,2002:{'value' if word == '=' else 'merge'}"
+    else:
+        assert file._Reader("r").value(root, ()) == {"a": value}
+
+
+def large(line):
+    return f"{line}\n" + "# filler\n" * (WORTHWHILE // 8)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "a: [1, 2", "a: 'x", "a:\n b\n  c: 1", "a: \t1", "\ta: 1", "a: b: c", "a: \x07", "a: !x 1", "a: *b",
+        "%YAML 3.0", "a: " + "[" * 200 + "]" * 200, "a: " + "[" * 1000, "- " * 5000, "a: {b: 1, b: 2}", "[a]: 1",
+        "--- a\n--- b",
+    ],
+)  # fmt: skip
+def test_faults_are_said_alike(line, monkeypatch):
+    """Of a large text as of one that only ruamel.yaml reads; and deep nesting never fells the process."""
+    found = []
+    for without in (False, True):
+        if without:
+            monkeypatch.setitem(sys.modules, "yaml", None)
+        try:
+            found.append(file.values(large(line), "robot.yaml"))
+        except DesignError as error:
+            found.append(str(error))
+    assert found[0] == found[1]
+    assert isinstance(found[0], str)
+
+
+def test_without_libyaml_nothing_differs(designs, monkeypatch):
+    text = "".join(line for line in designs[0].splitlines(keepends=True)) + large("")
+    with_it = file.values(text, "r")
+    monkeypatch.setitem(sys.modules, "yaml", None)
+    with pytest.raises(Unsure):
+        quick(text)
+    assert file.values(text, "r") == with_it
+
+
+def test_a_text_with_too_many_values_is_not_read_to_its_end(monkeypatch):
+    monkeypatch.setattr(nodes, "MAX_VALUES", 1000)
+    monkeypatch.setattr(file, "MAX_VALUES", 1000)
+    text = "a: 1\nb:\n" + "  - {c: 2, d: [3]}\n" * 1200
+    said = []
+    for without in (False, True):
+        if without:
+            monkeypatch.setitem(sys.modules, "yaml", None)
+        with pytest.raises(DesignError, match="unfolds to more than 1,000 values") as raised:
+            file.values(text, "r")
+        said.append(str(raised.value))
+    assert said[0] == said[1]
+
+
+def test_ruamel_keeps_the_last_word():
+    with pytest.raises(YAMLError):
+        nodes.compose(large("a: ["))
+    assert nodes.compose("# nothing\n") is None
