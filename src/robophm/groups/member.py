@@ -80,4 +80,4 @@ def log_density(member: Member, path: Path, since: Array, length: Array, dormanc
         hazard = hazard + np.where(speed > 0, mode.multiplicity * speed * np.minimum(here, 1e300), 0.0)
         lived = lived + mode.multiplicity * mode.life.increment(age, gained[mode.column])
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(np.isinf(lived) | (hazard == 0), -np.inf, np.log(hazard) - lived)
+        return np.where((lived > 1e100) | (hazard == 0), -np.inf, np.log(hazard) - lived)

@@ -14,13 +14,17 @@ from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
+import numpy.typing as npt
 
 from robophm.blocks.diagram import Standby
 from robophm.groups.member import Member, log_density, waiting_hazard, waiting_more, working_hazard
 from robophm.groups.path import Array, Path, Rows
 from robophm.groups.quadrature import log_integral, log_sum
-from robophm.groups.state import Solved, log_fails
+from robophm.groups.state import Solved, log_fails, log_outlives
 from robophm.groups.table import LogTable
+
+
+_OVER = 1000.0  # a cumulative hazard that nothing outlives
 
 
 class InOrder(Solved):
@@ -49,14 +53,23 @@ class InOrder(Solved):
 
     def _scale(self) -> float:
         """A time by which the first member has lived for a while."""
-        s = 2.0 ** np.arange(-900, 900)
+        s: Array = np.exp2(np.arange(-900.0, 900.0))
         lived = working_hazard(self._members[0], self._path, np.zeros_like(s), s, self._dormancy)
         return float(s[min(int(np.argmax(lived > 1)), len(s) - 1)])
+
+    def over(self, s: Array) -> npt.NDArray[np.bool_]:
+        """One member has worked for its share of the time, or the group has failed."""
+        share = s / len(self._members)
+        found = np.ones(len(s), dtype=bool)
+        for member in self._members:
+            for since in (np.zeros_like(s), s - share):
+                found &= working_hazard(member, self._path, since, share, self._dormancy) > _OVER
+        return found
 
     # Spares that wait: alive at s, dead at s, or either, consistent with what is known; logarithms.
 
     def _alive(self, i: int, s: Array) -> Array:
-        lived = -waiting_hazard(self._members[i], self._path, s, self._dormancy)
+        lived = log_outlives(waiting_hazard(self._members[i], self._path, s, self._dormancy))
         return np.where(s >= self.now, -np.inf, lived) if self._status[i] is False else lived
 
     def _dead(self, i: int, s: Array) -> Array:
@@ -129,13 +142,13 @@ class InOrder(Solved):
 
     def log_works(self, s: Array) -> Array:
         """ln P(works at s, and what is known)."""
-        first = -working_hazard(self._members[0], self._path, np.zeros_like(s), s, self._dormancy)
+        first = log_outlives(working_hazard(self._members[0], self._path, np.zeros_like(s), s, self._dormancy))
         found = [(first if self._may[0] else np.where(s >= self.now, -np.inf, first)) + self._unused(0)]
         for i in range(1, len(self._members)):
 
             def log_f(which: Rows, since: Array, length: Array, i: int = i) -> Array:
                 lived = working_hazard(self._members[i], self._path, since, length, self._dormancy)
-                return self._activated_until(i, since, s[which]) - lived
+                return self._activated_until(i, since, s[which]) + log_outlives(lived)
 
             found.append(log_integral(log_f, np.zeros(len(s)), s, self._breaks) + self._unused(i))
         return log_sum(*found)
@@ -154,7 +167,7 @@ class InOrder(Solved):
         def fails_later(which: Rows, since: Array, lived: Array) -> Array:
             before = working_hazard(self._members[last], self._path, since, lived, self._dormancy)
             more = working_hazard(self._members[last], self._path, since, lived, self._dormancy, length[which])
-            return self._activated_until(last, since, s[which]) - before + log_fails(more)
+            return self._activated_until(last, since, s[which]) + log_outlives(before) + log_fails(more)
 
         def fails_soon(which: Rows, since: Array, rest: Array) -> Array:
             return self._activated(last, since) + log_fails(

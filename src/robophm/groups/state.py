@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 import numpy as np
+import numpy.typing as npt
 
 from robophm.groups.path import Array
 
@@ -14,7 +15,7 @@ class Solved(ABC):
 
     now: float
     told: bool
-    """Whether anything is known of a member: then it is known whether the group works, too."""
+    """Whether anything is known of a member."""
 
     @abstractmethod
     def log_works(self, s: Array) -> Array:
@@ -28,15 +29,16 @@ class Solved(ABC):
     def log_density(self, s: Array) -> Array:
         """ln of the failure density at s, and what is known; per unit of s."""
 
-    def until_now(self) -> float:
-        """Cumulative hazard till now: 0 where it is known to work, infinite where it has failed."""
-        now = np.array([self.now])
-        if self.told:
-            return 0.0 if self.log_works(now)[0] > -np.inf else np.inf
-        return float(self.lived(np.zeros(1), now)[0])
-
     def lived(self, s: Array, length: Array) -> Array:
         """What a stretch adds to the cumulative hazard of the group, given that it works at its beginning."""
+        hazard = np.where(length > 0, np.inf, 0.0)
+        todo = (length > 0) & ~self.over(s + length)
+        hazard[todo] = self._lived(s[todo], length[todo])
+        return hazard
+
+    def _lived(self, s: Array, length: Array) -> Array:
+        if not len(s):
+            return np.zeros(0)
         works = self.log_works(s)
         with np.errstate(invalid="ignore"):
             fails = np.exp(np.minimum(self.log_fails_in(s, length) - works, 0.0))
@@ -47,7 +49,11 @@ class Solved(ABC):
         if large.any():
             hazard[large] = works[large] - self.log_works((s + length)[large])
         hazard[works == -np.inf] = np.inf
-        return np.where(length > 0, np.maximum(hazard, 0.0), 0.0)
+        return np.maximum(hazard, 0.0)
+
+    def over(self, s: Array) -> npt.NDArray[np.bool_]:
+        """Where it is plain that nothing works any more: with a probability below exp(−1000)."""
+        return np.zeros(len(s), dtype=bool)
 
     def rate(self, s: Array) -> Array:
         """Hazard rate at s, per unit of it."""
@@ -62,3 +68,8 @@ def log_fails(hazard: Array) -> Array:
     with np.errstate(divide="ignore"):
         found: Array = np.where(hazard < 0.6931, np.log(-np.expm1(-hazard)), np.log1p(-np.exp(-hazard)))
     return found
+
+
+def log_outlives(hazard: Array) -> Array:
+    """−H; −inf where that has no meaning but never."""
+    return np.where(hazard > 1e100, -np.inf, -hazard)
