@@ -92,7 +92,7 @@ class Standby(Group):
 
 @dataclass(frozen=True)
 class LoadSharing(Group):
-    """Works while at least ``k`` members do; the fewer they are, the faster each ages: ``factors`` with 0, 1, … failed."""
+    """Works while at least ``k`` members do; with 0, 1, … failed, each of the others ages ``factors`` times as fast."""
 
     k: int = 1
     factors: tuple[float, ...] = ()
@@ -104,7 +104,9 @@ class LoadSharing(Group):
         if not 1 <= self.k <= n:
             raise StructureError(f"{self.name}: k = {self.k} of n = {n}; expected 1 ≤ k ≤ n")
         if len(self.factors) != n - self.k + 1 or not all(0 < factor <= 1e12 for factor in self.factors):
-            raise StructureError(f"{self.name}: factors {list(self.factors)}; expected {n - self.k + 1}, each above zero")
+            raise StructureError(
+                f"{self.name}: factors {list(self.factors)}; expected {n - self.k + 1}, each above zero"
+            )
 
 
 def equal_share(n: int, k: int, exponent: float) -> tuple[float, ...]:

@@ -529,14 +529,18 @@ class _Expansion:
         for (path,) in group.members:
             parts = series(self.path(path, place))
             if parts is None:
-                raise Fault(place, f"'{path}' is not of parts in series; expected a part, or a module of parts in series")
+                raise Fault(
+                    place, f"'{path}' is not of parts in series; expected a part, or a module of parts in series"
+                )
             for unit in parts:
                 component = self.builder.components[unit.partition("[")[0]]
                 for mode in component.modes:
                     if mode.scaling == "hazard":
                         raise Fault(place, f"{mode.path}: scaling 'hazard' in a group of parts; expected 'age'")
                     if mode.uncertainty:
-                        raise Fault(place, f"{mode.path}: 'uncertainty' in a group of parts; expected a rate that is exact")
+                        raise Fault(
+                            place, f"{mode.path}: 'uncertainty' in a group of parts; expected a rate that is exact"
+                        )
             members.append(parts)
         found = replace(group, members=tuple(members))
         if self.groups.setdefault(group.name, found) != found:
@@ -625,7 +629,9 @@ def _join(level: str, name: str) -> str:
 
 def _drawn(level: Any) -> Iterable[tuple[str, bool]]:
     """Every name in every diagram of a design, and whether it is that of members of a standby or load sharing group."""
-    stack: list[tuple[Any, bool]] = [(block, False) for block in (level.diagram, *getattr(level, "functions", {}).values())]
+    stack: list[tuple[Any, bool]] = [
+        (block, False) for block in (level.diagram, *getattr(level, "functions", {}).values())
+    ]
     while stack:
         block, alone = stack.pop()
         if isinstance(block, str):

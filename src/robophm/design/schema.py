@@ -255,7 +255,9 @@ class StandbyGroup(_Strict):
 
     of: list[str] = Field(min_length=1, description="parts or modules in the order of their use")
     active: int = Field(1, strict=True, ge=1, description="how many work at a time")
-    dormancy: float = Field(0.0, ge=0, le=1, description="share of the speed at which a spare ages while it waits; 0 cold")
+    dormancy: float = Field(
+        0.0, ge=0, le=1, description="share of the speed at which a spare ages while it waits; 0 cold"
+    )
     switch: float = Field(1.0, ge=0, le=1, description="probability that a spare takes over when it is called")
 
 

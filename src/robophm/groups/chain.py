@@ -54,7 +54,9 @@ class Chain(Solved):
             status = sorted(status, key=lambda one: one is not False)  # whichever has failed
         states, transitions = reachable(group, alike)
         if len(states) > MOST_STATES:
-            raise StructureError(f"{group.name}: {len(states)} states of different parts; expected at most {MOST_STATES}")
+            raise StructureError(
+                f"{group.name}: {len(states)} states of different parts; expected at most {MOST_STATES}"
+            )
         n = len(states)
         self._generators = np.zeros((len(rates), n + 1, n + 1))
         for start, end, i, weight in transitions:

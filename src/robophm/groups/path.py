@@ -75,7 +75,9 @@ class Path:
             np.where(
                 last == p,
                 self.speed[p, j] * length,
-                self.speed[p, j] * out + (self.gained[last, j] - self.gained[following, j]) + self.speed[last, j] * into,
+                self.speed[p, j] * out
+                + (self.gained[last, j] - self.gained[following, j])
+                + self.speed[last, j] * into,
             )
             for j in range(self.speed.shape[1])
         ]

@@ -16,11 +16,11 @@ Rows = npt.NDArray[np.intp]
 LogFunction = Callable[[Rows, Array, Array], Array]
 """(which integral, place, how far that is from the upper end) → logarithm of the integrand; arrays of one shape."""
 
-TOLERANCE = 2e-14
+TOLERANCE = 5e-14
 """Of each integral, that a panel may be off by."""
 
 _HALVINGS = 60
-_PANELS = 8  # to begin with
+_PANELS = 4  # to begin with
 _FAINTEST = -2000.0  # a logarithm below which only its size matters
 _AT_ONCE = 400_000  # numbers that one array may hold: more take turns
 
@@ -29,7 +29,7 @@ _NODES, _WEIGHTS = (_x + 1) / 2, np.log(_w / 2)
 
 
 def log_integral(log_f: LogFunction, low: Array, high: Array, breaks: Sequence[float] = ()) -> Array:
-    """ln ∫ f from ``low`` to ``high``, arrays of shape (integrals,); f may bend at ``breaks``. −inf where that is empty."""
+    """ln ∫ f from ``low`` to ``high``, arrays of shape (integrals,); f may bend at ``breaks``. −inf where empty."""
     which, start, end = _between_breaks(low, high, breaks)
     top, total = np.full(len(low), -np.inf), np.zeros(len(low))
     panel = np.repeat(np.arange(len(which)), _PANELS)

@@ -23,7 +23,6 @@ from robophm.groups.quadrature import log_integral, log_sum
 from robophm.groups.state import Solved, log_fails, log_outlives
 from robophm.groups.table import LogTable
 
-
 _OVER = 1000.0  # a cumulative hazard that nothing outlives
 
 

@@ -1,4 +1,4 @@
-"""A positive function of time, computed where it is asked for and kept: its logarithm by Chebyshev polynomials in ln s."""
+"""A positive function of time, computed where it is asked for and kept: its logarithm by Chebyshev polynomials."""
 
 from __future__ import annotations
 

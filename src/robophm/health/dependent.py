@@ -167,7 +167,7 @@ class Standing:
         return added
 
     def rate(self, aged: Array, speed: Array) -> Array:
-        """Hazard rate after going on so far in one step, shape (modes, n), at a speed then, shape (modes,); shape (n,)."""
+        """Hazard rate after going on so far in one step, (modes, n), at a speed then, (modes,); shape (n,)."""
         found = np.zeros(aged.shape[1])
         if not speed.any():
             return found

@@ -161,8 +161,7 @@ class Outlook:
         if self.knowledge.working:
             works = works | np.isin(parts.units, [plant.place[unit] for unit in self.knowledge.working])
         if unseen is None:
-            groups = [self._as_known[group].until_now() for group in parts.groups]
-            unseen = parts.of_units(np.append(self.unseen_hazard[parts.modes], groups))
+            unseen = parts.of_units(np.append(self.unseen_hazard[parts.modes], self.groups_till_now(parts)))
         known = np.where(column(works, unseen.ndim), 0.0, unseen)
         lost = [plant.place[unit] for unit in self.knowledge.failed]
         lost += [plant.place[plant.groups[i].group.name] for i in parts.groups if self._as_known[i].failed]
@@ -184,9 +183,17 @@ class Outlook:
         ``advance`` of each clock, and the same times its stress, have shape (modes of the robot, steps, ...). Rates
         are as stated unless ``ratios`` to them are given, shape (these modes, draws): the axis after the steps.
         """
-        own = [self._as_known[i].steps(effective[self.plant.groups[i].modes]) for i in modes.groups]
         parts = self._increments(modes, advance, effective, ratios)
-        return np.concatenate((parts, np.array(own))) if own else parts
+        return np.concatenate((parts, self.groups_steps(modes, effective))) if len(modes.groups) else parts
+
+    def groups_till_now(self, parts: Modes) -> Array:
+        """Cumulative hazard of groups of dependent parts, less what is known not to have happened; shape (groups,)."""
+        return np.array([self._as_known[i].until_now() for i in parts.groups])
+
+    def groups_steps(self, parts: Modes, effective: Array) -> Array:
+        """What steps that follow one another add to them; shape (groups, steps, ...). Argument as of ``increments``."""
+        own = [self._as_known[i].steps(effective[self.plant.groups[i].modes]) for i in parts.groups]
+        return np.array(own).reshape(-1, *effective.shape[1:])
 
     def _increments(self, modes: Modes, advance: Array, effective: Array, ratios: Array | None = None) -> Array:
         m = modes.modes
@@ -251,9 +258,7 @@ class Outlook:
 
     def groups_along(self, parts: Parts, future: Future) -> Callable[[Array], Array]:
         """What a future adds to the cumulative hazard of the groups of dependent parts; shape (groups, hours)."""
-        along = [
-            self._as_known[i].along(_drawn_out(future), self.plant.groups[i].modes) for i in parts.groups
-        ]
+        along = [self._as_known[i].along(_drawn_out(future), self.plant.groups[i].modes) for i in parts.groups]
 
         def added(hours: Array) -> Array:
             return np.array([group(hours) for group in along]).reshape(-1, len(hours))
@@ -414,7 +419,9 @@ def nominal_outlook(plant: Plant, age: Array, knowledge: Knowledge | None = None
     hazard = _increment(plant, zeros, age)
     future = Future.steady("nominal", plant, ones, plant.usage, plant.robot.usage.operating)
     new = np.minimum(plant.initial, age)
-    return Outlook(plant, age, new, hazard, zeros, hazard, ones, plant.usage, future, knowledge=knowledge or Knowledge())
+    return Outlook(
+        plant, age, new, hazard, zeros, hazard, ones, plant.usage, future, knowledge=knowledge or Knowledge()
+    )
 
 
 def _increment(plant: Plant, start: Array, end: Array) -> Array:
