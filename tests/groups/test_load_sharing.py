@@ -35,6 +35,12 @@ def test_two_that_must_not_cancel() -> None:
     assert fails(one, 1e-5)[0] == pytest.approx(1e-10 / 2 * (1 - 2e-5 / 3), rel=1e-10)
 
 
+def test_a_page() -> None:
+    """RePyability 0.15, LoadSharingModel: two pumps whose life at load 1 is 100 and at load 2 is 25; R(50), MTTF 75."""
+    one = solved(sharing(2, 1, 2.0), [Exponential(0.01)] * 2)
+    assert works(one, 50.0)[0] == pytest.approx(0.6004, abs=5e-5)
+
+
 @pytest.mark.parametrize("t", [0.01, 1.0, 3.0])
 def test_a_pair_that_ages_against_many_digits(t: float) -> None:
     group = sharing(2, 1, 1.3)

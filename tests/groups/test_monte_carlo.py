@@ -35,6 +35,7 @@ AGES: list[tuple[Standby | LoadSharing, list[LifeDistribution]]] = [
     (standby(4, 1, 0.3, 0.9), [Exponential(rate) for rate in (1.0, 1.3, 0.7, 2.0)]),
     (standby(6, 4, 0.3, 0.95), [Exponential(1.0)] * 6),
     (standby(4, 2, 0.3, 0.95), [Exponential(rate) for rate in (1.0, 1.3, 0.7, 2.0)]),
+    (standby(4, 2, 0.0, 0.9), [Weibull(1.0, 2.0)] * 4),
     (sharing(4, 2, 2.0), [Exponential(0.5)] * 4),
     (sharing(3, 2, 3.0), [Weibull(1.0, 2.0)] * 3),
 ]

@@ -15,6 +15,7 @@ from solving import fails, solved, standby, works
 
 from robophm.core.errors import StructureError
 from robophm.groups.chain import Chain
+from robophm.groups.positions import Positions
 from robophm.groups.sequence import InOrder
 from robophm.life.exponential import Exponential
 from robophm.life.gamma import Gamma
@@ -118,8 +119,19 @@ def test_the_hazard_rate_is_the_derivative() -> None:
     np.testing.assert_allclose(one.rate(t), one.lived(t - d, np.full(3, 2 * d)) / (2 * d), rtol=1e-9)
 
 
+@pytest.mark.parametrize("switch", [1.0, 0.9])
+def test_several_active_in_cold_standby_are_independent_places(switch: float) -> None:
+    """By the way for lives that age, of constant rates: what the Markov chain says."""
+    lives = [Exponential(1.0)] * 4
+    one, other = (solved(standby(4, 2, 0.0, switch), lives, way=way) for way in (Positions, Chain))
+    t = np.array([0.01, 0.7, 3.0])
+    np.testing.assert_allclose(one.log_works(t), other.log_works(t), rtol=1e-11, atol=1e-14)
+    np.testing.assert_allclose(one.log_fails_in(t, t / 9), other.log_fails_in(t, t / 9), rtol=1e-11)
+    np.testing.assert_allclose(one.rate(t), other.rate(t), rtol=1e-11)
+
+
 def test_what_has_no_exact_solution_names_the_way_that_is_left() -> None:
     with pytest.raises(StructureError, match=r"2 active of 4 parts that age.*--monte-carlo"):
-        solved(standby(4, 2), [Weibull(1.0, 2.0)] * 4)
+        solved(standby(4, 2, 0.1), [Weibull(1.0, 2.0)] * 4)
     with pytest.raises(StructureError, match="expected a spare"):
         standby(3, 3)

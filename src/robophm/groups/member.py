@@ -33,6 +33,18 @@ class Mode:
 Member = Sequence[Mode]
 
 
+def alike(members: Sequence[Member], path: Path) -> bool:
+    """Whether all have the same lives and ages, and age alike."""
+    kinds = {tuple((mode.life, mode.age, mode.multiplicity) for mode in member) for member in members}
+    if len(kinds) > 1:
+        return False
+    return all(
+        np.array_equal(path.speed[:, one.column], path.speed[:, first.column])
+        for member in members
+        for one, first in zip(member, members[0], strict=True)
+    )
+
+
 def waiting_hazard(member: Member, path: Path, s: Array, dormancy: float) -> Array:
     """Cumulative hazard that a spare gathers while it waits from the start to ``s``."""
     total = np.zeros(np.shape(s))

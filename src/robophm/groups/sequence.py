@@ -41,16 +41,17 @@ class InOrder(Solved):
         # Who may be the active one: before it nobody works.
         self._may = [one is not False and not any(before is True for before in status[:i])
                      for i, one in enumerate(status)]  # fmt: skip
-        scale = self._scale() if len(members) > 2 else 1.0
+        scale = self.scale() if len(members) > 2 else 1.0
         self._tables = {
-            i: LogTable(partial(self._fails_directly, i), self._breaks, scale) for i in range(1, len(members) - 1)
+            i: LogTable(partial(self._fails_directly, i), self.breaks, scale) for i in range(1, len(members) - 1)
         }
 
     @property
-    def _breaks(self) -> list[float]:
+    def breaks(self) -> list[float]:
+        """Times at which its densities may bend."""
         return sorted({*self._path.corners[1:].tolist(), *([self.now] if self.told else [])})
 
-    def _scale(self) -> float:
+    def scale(self) -> float:
         """A time by which the first member has lived for a while."""
         s: Array = np.exp2(np.arange(-900.0, 900.0))
         lived = working_hazard(self._members[0], self._path, np.zeros_like(s), s, self._dormancy)
@@ -96,7 +97,7 @@ class InOrder(Solved):
 
     # Densities; logarithms, per unit of s.
 
-    def _fails(self, i: int, s: Array) -> Array:
+    def fails(self, i: int, s: Array) -> Array:
         """That member i fails as the active one at s."""
         if i == 0:
             found = log_density(self._members[0], self._path, np.zeros_like(s), s, self._dormancy)
@@ -110,13 +111,13 @@ class InOrder(Solved):
             density = log_density(self._members[i], self._path, since, length, self._dormancy)
             return density + self._activated_until(i, since, s[which])
 
-        return log_integral(log_f, np.zeros(len(s)), s, self._breaks).reshape(shape)
+        return log_integral(log_f, np.zeros(len(s)), s, self.breaks).reshape(shape)
 
     def _activated(self, i: int, s: Array) -> Array:
         """That member i becomes the active one at s."""
         found = []
         for earlier in range(i):
-            one = self._fails(earlier, s)
+            one = self.fails(earlier, s)
             for between in range(earlier + 1, i):
                 one = one + self._dead(between, s)
             found.append(one)
@@ -139,18 +140,21 @@ class InOrder(Solved):
 
     # What others ask.
 
+    def serves(self, i: int, s: Array) -> Array:
+        """ln P(member i is the active one at s)."""
+        if i == 0:
+            first = log_outlives(working_hazard(self._members[0], self._path, np.zeros_like(s), s, self._dormancy))
+            return first if self._may[0] else np.where(s >= self.now, -np.inf, first)
+
+        def log_f(which: Rows, since: Array, length: Array) -> Array:
+            lived = working_hazard(self._members[i], self._path, since, length, self._dormancy)
+            return self._activated_until(i, since, s[which]) + log_outlives(lived)
+
+        return log_integral(log_f, np.zeros(len(s)), s, self.breaks)
+
     def log_works(self, s: Array) -> Array:
         """ln P(works at s, and what is known)."""
-        first = log_outlives(working_hazard(self._members[0], self._path, np.zeros_like(s), s, self._dormancy))
-        found = [(first if self._may[0] else np.where(s >= self.now, -np.inf, first)) + self._unused(0)]
-        for i in range(1, len(self._members)):
-
-            def log_f(which: Rows, since: Array, length: Array, i: int = i) -> Array:
-                lived = working_hazard(self._members[i], self._path, since, length, self._dormancy)
-                return self._activated_until(i, since, s[which]) + log_outlives(lived)
-
-            found.append(log_integral(log_f, np.zeros(len(s)), s, self._breaks) + self._unused(i))
-        return log_sum(*found)
+        return log_sum(*(self.serves(i, s) + self._unused(i) for i in range(len(self._members))))
 
     def log_fails_in(self, s: Array, length: Array) -> Array:
         """ln P(fails in the stretch after s, and what is known): each member's last hour, once."""
@@ -159,9 +163,9 @@ class InOrder(Solved):
         for i in range(last):
 
             def log_g(which: Rows, place: Array, rest: Array, i: int = i) -> Array:
-                return self._fails(i, place) + self._ends(i, place)
+                return self.fails(i, place) + self._ends(i, place)
 
-            found.append(log_integral(log_g, s, s + length, self._breaks))
+            found.append(log_integral(log_g, s, s + length, self.breaks))
 
         def fails_later(which: Rows, since: Array, lived: Array) -> Array:
             before = working_hazard(self._members[last], self._path, since, lived, self._dormancy)
@@ -173,10 +177,10 @@ class InOrder(Solved):
                 working_hazard(self._members[last], self._path, since, rest, self._dormancy)
             )
 
-        found.append(log_integral(fails_later, np.zeros(len(s)), s, self._breaks))
-        found.append(log_integral(fails_soon, s, s + length, self._breaks))
+        found.append(log_integral(fails_later, np.zeros(len(s)), s, self.breaks))
+        found.append(log_integral(fails_soon, s, s + length, self.breaks))
         return log_sum(*found)
 
     def log_density(self, s: Array) -> Array:
         """ln of the failure density at s, per unit of it."""
-        return log_sum(*(self._fails(i, s) + self._ends(i, s) for i in range(len(self._members))))
+        return log_sum(*(self.fails(i, s) + self._ends(i, s) for i in range(len(self._members))))

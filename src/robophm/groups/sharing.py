@@ -13,7 +13,7 @@ import numpy as np
 
 from robophm.blocks.diagram import LoadSharing
 from robophm.core.errors import StructureError
-from robophm.groups.member import Member
+from robophm.groups.member import Member, alike
 from robophm.groups.path import Array, Path, Rows
 from robophm.groups.quadrature import log_integral, log_sum
 from robophm.groups.state import Solved, log_fails, log_outlives
@@ -27,12 +27,11 @@ class Sharing(Solved):
     ) -> None:
         self.now, self.told = now, any(one is not None for one in status)
         self._n, self._factors, self._path, self._member = len(members), group.factors, path, members[0]
-        for member in members[1:]:
-            alike = zip(member, self._member, strict=True)
-            if not all(np.array_equal(path.speed[:, one.column], path.speed[:, first.column]) for one, first in alike):
-                raise StructureError(
-                    f"{group.name}: its parts do not age alike; expected one stress and one clock for all"
-                )
+        if not alike(members, path):
+            raise StructureError(
+                f"{group.name}: parts that age and share a load have no exact solution once they differ in age or stress; "
+                "expected equal ones, or robophm show DESIGN --monte-carlo 100000"
+            )
         works, failed = (sum(one is said for one in status) for said in (True, False))
         # Where nobody has failed by now, and how many of those who may be the one who has.
         self._whole = failed == 0

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from robophm.blocks.diagram import Group, LoadSharing, Standby
 from robophm.core.errors import StructureError
 from robophm.groups.chain import Chain
-from robophm.groups.member import Member
+from robophm.groups.member import Member, alike
 from robophm.groups.path import Path
+from robophm.groups.positions import Positions
 from robophm.groups.sequence import InOrder
 from robophm.groups.sharing import Sharing
 from robophm.groups.state import Solved
@@ -27,18 +28,14 @@ def solve(
         return Chain(group, members, path, now, status)
     if isinstance(group, Standby) and group.active == 1:
         return InOrder(group, members, path, now, status)
-    if isinstance(group, LoadSharing) and len(group.factors) == 2 and _equal(members):
+    if isinstance(group, Standby) and group.dormancy == 0 and alike(members, path):
+        return Positions(group, members, path, now, status)
+    if isinstance(group, LoadSharing) and len(group.factors) == 2 and alike(members, path):
         return Sharing(group, members, path, now, status)
     raise StructureError(
-        f"{group.name}: {_words(group)} parts that age has no exact solution here; expected constant rates, or "
-        "its chance by simulation: robophm show DESIGN --monte-carlo 100000"
+        f"{group.name}: {_words(group)} parts that age, or differ in age, has no exact solution; "
+        "expected constant rates, or its chance by simulation: robophm show DESIGN --monte-carlo 100000"
     )
-
-
-def _equal(members: Sequence[Member]) -> bool:
-    """Whether all have the same lives and ages; that they age alike is seen to where they are put together."""
-    kinds = {tuple((mode.life, mode.age, mode.multiplicity) for mode in member) for member in members}
-    return len(kinds) == 1
 
 
 def _words(group: Standby | LoadSharing) -> str:
