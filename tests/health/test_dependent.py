@@ -77,6 +77,7 @@ def test_what_is_known_of_members() -> None:
     assert completion(old(one, 70.0, failed=("A",)), hours(50.0)).probability == pytest.approx(
         math.exp(-0.5), rel=1e-13
     )
+    assert completion(new(one, failed=("A",)), hours(50.0)).probability == pytest.approx(math.exp(-0.5), rel=1e-9)
     fresh = completion(old(one, 70.0, working=("A", "B")), hours(50.0)).probability
     assert fresh == pytest.approx(math.exp(-0.5) * 1.5, rel=1e-13)
     lost = old(one, 70.0, failed=("A", "B"))

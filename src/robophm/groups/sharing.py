@@ -29,8 +29,8 @@ class Sharing(Solved):
         self._n, self._factors, self._path, self._member = len(members), group.factors, path, members[0]
         if not alike(members, path):
             raise StructureError(
-                f"{group.name}: parts that age and share a load have no exact solution once they differ in age or stress; "
-                "expected equal ones, or robophm show DESIGN --monte-carlo 100000"
+                f"{group.name}: parts that age and share a load have no exact solution once they differ in age or "
+                "stress; expected equal ones, or robophm show DESIGN --monte-carlo 100000"
             )
         works, failed = (sum(one is said for one in status) for said in (True, False))
         # Where nobody has failed by now, and how many of those who may be the one who has.

@@ -29,6 +29,10 @@ ModeOf = tuple[int, LifeDistribution, float]
 """A failure mode of a member: its index among the robot's, its life, and how many equal parts in series it is of."""
 
 
+_MOMENT = 1e-9
+"""Of any clock."""
+
+
 class Held:
     """A group of a robot, with the failure modes of its members."""
 
@@ -65,6 +69,8 @@ class Standing:
             new, now, status = (aged := new + held.share * (now - new)), aged, [None] * len(status)
         self._members, self._status = held.members(new), list(status)
         self._past = np.maximum(now - new, 0.0)
+        if False in status and not self._past.any():
+            self._past = np.full(len(new), _MOMENT)  # what has failed in a new robot has failed at once
         self._path, self._now = self._begun()
         self._straight: Solved | None = None
 
