@@ -101,10 +101,14 @@ def show(
     unit: Unit = "1/h",
     svg: Annotated[Path | None, typer.Option(help="also draw the diagram into this SVG file")] = None,
     legacy: Legacy = False,
+    monte_carlo: Annotated[
+        int | None, typer.Option(min=1, max=1_000_000_000, help="only estimate R by so many simulated robots")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="of --monte-carlo")] = 0,
     as_json: Json = False,
 ) -> None:
     """Draw a design and state what it promises when new."""
-    from robophm.cli.show import draw, promises, promises_table, svg_diagram
+    from robophm.cli.show import draw, estimate, promises, promises_table, svg_diagram
     from robophm.design.file import load
     from robophm.health.report import plain
 
@@ -112,6 +116,17 @@ def show(
         raise UnitError(f"--hours {hours:g}: expected a number of at least 0")
     may_write(svg, design)
     robot = load(design)
+    if monte_carlo:
+        by_chance = estimate(robot, hours, monte_carlo, seed)
+        if as_json:
+            print_json({"robot": robot.name, "hours": hours, "seed": seed, **asdict(by_chance)})
+        else:
+            low, high = (f"{one:.6g}" for one in (by_chance.low, by_chance.high))
+            console().print(
+                f"{robot.name}, new, nominal: R({hours:g} h) = {by_chance.probability:.6g}, with 95 % confidence "
+                f"between {low} and {high} ({by_chance.samples:,} simulated)", markup=False, soft_wrap=True
+            )  # fmt: skip
+        return
     found = promises(robot, hours, legacy=legacy)
     if svg:
         write(svg, svg_diagram(robot, unit))

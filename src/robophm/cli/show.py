@@ -12,6 +12,7 @@ from rich.table import Table
 from robophm.cli.output import table
 from robophm.design.legacy import legacy_rate, legacy_reliability
 from robophm.design.robot import Module, Robot
+from robophm.groups.monte_carlo import Estimate, Wear, simulate
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.report.dependence import dependence
@@ -49,6 +50,19 @@ def promises(robot: Robot, hours: float, *, legacy: bool) -> list[Promise]:
         rate = density / works if works > 0 else float("inf")
         found.append(Promise(path, rate, works, failed, new.remaining_life(module.diagram).mean, *old))
     return found
+
+
+def estimate(robot: Robot, hours: float, samples: int, seed: int) -> Estimate:
+    """Reliability of the new robot after so many operating hours, nominal, by chance; also where nothing is exact."""
+    units = {
+        unit: [
+            Wear(mode.life, robot.usage.per_operating_hour(mode.clock), mode.initial_exposure, part.multiplicity)
+            for mode in part.modes
+        ]
+        for part in robot.all_components()
+        for unit in part.units
+    }
+    return simulate(robot.diagram, units, hours, samples, seed=seed)
 
 
 def levels(robot: Robot) -> list[tuple[str, Module]]:

@@ -96,7 +96,7 @@ class _Builder:
         self.used_signals: dict[Path, None] = {}  # in the order of the design
         self.told_apart = {
             name.partition("[")[0].rpartition("/")[2] for name in _told_apart(design)
-        }  # last steps of names drawn as 'motor[2]', and of those that may fail together
+        }  # last steps of names drawn as 'motor[2]', of members of a group, and of those that may fail together
 
     def robot(self) -> Robot:
         design = self.design
@@ -113,6 +113,8 @@ class _Builder:
             if blocks.drawn(diagram) > MOST_DRAWN:
                 raise Fault((), f"its diagrams unfold to more than {MOST_DRAWN:,} parts")
         used = set(blocks.units(whole.diagram)).union(*(blocks.units(diagram) for diagram in functions.values()))
+        expand.check_groups(used)
+        used.update(unit for group in expand.groups.values() for member in group.members for unit in member)
         drawn = {name.partition("[")[0] for name in used}
         clocks: dict[str, MeasuredClock] = {
             name: self._measured_clock(name, ("clocks", name), b) for name, b in design.clocks.items()
@@ -504,6 +506,8 @@ class _Expansion:
         self.expanded: dict[str, blocks.Block] = {}
         self.under_way: list[tuple[str, str]] = []
         """(what is done, to which path)"""
+        self.groups: dict[str, blocks.Group] = {}  # of parts that depend on each other, by name
+        self.group_places: dict[str, Path] = {}
 
     def module(self, module: Module) -> Module:
         inner = tuple(self.module(child) for child in module.modules)
@@ -546,10 +550,71 @@ class _Expansion:
                 return blocks.Series(*(self._named(level, b, (*place, "series")) for b in diagram.series))
             if isinstance(diagram, schema.Parallel):
                 return blocks.Parallel(*(self._named(level, b, (*place, "parallel")) for b in diagram.parallel))
-            group = diagram.k_of_n
-            return blocks.KOutOfN(group.k, *(self._named(level, b, (*place, "k_of_n")) for b in group.of))
+            if isinstance(diagram, schema.KOutOfN):
+                group = diagram.k_of_n
+                return blocks.KOutOfN(group.k, *(self._named(level, b, (*place, "k_of_n")) for b in group.of))
+            return self._group(level, diagram, place)
         except StructureError as error:
             raise Fault(place, str(error)) from None
+
+    def _group(self, level: str, diagram: schema.Standby | schema.LoadSharing, place: Path) -> blocks.Block:
+        """A group whose members are paths; the equal parts of a component are members of their own."""
+        kind, said = ("standby", diagram.standby) if isinstance(diagram, schema.Standby) else (
+            "load_sharing", diagram.load_sharing)  # fmt: skip
+        place = (*place, kind)
+        members: list[tuple[str, ...]] = []
+        for name in said.of:
+            path = self._resolve(level, name, place)
+            component = self.builder.components.get(path)
+            units = component.units if component else (path,)
+            if component and component.required not in (1, component.quantity):
+                raise Fault(place, f"'{name}': {component.required} of {component.quantity}; expected a quantity alone")
+            members += [(unit,) for unit in units]
+        name = f"{kind.replace('_', ' ')} of {', '.join(member for (member,) in members)}"
+        if isinstance(said, schema.StandbyGroup):
+            return blocks.Standby(name, tuple(members), said.active, said.dormancy, said.switch)
+        factors = tuple(said.factors or ()) or blocks.equal_share(len(members), said.k, said.exponent or 0.0)
+        return blocks.LoadSharing(name, tuple(members), said.k, factors)
+
+    def _expand_group(self, level: str, group: blocks.Group, place: Path) -> blocks.Group:
+        """The group down to units, once for each name."""
+        members = []
+        for (path,) in group.members:
+            parts = series(self.path(level, path, place))
+            if parts is None:
+                raise Fault(
+                    place, f"'{path}' is not of parts in series; expected a part, or a module of parts in series"
+                )
+            for unit in parts:
+                component = self.builder.components.get(unit.partition("[")[0])
+                if not component:
+                    raise Fault(
+                        place, f"'{path}' may fail together with others ({unit}); expected a part that does not"
+                    )
+                for mode in component.modes:
+                    if mode.scaling == "hazard":
+                        raise Fault(place, f"{mode.path}: scaling 'hazard' in a group of parts; expected 'age'")
+                    if mode.uncertainty:
+                        raise Fault(
+                            place, f"{mode.path}: 'uncertainty' in a group of parts; expected a rate that is exact"
+                        )
+            members.append(parts)
+        found = replace(group, members=tuple(members))
+        if self.groups.setdefault(group.name, found) != found:
+            raise Fault(place, f"{group.name}: drawn elsewhere with other numbers; expected the same")
+        self.group_places.setdefault(group.name, place)
+        return found
+
+    def check_groups(self, used: Iterable[str]) -> None:
+        """Raise Fault where a member of a group is drawn outside it too."""
+        of: dict[str, str] = {}
+        for name, group in self.groups.items():
+            for unit in (unit for member in group.members for unit in member):
+                other = of.setdefault(unit, name)
+                if other != name:
+                    raise Fault(self.group_places[name], f"'{unit}' is a member of two groups; expected of one")
+        if alone := next((unit for unit in sorted(used) if unit in of), None):
+            raise Fault(self.group_places[of[alone]], f"'{alone}' is drawn outside its group too; expected in it alone")
 
     def _resolve(self, level: str, name: str, place: Path) -> str:
         """A name in a diagram: of this level, below it by path, or from the robot down after a leading '/'."""
@@ -624,10 +689,29 @@ class _Expansion:
         return self.expanded[key]
 
     def _expand(self, level: str, block: blocks.Block, place: Path) -> blocks.Block:
+        if isinstance(block, blocks.Group):
+            return self._expand_group(level, block, place)
         if isinstance(block, blocks.Unit):
             return self.path(level, block.name, place)
         inner = (self._expand(level, child, place) for child in block.blocks)
         return blocks.KOutOfN(block.k, *inner) if isinstance(block, blocks.KOutOfN) else type(block)(*inner)
+
+
+def series(block: blocks.Block) -> tuple[str, ...] | None:
+    """The units of a diagram that are all in series; None where they are not."""
+    found: list[str] = []
+    todo = [block]
+    while todo:
+        top = todo.pop()
+        if isinstance(top, blocks.Group) or (isinstance(top, blocks.Parallel) and len(top.blocks) > 1):
+            return None
+        if isinstance(top, blocks.Unit):
+            found.append(top.name)
+        elif isinstance(top, blocks.KOutOfN) and top.k < len(top.blocks):
+            return None
+        else:
+            todo += reversed(top.blocks)
+    return tuple(dict.fromkeys(found))
 
 
 def _join(level: str, name: str) -> str:
@@ -635,22 +719,24 @@ def _join(level: str, name: str) -> str:
 
 
 def _told_apart(level: Any) -> Iterable[str]:
-    """The names by which a design tells equal parts apart: those drawn as 'motor[2]', and what may fail together."""
+    """Names by which a design tells equal parts apart: drawn as 'motor[2]' or in a group, or what may fail together."""
     for group in level.common_causes.values():
         yield from group.of
-    stack: list[Any] = [level.diagram, *getattr(level, "functions", {}).values()]
-    stack += [below.depends_on for below in (*level.modules.values(), *level.components.values())]
+    stack: list[tuple[Any, bool]] = [
+        (block, False) for block in (level.diagram, *getattr(level, "functions", {}).values())
+    ]
+    stack += [(below.depends_on, False) for below in (*level.modules.values(), *level.components.values())]
     while stack:
-        block = stack.pop()
+        block, alone = stack.pop()
         if isinstance(block, str):
-            if block.endswith("]"):
+            if alone or block.endswith("]"):
                 yield block
         elif isinstance(block, list):
-            stack.extend(block)
+            stack.extend((one, False) for one in block)
         elif block is not None:
-            for kind in ("series", "parallel", "k_of_n"):
+            for kind in schema.BLOCKS:
                 inner = getattr(block, kind, None)
-                stack.extend(getattr(inner, "of", inner) or ())
+                stack.extend((one, kind in ("standby", "load_sharing")) for one in getattr(inner, "of", inner) or ())
     for module in level.modules.values():
         yield from _told_apart(module)
 

@@ -273,10 +273,12 @@ def _keys(place: tuple[str, ...], lines: Lines, root: type[BaseModel]) -> list[s
         "thresholds": schema.Thresholds,
         "powered": schema.PowerBinding,
         "k_of_n": schema.KOutOfNGroup,
+        "standby": schema.StandbyGroup,
+        "load_sharing": schema.LoadSharingGroup,
     }
     if not place:
         return list(root.model_fields)
     if (*place, "legs") in lines:
         return list(schema.Task.model_fields)
     model = inside[place[-2]] if len(place) > 1 and place[-2] in inside else itself.get(place[-1])
-    return list(model.model_fields) if model else ["series", "parallel", "k_of_n"]
+    return list(model.model_fields) if model else list(schema.BLOCKS)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal, get_args
 
-from robophm.blocks.diagram import Block, Parallel, Series, Unit
+from robophm.blocks.diagram import Block, Group, Parallel, Series, Unit
 from robophm.core.errors import ModelError, StructureError, UnitError, nearest
 from robophm.design.robot import Module, Robot
 
@@ -213,6 +213,8 @@ def legacy_rate(module: Module) -> float:
     parts = {component.path: component for component in module.all_components()}
 
     def rate(block: Block) -> float:
+        if isinstance(block, Group):
+            raise StructureError(f"{block.name}: the 2020 tool knows no parts that depend on each other")
         if isinstance(block, Unit):
             if block.name in rates:
                 return legacy_rate(rates[block.name])

@@ -261,22 +261,68 @@ class KOutOfN(_Strict):
     k_of_n: KOutOfNGroup
 
 
+class StandbyGroup(_Strict):
+    """Parts of which the first work and the others wait."""
+
+    of: list[str] = Field(min_length=1, description="parts or modules in the order of their use")
+    active: int = Field(1, strict=True, ge=1, description="how many work at a time")
+    dormancy: float = Field(
+        0.0, ge=0, le=1, description="share of the speed at which a spare ages while it waits; 0 cold"
+    )
+    switch: float = Field(1.0, ge=0, le=1, description="probability that a spare takes over when it is called")
+
+
+class Standby(_Strict):
+    """Works while a spare can take the place of each part that fails."""
+
+    standby: StandbyGroup
+
+
+class LoadSharingGroup(_Strict):
+    """Equal parts that share one load."""
+
+    of: list[str] = Field(min_length=1, description="parts or modules")
+    k: int = Field(1, strict=True, ge=1, description="how many must work")
+    exponent: float | None = Field(None, ge=0, le=100, description="life goes down with this power of each one's share")
+    factors: list[Annotated[float, Field(gt=0, le=1e12)]] | None = Field(
+        None, description="instead: how many times as fast each ages with 0, 1, … failed, e.g. [1, 2.5]"
+    )
+
+    @model_validator(mode="after")
+    def _one_law(self) -> LoadSharingGroup:
+        if (self.exponent is None) == (self.factors is None):
+            raise ValueError("expected either exponent, e.g. 3 for bearings, or factors")
+        return self
+
+
+class LoadSharing(_Strict):
+    """Works while at least k work; the fewer they are, the faster they age."""
+
+    load_sharing: LoadSharingGroup
+
+
+BLOCKS = ("series", "parallel", "k_of_n", "standby", "load_sharing")
+"""What a diagram is made of, beside parts."""
+
+
 def _kind_of_block(value: object) -> str | None:
     if isinstance(value, str):
         return "part"
     kinds = value if isinstance(value, dict) else type(value).model_fields if isinstance(value, BaseModel) else ()
-    return next((kind for kind in ("series", "parallel", "k_of_n") if kind in kinds), None)
+    return next((kind for kind in BLOCKS if kind in kinds), None)
 
 
 Diagram = Annotated[
     Annotated[str, Tag("part")]
     | Annotated[Series, Tag("series")]
     | Annotated[Parallel, Tag("parallel")]
-    | Annotated[KOutOfN, Tag("k_of_n")],
+    | Annotated[KOutOfN, Tag("k_of_n")]
+    | Annotated[Standby, Tag("standby")]
+    | Annotated[LoadSharing, Tag("load_sharing")],
     Discriminator(
         _kind_of_block,
         custom_error_type="block",
-        custom_error_message="not a block; expected a part's name, or one of series, parallel, k_of_n",
+        custom_error_message=f"not a block; expected a part's name, or one of {', '.join(BLOCKS)}",
     ),
 ]
 

@@ -219,7 +219,7 @@ def deciding(outlook: Outlook, task: Task) -> list[Deciding]:
         failures, _ = _transition(outlook, mission, hazard, ends, without=some).given_works()
         for i, failure in zip(some, failures, strict=True):
             share = (whole - float(failure)) / whole if whole > 0 else 0.0
-            found.append(Deciding(plant.components[i].path, float(failure), max(share, 0.0)))
+            found.append(Deciding(plant.paths[i], float(failure), max(share, 0.0)))
     return sorted(found, key=lambda one: -one.share)
 
 
@@ -242,7 +242,7 @@ def _transition(
     ``without`` the failures of one component after the other, shape (components,).
     """
     starts = [0, *(end + 1 for end in ends[:-1])]
-    more = mission.of_units(np.add.reduceat(hazard[mission.modes], starts, axis=1))
+    more = mission.of_units(np.add.reduceat(hazard[mission.rows], starts, axis=1))
     known = outlook.known(mission, mission.needed)
     if without is not None:
         others = outlook.plant.component_of[mission.units][:, None] != without

@@ -1,12 +1,13 @@
 """What of a robot does not change while it lives: its diagrams prepared, its failure modes side by side.
 
 A *unit* is what a diagram draws. It is of a component, whose failure modes are in series; units that stand in
-series wherever they are drawn are merged, because their cumulative hazards add up.
+series wherever they are drawn are merged, because their cumulative hazards add up. A group of parts that depend on each
+other is one unit too, with one failure mode of its own: those of the groups come after all others.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from typing import TypeVar
 
@@ -14,13 +15,14 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_array
 
-from robophm.blocks.diagram import Block, KOutOfN, units
+from robophm.blocks.diagram import Block, Group, KOutOfN, Unit, units
 from robophm.blocks.merging import merge_series, single_points_of_failure
 from robophm.blocks.phases import Phases
 from robophm.blocks.reliability import Structure
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
-from robophm.life.distribution import side_by_side
+from robophm.health.dependent import Held
+from robophm.life.distribution import LifeDistribution, side_by_side
 
 Array = npt.NDArray[np.float64]
 _Number = TypeVar("_Number", bound=np.generic)
@@ -34,18 +36,27 @@ class Plant:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.components = tuple(robot.all_components())
-        self.units = tuple(unit for part in self.components for unit in part.units)
-        self.component_of = np.repeat(np.arange(len(self.components)), [len(part.units) for part in self.components])
+        parts = tuple(unit for part in self.components for unit in part.units)
+        groups = tuple(_groups(_diagrams(robot)))
+        self.units = (*parts, *(group.name for group in groups))
+        """Of the components, then the groups."""
+        self.paths = (*(part.path for part in self.components), *(group.name for group in groups))
+        """Of the components, then the groups."""
+        self.component_of = np.repeat(
+            np.arange(len(self.paths)), [*(len(part.units) for part in self.components), *(1 for _ in groups)]
+        )
         """Of each unit."""
         self.place = {unit: i for i, unit in enumerate(self.units)}
-        self.first_mode = np.cumsum([0, *(len(part.modes) for part in self.components)])
-        """Where the failure modes of each component begin among the robot's."""
-        self.multiplicity = np.array([part.multiplicity for part in self.components], dtype=float)
+        self.first_mode = np.cumsum([0, *(len(part.modes) for part in self.components), *(1 for _ in groups)])
+        """Where the failure modes of each component begin among the robot's, then the groups' own."""
+        self.multiplicity = np.array([*(part.multiplicity for part in self.components), *(1 for _ in groups)], float)
         """Equal parts in series that a unit of each component stands for."""
-        self.monitored = np.array([part.monitored for part in self.components])[self.component_of]
+        self.monitored = np.array([*(part.monitored for part in self.components), *(False for _ in groups)])
+        self.monitored = self.monitored[self.component_of]
         """Of each unit."""
         self.share = np.array([mode.share for mode in robot.modes])
         """Of each mode: of the hazard of its life."""
+        self.groups = tuple(Held(group, [list(self._modes_of(member)) for member in group.members]) for group in groups)
         self.by_age = np.array([mode.scaling == "age" for mode in robot.modes])
         self.initial = np.array([mode.initial_exposure for mode in robot.modes])
         self.usage = np.array([robot.usage.per_operating_hour(mode.clock) for mode in robot.modes])
@@ -60,8 +71,17 @@ class Plant:
         self._systems: dict[int, tuple[Block, System]] = {}
         self._needed: dict[frozenset[str], npt.NDArray[np.bool_]] = {}
         self._missions: dict[tuple[tuple[Need, ...], tuple[Need, ...]], Mission] = {}
-        self.everything = Parts(self, [(unit,) for unit in self.units])
+        self.parts = Parts(self, [(unit,) for unit in parts])
         """All parts, to ask each of them."""
+        self.everything = Parts(self, [(unit,) for unit in self.units]) if groups else self.parts
+        """The same, and the groups of parts that depend on each other."""
+
+    def _modes_of(self, member: Sequence[str]) -> Iterator[tuple[int, LifeDistribution, float]]:
+        """The failure modes of a member of a group: of all its units in series."""
+        for unit in member:
+            i = self.component_of[self.place[unit]]
+            for mode in range(self.first_mode[i], self.first_mode[i + 1]):
+                yield mode, self.robot.modes[mode].life, float(self.multiplicity[i])
 
     @cached_property
     def alone(self) -> tuple[Block, ...]:
@@ -77,10 +97,13 @@ class Plant:
         """Of each failure mode, whether its part is drawn in one of the functions; none named is the whole robot."""
         key = frozenset(functions or ("",))
         if key not in self._needed:
-            drawn = np.zeros(len(self.components), dtype=bool)
+            drawn = np.zeros(len(self.paths), dtype=bool)
             for function in key:
                 drawn[[self.component_of[self.place[unit]] for unit in units(self.diagram(function))]] = True
-            self._needed[key] = drawn[self.part]
+            needed = drawn[self.part]
+            for group in self.groups:
+                needed[group.modes] |= drawn[self.component_of[self.place[group.group.name]]]
+            self._needed[key] = needed
         return self._needed[key]
 
     def working(self, knowledge: Knowledge) -> npt.NDArray[np.bool_]:
@@ -115,6 +138,8 @@ class Modes:
         self.modes = modes
         """Their indices among the robot's."""
         self._share = plant.share[modes]
+        self.groups = np.empty(0, dtype=np.intp)
+        """Indices of the robot's groups, whose own failure modes come after these."""
         self._lives = side_by_side([plant.robot.modes[i].life for i in modes])
 
     def lifewise(self, name: str, *arguments: Array) -> Array:
@@ -139,7 +164,11 @@ class Parts(Modes):
         self._groups = np.cumsum([0, *(len(group) for group in groups[:-1])])
         drawn, self._component = np.unique(plant.component_of[self.units], return_inverse=True)
         first = plant.first_mode
-        super().__init__(plant, np.concatenate([np.arange(first[i], first[i + 1]) for i in drawn]))
+        self.rows = np.concatenate([np.arange(first[i], first[i + 1]) for i in drawn])
+        """Indices of the failure modes among the robot's and then its groups' own."""
+        count = len(plant.robot.modes)
+        super().__init__(plant, self.rows[self.rows < count])
+        self.groups = self.rows[self.rows >= count] - count
         self._starts = np.cumsum([0, *(first[drawn + 1] - first[drawn])[:-1]])
         self._multiplicity = plant.multiplicity[drawn]
 
@@ -161,18 +190,18 @@ class Parts(Modes):
     def of_modes(self, of_units: Array) -> Array:
         """Of each failure mode, the sum over the units of its component, times their equal parts; shape (modes,)."""
         sums = self._multiplicity * np.bincount(self._component, of_units, len(self._starts))
-        result: Array = np.repeat(sums, np.diff(np.append(self._starts, len(self.modes))))
+        result: Array = np.repeat(sums, np.diff(np.append(self._starts, len(self.rows))))
         return result
 
     @cached_property
     def weights(self) -> csr_array:
         """How often each failure mode counts in each group: ``of_groups(of_units(x))`` is weights @ x."""
-        ends = np.append(self._starts[1:], len(self.modes))
+        ends = np.append(self._starts[1:], len(self.rows))
         columns = [np.arange(self._starts[i], ends[i]) for i in self._component]
         group = np.repeat(np.arange(len(self._groups)), np.diff(np.append(self._groups, len(self.units))))
         counts = [len(one) for one in columns]
         entries = np.repeat(self._multiplicity[self._component], counts)
-        shape = (len(self._groups), len(self.modes))
+        shape = (len(self._groups), len(self.rows))
         return csr_array((entries, (np.repeat(group, counts), np.concatenate(columns))), shape=shape)
 
 
@@ -202,6 +231,29 @@ class Mission(Parts):
 
 def _of_units(parts: Parts, plant: Plant, names: frozenset[str]) -> npt.NDArray[np.bool_]:
     return np.array([plant.units[unit] in names for unit in parts.units])
+
+
+def _diagrams(robot: Robot) -> Iterator[Block]:
+    yield robot.diagram
+    yield from robot.functions.values()
+    yield from (module.diagram for module in robot.all_modules())
+
+
+def _groups(diagrams: Iterable[Block]) -> list[Group]:
+    """The groups drawn, each once; no two have a name."""
+    found: dict[str, Group] = {}
+    seen: set[int] = set()
+    todo = list(diagrams)[::-1]
+    while todo:
+        block = todo.pop()
+        if id(block) in seen:
+            continue
+        seen.add(id(block))
+        if isinstance(block, Group):
+            found.setdefault(block.name, block)
+        elif not isinstance(block, Unit):
+            todo += reversed(block.blocks)
+    return list(found.values())
 
 
 def column(values: npt.NDArray[_Number], ndim: int) -> npt.NDArray[_Number]:

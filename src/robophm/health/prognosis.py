@@ -7,7 +7,7 @@ failure mode and how it will go on; every figure follows from that and a block d
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
@@ -19,6 +19,7 @@ from robophm.blocks.diagram import Block
 from robophm.blocks.reliability import State, Transition
 from robophm.core.waiting_time import Curve, mean_time, time_at
 from robophm.design.task import Knowledge
+from robophm.health.dependent import Held, Standing
 from robophm.health.exposure import Exposure
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger
@@ -51,6 +52,8 @@ class Outlook:
     plant: Plant = field(repr=False)
     age: Array
     """Effective age of each mode, initial exposure included [unit of its clock]."""
+    new_age: Array
+    """The same when its part was put in: its initial exposure."""
     cumulative_hazard: Array
     """Of each mode since new."""
     seen_age: Array
@@ -83,8 +86,40 @@ class Outlook:
     def survival(self, diagram: Block) -> State:
         """Survival since new: nothing is known but the exposure."""
         system = self.plant.system(diagram)
-        lived = system.of_groups(system.of_units(self.cumulative_hazard[system.modes]))
+        lived = system.of_groups(self._lived(system))
         return system.structure.state(np.exp(-lived), -np.expm1(-lived))
+
+    def _lived(self, parts: Parts) -> Array:
+        """Cumulative hazard of each unit since new; shape (units,)."""
+        groups = [self._since_new[group].until_now() for group in parts.groups]
+        return parts.of_units(np.append(self.cumulative_hazard[parts.modes], groups))
+
+    @cached_property
+    def _since_new(self) -> list[Standing]:
+        """The groups, of whose members nothing is known."""
+        return [
+            Standing(held, self.new_age[held.modes], self.age[held.modes], [None] * len(held.group.members))
+            for held in self.plant.groups
+        ]
+
+    @cached_property
+    def _as_known(self) -> list[Standing]:
+        """The groups, with what is known of their members."""
+        return [self._standing(held) for held in self.plant.groups]
+
+    def _standing(self, held: Held) -> Standing:
+        new, seen, now = self.new_age[held.modes], self.seen_age[held.modes], self.age[held.modes]
+        if np.all(seen > 0) and np.all(seen >= new):  # all were known to work at some time
+            aged = new + held.share * (seen - new)
+            new, now = aged, aged + (now - seen)
+        return Standing(held, new, now, [self._status(member) for member in held.group.members])
+
+    def _status(self, member: Sequence[str]) -> bool | None:
+        """Whether a member of a group works, as far as that is known."""
+        if any(unit in self.knowledge.failed for unit in member):
+            return False
+        known = all(self.plant.monitored[self.plant.place[unit]] or unit in self.knowledge.working for unit in member)
+        return True if known else None
 
     def hazard_rate(self, diagram: Block) -> float:
         """f/p now, given what is known now [1/h of operation]; infinite where the system has failed."""
@@ -97,23 +132,28 @@ class Outlook:
 
     def component_hazard_rates(self) -> Array:
         """Of every component [1/h of operation], the equal parts of one together; shape (components,)."""
-        everything = self.plant.everything
-        return self._by_component(everything.of_units(self._mode_hazard(everything)))
+        parts = self.plant.parts
+        return self._by_component(parts.of_units(self._mode_hazard(parts)))
 
     def component_survival(self) -> Array:
         """Of every component since new, all of its parts; shape (components,)."""
-        return np.exp(-self._by_component(self.plant.everything.of_units(self.cumulative_hazard)))
+        return np.exp(-self._by_component(self.plant.parts.of_units(self.cumulative_hazard)))
 
     def _by_component(self, of_units: Array) -> Array:
-        sums: Array = np.bincount(self.plant.component_of, of_units, len(self.plant.components)).astype(float)
+        components = self.plant.component_of[: len(of_units)]
+        sums: Array = np.bincount(components, of_units, len(self.plant.components)).astype(float)
         return sums
 
     def _mode_hazard(self, parts: Parts) -> Array:
         """Of each mode, per operating hour."""
         m = parts.modes
-        speed = self.factor_now[m] * self.usage_now[m]
-        hazard: Array = np.where(speed > 0, _finite(parts.lifewise("hazard", self.age[m])) * speed, 0.0)
-        return hazard
+        speed = self.factor_now * self.usage_now
+        hazard = np.where(speed[m] > 0, _finite(parts.lifewise("hazard", self.age[m])) * speed[m], 0.0)
+        groups = []
+        for i in parts.groups:
+            own = speed[self.plant.groups[i].modes]
+            groups.append(_finite(self._as_known[i].rate(np.zeros((len(own), 1)), own))[0])
+        return np.append(hazard, groups)
 
     def known(self, parts: Parts, needed: npt.NDArray[np.bool_], unseen: Array | None = None) -> Array:
         """Cumulative hazard of each unit, less what is known not to have happened; infinite where it has.
@@ -124,10 +164,12 @@ class Outlook:
         plant = self.plant
         works = needed | self._working[parts.units]
         if unseen is None:
-            unseen = parts.of_units(self.unseen_hazard[parts.modes])
+            unseen = parts.of_units(np.append(self.unseen_hazard[parts.modes], self.groups_till_now(parts)))
         known = np.where(column(works, unseen.ndim), 0.0, unseen)
-        if self.knowledge.failed:
-            failed = np.isin(parts.units, [plant.place[unit] for unit in self.knowledge.failed])
+        lost = [plant.place[unit] for unit in self.knowledge.failed]
+        lost += [plant.place[plant.groups[i].group.name] for i in parts.groups if self._as_known[i].failed]
+        if lost:
+            failed = np.isin(parts.units, lost)
             known = np.where(column(failed, unseen.ndim), math.inf, known)
         return known
 
@@ -144,6 +186,19 @@ class Outlook:
         ``advance`` of each clock, and the same times its stress, have shape (modes of the robot, steps, ...). Rates
         are as stated unless ``ratios`` to them are given, shape (these modes, draws): the axis after the steps.
         """
+        parts = self._increments(modes, advance, effective, ratios)
+        return np.concatenate((parts, self.groups_steps(modes, effective))) if len(modes.groups) else parts
+
+    def groups_till_now(self, parts: Modes) -> Array:
+        """Cumulative hazard of groups of dependent parts, less what is known not to have happened; shape (groups,)."""
+        return np.array([self._as_known[i].until_now() for i in parts.groups])
+
+    def groups_steps(self, parts: Modes, effective: Array) -> Array:
+        """What steps that follow one another add to them; shape (groups, steps, ...). Argument as of ``increments``."""
+        own = [self._as_known[i].steps(effective[self.plant.groups[i].modes]) for i in parts.groups]
+        return np.array(own).reshape(-1, *effective.shape[1:])
+
+    def _increments(self, modes: Modes, advance: Array, effective: Array, ratios: Array | None = None) -> Array:
         m = modes.modes
         gone, aged = advance[m], effective[m]
         by_age = column(self.plant.by_age[m], aged.ndim)
@@ -184,12 +239,12 @@ class Outlook:
         knots, gone, stressed = (one[..., :most] for one in (drawn.hours, drawn.advance, drawn.effective))
         gathered = np.zeros((len(m), len(knots), ratios.shape[1]))
         advance, effective = (np.diff(one)[..., None] for one in (gone, stressed))
-        gathered[:, 1:] = np.cumsum(self.increments(weighed, advance, effective, ratios[weighing]), axis=1)
+        gathered[:, 1:] = np.cumsum(self._increments(weighed, advance, effective, ratios[weighing]), axis=1)
 
         def added(hours: Array) -> Array:
             advance, effective = future.at(hours)
             found = np.empty((len(weighing), len(hours), ratios.shape[1]))
-            once = self.increments(steady, advance[:, None, None], effective[:, None, None], ratios[~weighing])
+            once = self._increments(steady, advance[:, None, None], effective[:, None, None], ratios[~weighing])
             found[~weighing] = np.moveaxis(once[:, 0], 1, 2)
             if len(m):
                 k = np.searchsorted(knots, hours, side="right") - 1
@@ -204,14 +259,23 @@ class Outlook:
 
         return added
 
+    def groups_along(self, parts: Parts, future: Future) -> Callable[[Array], Array]:
+        """What a future adds to the cumulative hazard of the groups of dependent parts; shape (groups, hours)."""
+        along = [self._as_known[i].along(_drawn_out(future), self.plant.groups[i].modes) for i in parts.groups]
+
+        def added(hours: Array) -> Array:
+            return np.array([group(hours) for group in along]).reshape(-1, len(hours))
+
+        return added
+
     def curve(self, diagram: Block, future: Future | None = None) -> Curve:
         """P(fails within so many hours | what is known now), and P(survives them), along its course or a future."""
         system = self.plant.system(diagram)
         known = system.of_groups(self.known(system, system.needed))[:, None]
-        hazard = self.along(system, future or self.course)
+        hazard, groups = self.along(system, future or self.course), self.groups_along(system, future or self.course)
 
         def some(hours: Array) -> tuple[Array, Array]:
-            added = system.of_groups(system.of_units(hazard(hours)[..., 0]))
+            added = system.of_groups(system.of_units(np.concatenate((hazard(hours)[..., 0], groups(hours)))))
             return system.structure.transition(
                 -np.expm1(-known), np.exp(-known) * -np.expm1(-added), np.exp(-known - added)
             ).given_works()
@@ -243,11 +307,15 @@ class Outlook:
         usage, factor = self.future.usage, self.future.factor
         advance = usage[:, None] * hours
         effective = factor[:, None] * advance
-        more = system.of_groups(self.gathered(system, advance[:, None], effective[:, None])[:, 0])
+        more = self._increments(system, advance[:, None], effective[:, None])[:, 0]
         age = self.age[m, None] + np.where(self.plant.by_age[m, None], effective[m], advance[m])
         speed = (factor * usage)[m, None]
         hazard = np.where(speed > 0, _finite(system.lifewise("hazard", age)) * speed, 0.0)
-        lived = system.of_groups(system.of_units(self.cumulative_hazard[m]))[:, None] + more
+        for i in system.groups:
+            one, modes = self._since_new[i], self.plant.groups[i].modes
+            ahead = _finite(one.rate(effective[modes], (factor * usage)[modes]))
+            more, hazard = np.vstack((more, one.to(effective[modes]))), np.vstack((hazard, ahead))
+        lived = system.of_groups(self._lived(system))[:, None] + system.of_groups(system.of_units(more))
         works = np.exp(-lived)
         density = _finite(system.of_groups(system.of_units(hazard))) * works
         state = system.structure.state(works, -np.expm1(-lived), density)
@@ -288,7 +356,7 @@ def outlooks(
     sensor_based = as_lived(plant, exposure, ledger, future=future, knowledge=knowledge)
     initial = _initial(plant, ledger)
     clock_age = initial + ledger.age.value
-    nominal = nominal_outlook(plant, clock_age, sensor_based.knowledge)
+    nominal = replace(nominal_outlook(plant, clock_age, sensor_based.knowledge), new_age=initial)
     known, then = _seen(ledger)
     seen = np.where(known, initial + then[:, 0], 0.0)
     return {
@@ -319,6 +387,7 @@ def as_lived(
     return Outlook(
         plant,
         age=effective,
+        new_age=initial,
         cumulative_hazard=_increment(plant, np.zeros(len(now)), gathered) + plant.share * ledger.hazard.value,
         seen_age=seen,
         unseen_hazard=_increment(plant, seen, gathered) + plant.share * (ledger.hazard.value - then[:, 2]),
@@ -352,9 +421,12 @@ def nominal_outlook(plant: Plant, age: Array, knowledge: Knowledge | None = None
     ones, zeros = np.ones(len(age)), np.zeros(len(age))
     hazard = _increment(plant, zeros, age)
     future = Future.steady("nominal", plant, ones, plant.usage, plant.robot.usage.operating)
-    return Outlook(plant, age, hazard, zeros, hazard, ones, plant.usage, future, knowledge=knowledge or Knowledge())
+    new = np.minimum(plant.initial, age)
+    return Outlook(
+        plant, age, new, hazard, zeros, hazard, ones, plant.usage, future, knowledge=knowledge or Knowledge()
+    )
 
 
 def _increment(plant: Plant, start: Array, end: Array) -> Array:
     """H(end) − H(start) of every mode. From 0 on, a part is new, whatever mass its distribution has below."""
-    return plant.everything.lifewise("increment", start, np.maximum(end - start, 0.0))
+    return plant.parts.lifewise("increment", start, np.maximum(end - start, 0.0))

@@ -212,7 +212,11 @@ def _completions(outlook: Outlook, task: Task, ratios: Array, futures: Sequence[
         outlook.increments(drawn.others, leg.advance[..., None], leg.effective[..., None], some)
         for leg, some in zip(legs, drawn.ratios, strict=True)
     ]
-    more = np.add.reduceat(drawn.gathered(stated, others), [0, *(end + 1 for end in ends[:-1])], axis=1)
+    groups = [
+        replace(outlook, future=future).groups_steps(mission, leg.effective)
+        for future, leg in zip(futures, legs, strict=True)
+    ]
+    more = np.add.reduceat(drawn.gathered(stated, others, groups), [0, *(end + 1 for end in ends[:-1])], axis=1)
     found = mission.phases.transition(drawn.known, np.moveaxis(more, 1, 0))
     return np.stack(found.given_works()), drawn.weight
 
@@ -229,6 +233,7 @@ def predictive_life(outlook: Outlook, diagram: Block, ratios: Array, futures: Se
         failed, alive = -np.expm1(-drawn.known)[:, None], np.exp(-drawn.known)[:, None]
         stated = [outlook.along(drawn.scaling, future) for future in futures]
         others = [outlook.along(drawn.others, *one) for one in zip(futures, drawn.ratios, strict=True)]
+        groups = [outlook.groups_along(system, future) for future in futures]
         turn = max(1, _AT_ONCE // ratios.size)
         few = max(1, _IN_CACHE // (turn * len(failed)))
         draws = [slice(start, start + few) for start in range(0, ratios.shape[1], few)]
@@ -242,9 +247,14 @@ def predictive_life(outlook: Outlook, diagram: Block, ratios: Array, futures: Se
         def curve(hours: Array) -> tuple[Array, Array]:
             found = []
             scaled = [along(hours)[..., 0] for along in stated]
+            dependent = [along(hours) for along in groups]
             for start in range(0, len(hours), turn):
                 now = slice(start, start + turn)
-                more = drawn.gathered([one[:, now] for one in scaled], [along(hours[now]) for along in others])
+                more = drawn.gathered(
+                    [one[:, now] for one in scaled],
+                    [along(hours[now]) for along in others],
+                    [one[:, now] for one in dependent],
+                )
                 found.append(sum(ends(more[..., some], some) for some in draws))
             fails, survives = np.concatenate(found, axis=1)
             return fails, survives
@@ -315,7 +325,10 @@ class _Drawn:
         m, ratios = parts.modes, ratios[parts.modes]
         degrees = [outlook.plant.robot.modes[i].life.degree for i in m]
         self._is_power = np.array([degree is not None for degree in degrees])
-        self._weights = parts.weights
+        weights = parts.weights
+        self._weights, self._of_groups = weights[:, : len(m)], weights[:, len(m) :]
+        # The members of groups of dependent parts have rates that are exact.
+        exact = np.repeat(outlook.groups_till_now(parts)[:, None], ratios.shape[1], axis=1)
         self.scaling, self.others = (Modes(outlook.plant, m[which]) for which in (self._is_power, ~self._is_power))
         """The modes whose hazard the rate scales, and the others."""
         scale = np.array([row**degree for row, degree in zip(ratios, degrees, strict=True) if degree is not None])
@@ -326,10 +339,10 @@ class _Drawn:
         if not self._is_power.all():
             lived[~self._is_power], unseen[~self._is_power] = _past(outlook, self.others, ratios[~self._is_power])
         # What each unit tells of its own modes alone.
-        first = outlook.known(parts, needed, parts.of_units(unseen[:, :1]))[:, 0]
+        first = outlook.known(parts, needed, parts.of_units(np.vstack((unseen, exact))[:, :1]))[:, 0]
         failed = np.isinf(first)
         working, unknown = (
-            parts.of_modes((which & ~failed).astype(float))[:, None] for which in (first == 0, first > 0)
+            parts.of_modes((which & ~failed).astype(float))[: len(m), None] for which in (first == 0, first > 0)
         )
         evidence = -working * lived - unknown * (lived - unseen)
         alone = evidence.sum(axis=0)
@@ -344,7 +357,7 @@ class _Drawn:
                 for row in np.cumsum(self._is_power)[modes][self._is_power[modes]] - 1:
                     scale[row] = scale[row, chosen]
             alone = np.zeros_like(alone)
-        lived, unseen = parts.of_units(lived), parts.of_units(unseen)
+        lived, unseen = (parts.of_units(np.vstack((one, exact))) for one in (lived, unseen))
         known = outlook.known(parts, needed, unseen)
         self.known = parts.of_groups(known)
         """Shape (groups, draws)."""
@@ -361,11 +374,11 @@ class _Drawn:
         self.ratios = np.array_split(ratios[~self._is_power], futures, axis=1)
         """Of the other modes in the draws of each future."""
 
-    def gathered(self, stated: Sequence[Array], others: Sequence[Array]) -> Array:
+    def gathered(self, stated: Sequence[Array], others: Sequence[Array], dependent: Sequence[Array]) -> Array:
         """What steps add to the hazard of each group; shape (groups, steps, draws).
 
         For each future: to the modes that scale, at ``stated`` rates, shape (modes, steps); and to the ``others``
-        under its draws, shape (modes, steps, draws).
+        under its draws, shape (modes, steps, draws); and to groups of ``dependent`` parts, shape (groups, steps).
         """
         scaling, rest = self._weights[:, self._is_power], self._weights[:, ~self._is_power]
         groups, steps = scaling.shape[0], stated[0].shape[1]
@@ -373,12 +386,14 @@ class _Drawn:
         columns = np.tile(scaling.indices, steps)
         starts = np.append((scaling.indptr[:-1] + scaling.nnz * np.arange(steps)[:, None]).ravel(), len(columns))
         found = []
-        for scale, one, other in zip(self._scale, stated, others, strict=True):
+        for scale, one, other, group in zip(self._scale, stated, others, dependent, strict=True):
             entries = scaling.data * np.minimum(one, _HUGE)[scaling.indices].T
             rates = csr_array((entries.ravel(), columns, starts), shape=(steps * groups, len(one)))
             sums = np.moveaxis((rates @ scale).reshape(steps, groups, scale.shape[1]), 0, 1)
             if len(other):
                 sums = sums + (rest @ other.reshape(len(other), -1)).reshape(sums.shape)
+            if len(group):
+                sums = sums + (self._of_groups @ group)[..., None]
             found.append(sums)
         return np.concatenate(found, axis=2) if len(found) > 1 else found[0]
 

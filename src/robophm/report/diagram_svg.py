@@ -8,7 +8,7 @@ from collections.abc import Callable
 from robophm.blocks.diagram import Block, units
 from robophm.report.layout import Box, Gate, Measures, Wire, layout
 from robophm.report.markup import Html, element, number, shorten, text_width
-from robophm.report.outline import Label, More, names, outline, words
+from robophm.report.outline import Label, More, Spare, names, outline, words
 from robophm.report.style import MARKS
 from robophm.report.svg import svg, text
 
@@ -22,7 +22,7 @@ _STYLE = (
     f".rbd .detail,.rbd .badge{{font-size:{_DETAIL:g}px;fill:var(--quiet)}}.rbd .badge{{text-anchor:end}}"
     f".rbd .gate text{{font-size:{_DETAIL:g}px;text-anchor:middle}}"
     ".rbd .gate rect{fill:var(--card);stroke:var(--gate)}"
-    ".rbd .box{fill:var(--card);stroke:var(--edge)}.rbd .more .box{stroke-dasharray:4 3}"
+    ".rbd .box{fill:var(--card);stroke:var(--edge)}.rbd .more .box,.rbd .spare .box{stroke-dasharray:4 3}"
     ".rbd .wire{fill:none;stroke:var(--line);stroke-width:1.2;stroke-linejoin:round}"
     ".rbd .dashed{stroke-dasharray:2.5 2.5}.rbd .end{fill:var(--line)}"
     ".rbd .shared{fill:none;stroke:var(--quiet);stroke-width:1.2}"
@@ -115,9 +115,11 @@ def _unit(box: Box, label: Label, places: int) -> Html:
         end -= _SYMBOL
     badge = shorten(label.badge, box.width / 2, _DETAIL)
     room = edge - _INDENT - text_width(badge, _DETAIL) - _EDGE * bool(badge)
+    if waits := isinstance(box.part, Spare):
+        hint.append("waits as a spare")
     return _frame(
         box,
-        label.tone,
+        f"{label.tone} spare" if waits else label.tone,
         " · ".join(filter(None, hint)),
         element("path", class_="tone", d=f"M5 0H4a4 4 0 0 0-4 4V{_HEIGHT - 4:g}a4 4 0 0 0 4 4H5Z"),
         text(_INDENT, 15.5, shorten(label.title, end - _INDENT, _TITLE, bold=True), "title"),

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from robophm.blocks.diagram import Block, units
 from robophm.report.layout import Measures, layout
-from robophm.report.outline import Label, More, outline
+from robophm.report.outline import Label, More, Spare, outline
 from robophm.report.style import MARKS
 
 _UP, _DOWN, _LEFT, _RIGHT = 1, 2, 4, 8  # arms of a cell; their sum indexes the lines
@@ -25,7 +25,8 @@ def diagram_text(
     """The diagram in box-drawing characters, in rows of ``width`` columns where that is possible.
 
     A box is its label's title and badge; ▲ ✖ ? before it say warn, error, stale, and ⧉ behind it that
-    the unit is drawn in several places. A row that goes on ends in ``╌>``, the next starts with ``>╌``.
+    the unit is drawn in several places; a spare that waits is in parentheses. A row that goes on ends in
+    ``╌>``, the next starts with ``>╌``.
     ``ascii_only`` draws with ``+-|>``, ``! x ?`` and ``&``.
     """
     places = Counter(units(diagram))
@@ -42,6 +43,8 @@ def diagram_text(
             ("&" if ascii_only else "⧉") if places[part] > 1 else "",
         ]
         line = " ".join(filter(None, words))
+        if isinstance(part, Spare):
+            line = f"({line})"
         return _ascii(line) if ascii_only else line
 
     measures = Measures(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from robophm.blocks.diagram import Block, KOutOfN, Series, Unit, units
+from robophm.blocks.diagram import Block, KOutOfN, LoadSharing, Series, Standby, Unit, units
 from robophm.report.style import Tone
 
 _DEEPEST = 12  # groups inside groups: beyond, a drawing would be all brackets
@@ -45,6 +45,17 @@ class Fork:
     k: int
     n: int
     nodes: tuple[Node, ...]
+    kind: str = ""
+    """"standby" or "load" where they depend on each other."""
+
+    @property
+    def text(self) -> str:
+        """What stands behind them: "1/2", "1/3 standby"."""
+        return f"{self.k}/{self.n} {self.kind}".rstrip()
+
+
+class Spare(str):
+    """The name of a unit that waits until it is called."""
 
 
 Node = str | More | Chain | Fork
@@ -72,7 +83,11 @@ def words(node: Node, labels: Mapping[str, Label]) -> str:
     if isinstance(node, More):
         return str(node)
     inside = ", ".join(words(inner, labels) for inner in node.nodes)
-    return f"all of ({inside})" if isinstance(node, Chain) else f"at least {node.k} of {node.n} ({inside})"
+    return (
+        f"all of ({inside})"
+        if isinstance(node, Chain)
+        else f"at least {node.k} of {node.n}{node.kind and ', ' + node.kind} ({inside})"
+    )
 
 
 class _Outliner:
@@ -84,6 +99,8 @@ class _Outliner:
         if len(links) > 1:
             return Chain(self.nodes(links, depth))
         (link,) = links
+        if isinstance(link, Standby | LoadSharing):
+            return self.group(link)
         if isinstance(link, Unit):
             self.left -= 1
             return link.name
@@ -92,6 +109,20 @@ class _Outliner:
             return More(_count([link]))
         k = link.k if isinstance(link, KOutOfN) else 1
         return Fork(k, len(link.blocks), self.nodes(link.blocks, depth + 1))
+
+    def group(self, group: Standby | LoadSharing) -> Node:
+        """Members that wait are spares; of many the last are left out."""
+        drawn: list[Node] = []
+        waits = group.active if isinstance(group, Standby) else len(group.members)
+        for i, member in enumerate(group.members):
+            if self.left <= 0:
+                drawn.append(More(sum(len(rest) for rest in group.members[i:])))
+                break
+            self.left -= len(member)
+            parts = tuple(Spare(unit) if i >= waits else unit for unit in member)
+            drawn.append(Chain(parts) if len(parts) > 1 else parts[0])
+        k, kind = (group.active, "standby") if isinstance(group, Standby) else (group.k, "load")
+        return Fork(k, len(group.members), tuple(drawn), kind)
 
     def nodes(self, blocks: Sequence[Block], depth: int) -> tuple[Node, ...]:
         drawn: list[Node] = []
@@ -114,4 +145,5 @@ def _links(block: Block) -> Iterator[Block]:
 
 
 def _count(blocks: Sequence[Block]) -> int:
+    """Units in them, those of a group of dependent parts as one."""
     return sum(1 for block in blocks for _ in units(block))

@@ -481,6 +481,8 @@ class _Reader:
         if isinstance(diagram, str):
             return self._named(level, diagram, place)
         kinds = list(diagram) if isinstance(diagram, dict) else []
+        if kinds and kinds[0] in ("standby", "load_sharing"):
+            raise _Fault(place, f"{kinds[0]}: parts that depend on each other are not simulated; expected other blocks")
         if len(kinds) != 1 or kinds[0] not in ("series", "parallel", "k_of_n"):
             raise _Fault(place, "not a block; expected a part's name, or one of series, parallel, k_of_n")
         kind, inside = kinds[0], diagram[kinds[0]]

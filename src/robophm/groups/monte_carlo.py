@@ -1,0 +1,208 @@
+"""A diagram by chance: parts live and die as they are said to, and what still works is counted.
+
+It shares no mathematics with the exact ways of solving: parts that stand alone are tossed for by their survival, 64 to
+a machine word; the members of a group draw their lives, and its story is told event by event. It checks them, and
+stands in for them where there is none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import betaincinv
+
+from robophm.blocks.diagram import Block, Group, KOutOfN, LoadSharing, Series, Standby, Unit
+from robophm.life.distribution import LifeDistribution
+
+Array = npt.NDArray[np.float64]
+Words = npt.NDArray[np.uint64]
+
+MOST = 1_000_000_000
+"""Samples."""
+
+_TURN = 1 << 18  # samples at a time, so that words and lives stay in cache
+_ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
+_DENSE = 10  # bits that are tossed for all words; then only for those in which something is left undecided
+
+
+@dataclass(frozen=True)
+class Wear:
+    """One failure mode of a unit, and how it ages by the hour."""
+
+    life: LifeDistribution
+    speed: float = 1.0
+    """[unit of its clock per hour]"""
+    age: float = 0.0
+    """At the start [unit of its clock]; of a part that stands alone its life before counts too."""
+    multiplicity: float = 1.0
+    """Equal parts in series."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """How often something happened, and within which its probability lies (Clopper and Pearson 1934)."""
+
+    probability: float
+    low: float
+    high: float
+    samples: int
+
+
+def simulate(
+    diagram: Block, units: Mapping[str, Sequence[Wear]], hours: float, samples: int, *, seed: int = 0,
+    confidence: float = 0.95,
+) -> Estimate:  # fmt: skip
+    """P(the diagram works after so many hours), of so many samples; the same for the same seed.
+
+    Raises ValueError where samples are none or beyond MOST.
+    """
+    if not 1 <= samples <= MOST:
+        raise ValueError(f"samples = {samples}; expected 1 … {MOST:,}")
+    random = np.random.Generator(np.random.SFC64(seed))
+    worked = 0
+    for start in range(0, samples, _TURN):
+        count = min(_TURN, samples - start)
+        words = _Toss(units, hours, -(-count // 64), random).works(diagram)
+        if spare := -count % 64:
+            words[-1] &= _ALL >> np.uint64(spare)
+        worked += int(np.bitwise_count(words).sum()) if hasattr(np, "bitwise_count") else _bits(words)
+    return Estimate(worked / samples, *interval(worked, samples, confidence), samples)
+
+
+def interval(count: int, samples: int, confidence: float) -> tuple[float, float]:
+    """Within which a probability lies that was met so often; at least so surely, whatever it is."""
+    tail = (1 - confidence) / 2
+    low = float(betaincinv(count, samples - count + 1, tail)) if count else 0.0
+    high = float(betaincinv(count + 1, samples - count, 1 - tail)) if count < samples else 1.0
+    return low, high
+
+
+class _Toss:
+    """One turn: what works, a bit for each sample; every unit and group is tossed for once, wherever it is drawn."""
+
+    def __init__(
+        self, units: Mapping[str, Sequence[Wear]], hours: float, words: int, random: np.random.Generator
+    ) -> None:
+        self._units, self._hours, self._words, self._random = units, hours, words, random
+        self._known: dict[str, Words] = {}
+
+    def works(self, diagram: Block) -> Words:
+        done: dict[int, Words] = {}
+        todo = [diagram]
+        while todo:
+            block = todo[-1]
+            if isinstance(block, Unit):
+                done[id(block)] = self._unit(block)
+            elif missing := [inner for inner in block.blocks if id(inner) not in done]:
+                todo += missing
+                continue
+            else:
+                done[id(block)] = _gate(block, [done[id(inner)] for inner in block.blocks])
+            todo.pop()
+        return done[id(diagram)].copy()
+
+    def _unit(self, unit: Unit) -> Words:
+        if unit.name not in self._known:
+            if isinstance(unit, Group):
+                self._known[unit.name] = _packed(self._group(unit) > self._hours)
+            else:
+                lived = sum(
+                    float(wear.multiplicity * wear.life.increment(0.0, wear.age + wear.speed * self._hours))
+                    for wear in self._units[unit.name]
+                )
+                self._known[unit.name] = toss(float(np.exp(-lived)), self._words, self._random)
+        return self._known[unit.name]
+
+    def _life(self, member: Sequence[str]) -> Array:
+        """How many hours of work a member of a group has in it; shape (samples,)."""
+        shortest = np.full(64 * self._words, np.inf)
+        for wear in (wear for unit in member for wear in self._units[unit]):
+            if wear.speed > 0:
+                budget = self._random.standard_exponential(len(shortest)) / wear.multiplicity
+                end = wear.life.age_at(float(wear.life.increment(0.0, wear.age)) + budget)
+                np.minimum(shortest, np.maximum(end - wear.age, 0.0) / wear.speed, out=shortest)
+        return shortest
+
+    def _group(self, group: Group) -> Array:
+        """When it fails [h]; shape (samples,)."""
+        lives = [self._life(member) for member in group.members]
+        if isinstance(group, Standby):
+            return self._standby(group, lives)
+        assert isinstance(group, LoadSharing)
+        ends = np.sort(np.array(lives), axis=0)[: len(group.factors)]
+        shared: Array = (np.diff(ends, axis=0, prepend=0.0) / np.array(group.factors)[:, None]).sum(axis=0)
+        return shared
+
+    def _standby(self, group: Standby, lives: Sequence[Array]) -> Array:
+        ends = np.array(lives[: group.active])
+        every = np.arange(ends.shape[1])
+        failed = np.full(len(every), np.inf)  # when a switch did not come off
+        called = np.full(len(every), -1.0)  # when a switch was called for last
+        for spare in lives[group.active :]:
+            place = np.argmin(ends, axis=0)
+            now = ends[place, every]
+            if group.switch < 1:  # one call for each failure, however many dead spares are passed over
+                new = now != called
+                called = now
+                missed = new & (self._random.random(len(every)) >= group.switch)
+                failed = np.where(missed & (failed == np.inf), now, failed)
+            waits = spare > group.dormancy * now
+            ends[place[waits], every[waits]] = (now + spare - group.dormancy * now)[waits]
+        first: Array = np.minimum(ends.min(axis=0), failed)
+        return first
+
+
+def toss(probability: float, words: int, random: np.random.Generator) -> Words:
+    """Bits that are 1 with a probability, to the last of its 64: a uniform number is compared with it bit by bit.
+
+    Two bits of it decide on average, and most words after ten; the others go on alone.
+    """
+    if probability >= 1:
+        return np.full(words, _ALL)
+    found, open_ = np.zeros(words, dtype=np.uint64), np.full(words, _ALL)
+    where: npt.NDArray[np.intp] | None = None
+    digits = int(probability * 2.0**64)
+    if not digits:
+        return found
+    for bit in range(63, -1, -1):
+        if bit == 63 - _DENSE:
+            where = np.flatnonzero(open_)
+        elif where is not None:
+            where = where[open_[where] != 0]
+        drawn = random.bit_generator.random_raw(words if where is None else len(where))
+        at: slice | npt.NDArray[np.intp] = slice(None) if where is None else where
+        if digits >> bit & 1:
+            found[at] |= open_[at] & ~drawn
+            open_[at] &= drawn
+        else:
+            open_[at] &= ~drawn
+        if where is not None and not len(where):
+            break
+    return found
+
+
+def _gate(block: Block, inputs: Sequence[Words]) -> Words:
+    assert not isinstance(block, Unit)
+    if isinstance(block, Series):
+        every: Words = np.bitwise_and.reduce(inputs)
+        return every
+    if not isinstance(block, KOutOfN):
+        some: Words = np.bitwise_or.reduce(inputs)
+        return some
+    enough = [np.zeros_like(inputs[0]) for _ in range(block.k)]  # at least 1, 2, … of those so far
+    for one in inputs:
+        for j in range(block.k - 1, 0, -1):
+            enough[j] |= enough[j - 1] & one
+        enough[0] |= one
+    return enough[-1]
+
+
+def _packed(works: npt.NDArray[np.bool_]) -> Words:
+    return np.packbits(works).view(np.uint64)
+
+
+def _bits(words: Words) -> int:
+    return int(np.unpackbits(words.view(np.uint8)).sum())

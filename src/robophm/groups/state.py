@@ -1,0 +1,75 @@
+"""What is asked of a group along its path, from what each way of solving it can say."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.groups.path import Array
+
+
+class Solved(ABC):
+    """A group along a path. Times are the path's; ``now`` is when what is known of the members is known."""
+
+    now: float
+    told: bool
+    """Whether anything is known of a member."""
+
+    @abstractmethod
+    def log_works(self, s: Array) -> Array:
+        """ln P(works at s, and what is known), shape (times,)."""
+
+    @abstractmethod
+    def log_fails_in(self, s: Array, length: Array) -> Array:
+        """ln P(works at s, fails in the stretch after it, and what is known); no corner lies within."""
+
+    @abstractmethod
+    def log_density(self, s: Array) -> Array:
+        """ln of the failure density at s, and what is known; per unit of s."""
+
+    def lived(self, s: Array, length: Array) -> Array:
+        """What a stretch adds to the cumulative hazard of the group, given that it works at its beginning."""
+        hazard = np.where(length > 0, np.inf, 0.0)
+        todo = (length > 0) & ~self.over(s + length)
+        hazard[todo] = self._lived(s[todo], length[todo])
+        return hazard
+
+    def _lived(self, s: Array, length: Array) -> Array:
+        if not len(s):
+            return np.zeros(0)
+        works = self.log_works(s)
+        with np.errstate(invalid="ignore"):
+            fails = np.exp(np.minimum(self.log_fails_in(s, length) - works, 0.0))
+        hazard = np.zeros(len(s))
+        small = (fails < 0.5) & (works > -np.inf)
+        hazard[small] = -np.log1p(-fails[small])
+        large = ~small & (works > -np.inf)
+        if large.any():
+            hazard[large] = works[large] - self.log_works((s + length)[large])
+        hazard[works == -np.inf] = np.inf
+        return np.maximum(hazard, 0.0)
+
+    def over(self, s: Array) -> npt.NDArray[np.bool_]:
+        """Where it is plain that nothing works any more: with a probability below exp(−1000)."""
+        return np.zeros(len(s), dtype=bool)
+
+    def rate(self, s: Array) -> Array:
+        """Hazard rate at s, per unit of it."""
+        works = self.log_works(s)
+        with np.errstate(invalid="ignore", over="ignore"):
+            rate: Array = np.where(works > -np.inf, np.exp(self.log_density(s) - works), np.inf)
+        return rate
+
+
+def log_fails(hazard: Array) -> Array:
+    """ln(1 − exp(−H))."""
+    with np.errstate(divide="ignore"):
+        found: Array = np.where(hazard < 0.6931, np.log(-np.expm1(-hazard)), np.log1p(-np.exp(-hazard)))
+    return found
+
+
+def log_outlives(hazard: Array) -> Array:
+    """−H; −inf where that has no meaning but never."""
+    return np.where(hazard > 1e100, -np.inf, -hazard)

@@ -1,0 +1,190 @@
+"""A group of parts that depend on each other, as one unit of a robot with a past: where it stands and how it goes on.
+
+The past is told by the ages of its members, as far as they have come, as one straight line: that is exact where their
+ages have kept their proportions, as they do on one clock under one stress, and else an approximation of when each aged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.blocks.diagram import Group, Standby
+from robophm.groups.member import Mode
+from robophm.groups.path import Path
+from robophm.groups.solve import solve
+from robophm.groups.state import Solved
+from robophm.life.distribution import LifeDistribution
+
+if TYPE_CHECKING:
+    from robophm.health.future import Future
+
+Array = npt.NDArray[np.float64]
+
+ModeOf = tuple[int, LifeDistribution, float]
+"""A failure mode of a member: its index among the robot's, its life, and how many equal parts in series it is of."""
+
+
+_MOMENT = 1e-9
+"""Of any clock."""
+
+
+class Held:
+    """A group of a robot, with the failure modes of its members."""
+
+    def __init__(self, group: Group, members: Sequence[Sequence[ModeOf]]) -> None:
+        self.group = group
+        self.modes = np.array(sorted({mode for member in members for mode, _, _ in member}), dtype=np.intp)
+        """Indices among the robot's, ascending; the order of all arrays below."""
+        column = {int(mode): i for i, mode in enumerate(self.modes)}
+        self._members = [[(column[mode], life, count) for mode, life, count in member] for member in members]
+        waits = getattr(group, "active", len(members))
+        share = group.dormancy if isinstance(group, Standby) else 1.0
+        self.share = np.ones(len(self.modes))
+        """At which each ages before anything has failed."""
+        for member in self._members[waits:]:
+            self.share[[i for i, _, _ in member]] = share
+        solve(group, self.members(np.zeros(len(self.modes))), Path(len(self.modes)), 0.0)  # refused if it has to be
+
+    def members(self, ages: Array) -> list[list[Mode]]:
+        """The members with their failure modes at these ages."""
+        return [[Mode(i, life, float(ages[i]), count) for i, life, count in member] for member in self._members]
+
+
+class Standing:
+    """A group now, and ahead.
+
+    ``new``: ages of its modes when it began, ``now``: what each would have now, had it worked all the time; ``status``
+    of each member: True works, False has failed, None; all of whom work begin anew.
+    """
+
+    def __init__(self, held: Held, new: Array, now: Array, status: Sequence[bool | None]) -> None:
+        self._group = held.group
+        self._told = any(one is not None for one in status)
+        if all(status):  # then nothing of what was matters but the ages
+            new, now, status = (aged := new + held.share * (now - new)), aged, [None] * len(status)
+        self._members, self._status = held.members(new), list(status)
+        self._past = np.maximum(now - new, 0.0)
+        if False in status and not self._past.any():
+            self._past = np.full(len(new), _MOMENT)  # what has failed in a new robot has failed at once
+        self._path, self._now = self._begun()
+        self._straight: Solved | None = None
+
+    def _begun(self) -> tuple[Path, float]:
+        path = Path(len(self._past))
+        path.add(self._past)
+        return path, path.end
+
+    def _solved(self, path: Path) -> Solved:
+        return solve(self._group, self._members, path, self._now, self._status)
+
+    @cached_property
+    def failed(self) -> bool:
+        """Whether what is known of its members says so."""
+        return self._told and not self._solved(self._path).log_works(np.array([self._now]))[0] > -np.inf
+
+    def until_now(self) -> float:
+        """Cumulative hazard till now: 0 where something is known of a member, as then it is known whether it works."""
+        if self._told:
+            return np.inf if self.failed else 0.0
+        return float(self._solved(self._path).lived(np.zeros(1), np.array([self._now]))[0])
+
+    def to(self, aged: Array) -> Array:
+        """What going on so far in one step adds, shape (modes, n) → (n,)."""
+        result: Array = self.steps(aged[:, None])[0]
+        return result
+
+    def steps(self, aged: Array) -> Array:
+        """What steps that follow one another add to its cumulative hazard; shape (modes, steps, ...) → (steps, ...)."""
+        shape = aged.shape[1:]
+        aged = aged.reshape(*aged.shape[:2], -1)
+        lengths = self._lengths(aged)
+        if lengths is not None:
+            solved = self._along_line(aged)
+            begin = np.zeros_like(lengths)
+            np.cumsum(lengths[:-1], axis=0, out=begin[1:])
+            return solved.lived(self._now + begin.ravel(), lengths.ravel()).reshape(shape)
+        found = np.empty(aged.shape[1:])
+        for column in range(aged.shape[2]):
+            path, _ = self._begun()
+            begins, length = path.steps(aged[:, :, column].T)
+            found[:, column] = self._solved(path).lived(begins, length)
+        return found.reshape(shape)
+
+    def _line(self, aged: Array) -> Array:
+        """The direction in which the path goes on: that of the past, or else of the first step that there is."""
+        if self._past.any():
+            line: Array = self._path.speed[-1]
+            return line
+        flat = aged.reshape(len(aged), -1)
+        some = flat.any(axis=0)
+        return flat[:, int(np.argmax(some))] if some.any() else np.zeros(len(flat))
+
+    def _lengths(self, aged: Array) -> Array | None:
+        """How long the steps are where all go straight on; None where they do not."""
+        line = self._line(aged)
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            lengths = np.tensordot(line / (line @ line), aged, 1) if line.any() else np.zeros(aged.shape[1:])
+            straight = np.allclose(aged, np.multiply.outer(line, lengths), rtol=1e-12, atol=0.0)
+        return np.asarray(lengths) if straight else None
+
+    def _along_line(self, aged: Array) -> Solved:
+        if self._straight is None or not self._past.any():
+            path, _ = self._begun()
+            path.add(self._line(aged))
+            self._straight = self._solved(path)
+        return self._straight
+
+    def along(self, future: Future, modes: npt.NDArray[np.intp]) -> Callable[[Array], Array]:
+        """What a future adds to its cumulative hazard, as a function of hours.
+
+        Where the ages of its members do not keep their proportions, the future's stretches are followed one by one as
+        far as it is drawn out, and then their mean.
+        """
+        knots = future.effective[modes]
+        lengths = self._lengths(np.diff(knots, axis=1))
+        if lengths is not None:
+            solved = self._along_line(np.diff(knots, axis=1))
+            line = self._line(np.diff(knots, axis=1))
+            scale = line / (line @ line) if line.any() else line
+
+            def straight(hours: Array) -> Array:
+                length = scale @ future.at(hours)[1][modes]
+                return solved.lived(np.full(len(hours), self._now), length)
+
+            return straight
+        path, _ = self._begun()
+        begins, length = path.steps(np.diff(knots, axis=1).T)
+        rest = path.add(knots[:, -1])  # from then on
+        begins, length = np.append(begins, rest[0]), np.append(length, rest[1])
+        solved = self._solved(path)
+        ends = np.append(future.hours, 2 * future.hours[-1])
+        gathered = np.append(0.0, np.cumsum(solved.lived(begins[:-1], length[:-1])))
+
+        def added(hours: Array) -> Array:
+            k = np.minimum(np.searchsorted(ends, hours, side="right") - 1, len(begins) - 1)
+            into = (hours - ends[k]) / np.maximum(ends[k + 1] - ends[k], 1e-300)
+            return gathered[k] + solved.lived(begins[k], into * length[k])
+
+        return added
+
+    def rate(self, aged: Array, speed: Array) -> Array:
+        """Hazard rate after going on so far in one step, (modes, n), at a speed then, (modes,); shape (n,)."""
+        found = np.zeros(aged.shape[1])
+        if not speed.any():
+            return found
+        lengths = self._lengths(np.column_stack((aged, speed)))
+        if lengths is not None:
+            solved = self._along_line(np.column_stack((aged, speed)))
+            rates: Array = solved.rate(self._now + lengths[:-1]) * lengths[-1]
+            return rates
+        for i in range(len(found)):
+            path, _ = self._begun()
+            path.add(aged[:, i])
+            begin, length = path.add(speed)
+            found[i] = self._solved(path).rate(np.array([begin]))[0] * length
+        return found

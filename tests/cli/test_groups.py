@@ -1,0 +1,58 @@
+"""The command line on robots with groups of dependent parts, as a newcomer meets it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+DESIGN = """
+schema_version: 1
+name: rover
+components:
+  A: {rate: 0.01 /h}
+  B: {rate: 0.01 /h}
+diagram: {standby: {of: [A, B]}}
+task: {duration: 50 h}
+"""
+WARM = """
+schema_version: 1
+name: rover
+components:
+  pump: {rate: 1e-3 /h, life: {distribution: weibull, shape: 2}, quantity: 4}
+diagram: {standby: {of: [pump], active: 2, dormancy: 0.1}}
+"""
+
+
+def test_a_standby_pair_is_drawn_and_promised(inside: Callable[..., Any], tmp_path: Path) -> None:
+    (tmp_path / "robot.yaml").write_text(DESIGN)
+    shown = inside("show", "robot.yaml", "--hours", "50")
+    assert shown.returncode == 0
+    assert "(1/2 standby)" in shown.stdout
+    assert "90.98 %" in shown.stdout  # exp(−0.5)·1.5
+    drawn = inside("show", "robot.yaml", "--svg", "robot.svg")
+    assert drawn.returncode == 0
+    assert (tmp_path / "robot.svg").read_text().count('class="ok spare"') == 1
+    told = json.loads(inside("task", "robot.yaml", "--json").stdout)
+    assert f"{math.exp(-0.5) * 1.5:.15f}"[:13] in json.dumps(told)
+    assert inside("predict", "robot.yaml").returncode == 0
+
+
+def test_what_is_not_exact_is_refused_and_estimated(inside: Callable[..., Any], tmp_path: Path) -> None:
+    (tmp_path / "robot.yaml").write_text(WARM)
+    refused = inside("show", "robot.yaml")
+    assert refused.returncode != 0
+    assert refused.stderr.count("\n") == 1
+    assert "--monte-carlo" in refused.stderr
+    found = json.loads(inside("show", "robot.yaml", "--monte-carlo", "20000", "--json").stdout)
+    assert found["low"] < found["probability"] < found["high"]
+    assert found == json.loads(inside("show", "robot.yaml", "--monte-carlo", "20000", "--json").stdout)
+
+
+def test_the_2020_tool_knows_no_groups(inside: Callable[..., Any], tmp_path: Path) -> None:
+    (tmp_path / "robot.yaml").write_text(DESIGN)
+    refused = inside("show", "robot.yaml", "--legacy")
+    assert refused.returncode != 0
+    assert "standby of A, B" in refused.stderr
