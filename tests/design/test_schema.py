@@ -171,6 +171,11 @@ diagram:
   series:
     - parallel: [M, C, D]
     - k_of_n: {k: 1, of: ["M/Motor[1]", "/M/Motor[2]"]}
+    - network:
+        from: in
+        to: out
+        junctions: [x, y]
+        links: [[in, x, M, out], {between: [in, y], through: C}, {from: x, to: y}, {from: y, to: out, through: D}]
 functions:
   drive: M
 """

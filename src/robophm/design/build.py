@@ -15,7 +15,6 @@ from robophm.core.errors import (
     ModelError,
     PlugError,
     RobophmError,
-    StructureError,
     UnitError,
     nearest,
 )
@@ -37,6 +36,7 @@ from robophm.design.robot import (
     Uncertainty,
     Usage,
 )
+from robophm.design.wiring import Wiring, drawn_names
 from robophm.hazard.acceleration import PER_CYCLE, acceleration_model, stress_inputs
 from robophm.hazard.formula import formula_model
 from robophm.hazard.handbooks import handbook_model
@@ -86,13 +86,13 @@ class _Builder:
         self.places: dict[str, Path] = {}
         self.used_signals: dict[Path, None] = {}  # in the order of the design
         self.told_apart = {
-            name.partition("[")[0].rpartition("/")[2] for name in _drawn(design) if name.endswith("]")
+            name.partition("[")[0].rpartition("/")[2] for name in drawn_names(design) if name.endswith("]")
         }  # last steps of names drawn as 'motor[2]'
 
     def robot(self) -> Robot:
         design = self.design
         root = self._module((), (), design, _Scope())
-        expand = _Expansion(self)
+        expand = Wiring(self.modules, self.components, self.places)
         functions = {name: expand.block((), diagram, ("functions", name)) for name, diagram in design.functions.items()}
         whole = expand.module(root)
         used = set(blocks.units(whole.diagram)).union(*(blocks.units(diagram) for diagram in functions.values()))
@@ -461,105 +461,6 @@ class _Builder:
         for kind in ("modules", "components"):
             for name, child in getattr(level, kind, {}).items():
                 yield from self._signal_places((*place, kind, name), child)
-
-
-class _Expansion:
-    """Diagrams of names become diagrams of units; a module drawn inside itself is found."""
-
-    def __init__(self, builder: _Builder) -> None:
-        self.builder = builder
-        self.expanded: dict[str, blocks.Block] = {}
-        self.under_way: list[str] = []
-
-    def module(self, module: Module) -> Module:
-        inner = tuple(self.module(child) for child in module.modules)
-        diagram = self.path(module.path, ())
-        return replace(module, modules=inner, wiring=self._wiring(module.path), diagram=diagram)
-
-    def _wiring(self, path: str) -> blocks.Block:
-        level = self.builder.modules[path]
-        place = (*self.builder.places[path], "diagram")
-        if level.diagram is None:
-            names = [_join(path, name) for name in (*level.modules, *level.components)]
-            return blocks.Series(*names)
-        return self._named(path, level.diagram, place)
-
-    def _named(self, level: str, diagram: Any, place: Path) -> blocks.Block:
-        """The diagram with every name made a path from the robot down."""
-        if isinstance(diagram, str):
-            return blocks.Unit(self._resolve(level, diagram, place))
-        try:
-            if isinstance(diagram, schema.Series):
-                return blocks.Series(*(self._named(level, b, (*place, "series")) for b in diagram.series))
-            if isinstance(diagram, schema.Parallel):
-                return blocks.Parallel(*(self._named(level, b, (*place, "parallel")) for b in diagram.parallel))
-            group = diagram.k_of_n
-            return blocks.KOutOfN(group.k, *(self._named(level, b, (*place, "k_of_n")) for b in group.of))
-        except StructureError as error:
-            raise Fault(place, str(error)) from None
-
-    def _resolve(self, level: str, name: str, place: Path) -> str:
-        """A name in a diagram: of this level, below it by path, or from the robot down after a leading '/'."""
-        path = name[1:] if name.startswith("/") else _join(level, name)
-        stem, bracket, _ = path.partition("[")
-        component = self.builder.components.get(stem)
-        if component and bracket:
-            if path in component.units:
-                return path
-            raise Fault(
-                place,
-                f"'{name}': {stem} has quantity {component.quantity}; expected [1] … [{component.quantity}]",
-            )
-        if path in self.builder.modules or component:
-            return path
-        known = [
-            p.removeprefix(f"{level}/") if level else p for p in (*self.builder.components, *self.builder.modules) if p
-        ]
-        raise Fault(place, f"unknown part '{name}'{nearest(name, known)}")
-
-    def block(self, path: Path, diagram: Any, place: Path) -> blocks.Block:
-        return self._expand(self._named("/".join(path), diagram, place), place)
-
-    def path(self, path: str, place: Path) -> blocks.Block:
-        """The expanded diagram of a module or component, or one member of a component."""
-        component = self.builder.components.get(path.partition("[")[0])
-        if component:
-            if path in component.units:
-                return blocks.Unit(path)
-            return blocks.KOutOfN(component.required, *component.units)
-        if path in self.under_way:
-            circle = [*self.under_way[self.under_way.index(path) :], path]
-            raise Fault(place, f"cycle: {' → '.join(step or 'the robot' for step in circle)} contains itself")
-        if path not in self.expanded:
-            self.under_way.append(path)
-            self.expanded[path] = self._expand(self._wiring(path), (*self.builder.places[path], "diagram"))
-            self.under_way.pop()
-        return self.expanded[path]
-
-    def _expand(self, block: blocks.Block, place: Path) -> blocks.Block:
-        if isinstance(block, blocks.Unit):
-            return self.path(block.name, place)
-        inner = (self._expand(child, place) for child in block.blocks)
-        return blocks.KOutOfN(block.k, *inner) if isinstance(block, blocks.KOutOfN) else type(block)(*inner)
-
-
-def _join(level: str, name: str) -> str:
-    return f"{level}/{name}" if level else name
-
-
-def _drawn(level: Any) -> Iterable[str]:
-    """Every name in every diagram of a design."""
-    stack: list[Any] = [level.diagram, *getattr(level, "functions", {}).values()]
-    while stack:
-        block = stack.pop()
-        if isinstance(block, str):
-            yield block
-        elif block is not None:
-            for kind in ("series", "parallel", "k_of_n"):
-                inner = getattr(block, kind, None)
-                stack.extend(getattr(inner, "of", inner) or ())
-    for module in level.modules.values():
-        yield from _drawn(module)
 
 
 def _plug(place: Path, find: Any, name: str) -> Any:

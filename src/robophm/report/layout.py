@@ -112,7 +112,7 @@ class _Layout:
         return _Piece(width, height, axis, axis, draw)
 
     def fork(self, fork: Fork, room: float) -> _Piece:
-        m, text = self.m, f"{fork.k}/{fork.n}"
+        m, text = self.m, str(fork)
         gate, lead = m.gate(text), m.bar + m.stub
         pieces = [self.piece(node, room - gate - 2 * lead - m.stub) for node in fork.nodes]
         inside = max(piece.width for piece in pieces)

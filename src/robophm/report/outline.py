@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from robophm.blocks.diagram import Block, KOutOfN, Series, Unit, units
+from robophm.blocks.diagram import Block, KOutOfN, Network, Parallel, Series, Unit, units
+from robophm.blocks.network import simple_paths
 from robophm.report.style import Tone
 
+_MOST_PATHS = 12  # of a network drawn as its paths
 _DEEPEST = 12  # groups inside groups: beyond, a drawing would be all brackets
 
 
@@ -40,11 +42,14 @@ class Chain:
 
 @dataclass(frozen=True)
 class Fork:
-    """Branches side by side, at least ``k`` of ``n`` of which must work."""
+    """Branches side by side, at least ``k`` of ``n`` of which must work; k = 0: some path through them must."""
 
     k: int
     n: int
     nodes: tuple[Node, ...]
+
+    def __str__(self) -> str:
+        return f"{self.k}/{self.n}" if self.k else "network"
 
 
 Node = str | More | Chain | Fork
@@ -72,7 +77,9 @@ def words(node: Node, labels: Mapping[str, Label]) -> str:
     if isinstance(node, More):
         return str(node)
     inside = ", ".join(words(inner, labels) for inner in node.nodes)
-    return f"all of ({inside})" if isinstance(node, Chain) else f"at least {node.k} of {node.n} ({inside})"
+    if isinstance(node, Chain):
+        return f"all of ({inside})"
+    return f"at least {node.k} of {node.n} ({inside})" if node.k else f"all on a path through ({inside})"
 
 
 class _Outliner:
@@ -90,8 +97,16 @@ class _Outliner:
         if depth == _DEEPEST:
             self.left -= 1
             return More(_count([link]))
+        if isinstance(link, Network):
+            return self.network(link, depth)
         k = link.k if isinstance(link, KOutOfN) else 1
         return Fork(k, len(link.blocks), self.nodes(link.blocks, depth + 1))
+
+    def network(self, network: Network, depth: int) -> Node:
+        """As its paths side by side where they are few, in which a part has several places, else as its blocks."""
+        if paths := simple_paths(network, _MOST_PATHS):
+            return self.node(Parallel(*(Series(*blocks) for blocks in paths)), depth)
+        return Fork(0, len(network.blocks), self.nodes(network.blocks, depth + 1))
 
     def nodes(self, blocks: Sequence[Block], depth: int) -> tuple[Node, ...]:
         drawn: list[Node] = []
