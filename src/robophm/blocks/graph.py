@@ -22,6 +22,8 @@ class Gate(NamedTuple):
 
 
 UNIT, ALL, ANY = -1, 0, 1
+NOT, ODD = -2, -3
+"""Of fault trees alone: the input is false; an odd number of the inputs is true."""
 
 
 def graph(*diagrams: Block) -> tuple[list[str], list[Gate], list[int]]:

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Sequence
 from robophm.blocks.diagram import Block, Network
 from robophm.core.errors import StructureError
 
-LIMIT = 100_000
+LIMIT = 20_000
 """Largest number of ways past nodes that are followed up."""
 
 _Ways = dict[int | None, None]
