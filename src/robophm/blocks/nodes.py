@@ -35,8 +35,10 @@ class Table:
 
     def node(self, x: int, high: int, low: int) -> int:
         """The node that decides x into these two."""
-        if high == low:
-            return high
+        return high if high == low else self.family(x, high, low)
+
+    def family(self, x: int, high: int, low: int) -> int:
+        """The node of these two also where they are alike, as sets with x and without it are not."""
         node = self._node.setdefault((x, high, low), len(self.level))
         if node == len(self.level):
             self.level.append(x)

@@ -110,6 +110,6 @@ class _Net:
         order = self.order()
         order = [*self.units, *(node for node in order if self.inputs[node])]
         number = {node: i for i, node in enumerate(order)}
-        if order and order[-1] != self.top:  # a unit is the whole
+        if not self.inputs[self.top]:  # a unit is the whole
             return [Gate(self.k[node], ()) for node in self.units] + [Gate(ANY, (number[self.top],))]
         return [Gate(self.k[node], tuple(number[i] for i in self.inputs[node])) for node in order]
