@@ -23,7 +23,7 @@ def compiled(variables: int, gates: Sequence[Gate], limit: int) -> Compiled:
     """Gates in topological order; ``k`` as of graph.Gate, inputs below ``variables`` are the variables.
 
     Every order that there is a rule for may take a small share of the limit, then a larger one; the first that
-    comes through is taken. All of the limit is for the one that came furthest. Raises StructureError beyond it.
+    comes through is taken. All of the limit is for the two that came furthest. Raises StructureError beyond it.
     """
     tried: list[list[int]] = []
     come: dict[int, int] = {}  # by number of the order: how many gates were made
@@ -36,8 +36,11 @@ def compiled(variables: int, gates: Sequence[Gate], limit: int) -> Compiled:
                 return _compiled(variables, gates, order, limit // share)
             except TooLargeError as error:
                 come[i] = error.gates
-    furthest = max(come, key=come.__getitem__)
-    return _compiled(variables, gates, tried[furthest], limit)
+    first, second = sorted(come, key=lambda i: -come[i])[:2]
+    try:
+        return _compiled(variables, gates, tried[first], limit)
+    except TooLargeError:
+        return _compiled(variables, gates, tried[second], limit)
 
 
 def _compiled(variables: int, gates: Sequence[Gate], order: list[int], limit: int) -> Compiled:

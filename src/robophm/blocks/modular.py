@@ -19,8 +19,8 @@ from robophm.blocks.reduction import reduced
 
 Array = NDArray[np.float64]
 
-LIMIT = 1_500_000
-"""Largest number of steps to build the decision diagram of one module; some 400 MB."""
+LIMIT = 3_000_000
+"""Largest number of steps to build the decision diagram of one module; of its minimal sets, likewise."""
 
 AT_ONCE = 2_000_000
 """Numbers that one array may hold; more columns take turns."""
