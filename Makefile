@@ -40,6 +40,7 @@ bench: setup
 	@test -d .venv/peers/ramstk || $(BIN)/python -m pip install --quiet --disable-pip-version-check \
 		--constraint constraints.txt --no-deps --target .venv/peers ramstk pypubsub
 	$(BIN)/python -m benchmarks
+	$(BIN)/python -m benchmarks.fault_trees --peer
 
 clean:
 	rm -rf .venv demo-output dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from robophm.blocks.diagram import KOutOfN, Parallel, Series, Unit
+    from robophm.blocks.diagram import KOutOfN, Link, Network, Parallel, Series, Unit
     from robophm.blocks.reliability import Structure
     from robophm.core.errors import RobophmError
     from robophm.design.file import load
@@ -27,7 +27,9 @@ __all__ = [
     "HealthReport",
     "KOutOfN",
     "Leg",
+    "Link",
     "Monitor",
+    "Network",
     "Parallel",
     "RobophmError",
     "Robot",
@@ -44,7 +46,7 @@ __all__ = [
 
 # Where each public name lives: it is imported when it is first asked for, so that `import robophm` costs nothing.
 _HOMES = {
-    "blocks.diagram": ("KOutOfN", "Parallel", "Series", "Unit"),
+    "blocks.diagram": ("KOutOfN", "Link", "Network", "Parallel", "Series", "Unit"),
     "blocks.reliability": ("Structure",),
     "core.errors": ("RobophmError",),
     "design.file": ("load",),

@@ -150,13 +150,62 @@ FAULTS = {
         "components/A/life: Weibull: mean − location = -100",
     ),
     "life as a word": (part("rate: 1 FIT, life: weibull"), 4, "components/A/life: expected keys with values, not 'we"),
-    "unknown part": (TWO + "diagram:\n  series: [A, Bb]\n", 7, "diagram/series: unknown part 'Bb'; did you mean 'B'?"),
+    "unknown part": (
+        TWO + "diagram:\n  series: [A, Bb]\n",
+        7,
+        "diagram/series/1: unknown part 'Bb'; did you mean 'B'?",
+    ),
     "unknown part of a function": (
         TWO + "functions:\n  drive: {series: [A, X]}\n",
         7,
-        "functions/drive/series: unknown part 'X'; known: A, B",
+        "functions/drive/series/1: unknown part 'X'; known: A, B",
     ),
     "k above n": (TWO + "diagram: {k_of_n: {k: 3, of: [A, B]}}\n", 6, "k = 3 of n = 2 blocks; expected 1 ≤ k ≤ n"),
+    "network of unknown parts": (
+        TWO + "diagram:\n  network:\n    from: in\n    to: out\n    links: [[in, A, out], [in, b, out]]\n",
+        10,
+        "diagram/network/links: 'b' is neither a part nor in junctions; did you mean 'B'?",
+    ),
+    "network without a path": (
+        TWO + "diagram:\n  network: {from: in, to: out, links: [[in, A], [B, out]]}\n",
+        7,
+        "diagram/network: no path leads from 'in' to 'out'",
+    ),
+    "network with a spur": (
+        TWO + "diagram: {network: {from: in, to: out, links: [[in, A, out], [A, B]]}}\n",
+        6,
+        "no path from 'in' to 'out' passes 'B'",
+    ),
+    "network that joins a part with itself": (
+        TWO + "diagram: {network: {from: in, to: out, links: [[in, A, A, out]]}}\n",
+        6,
+        "joins 'A' with itself",
+    ),
+    "network of one name": (
+        TWO + "diagram: {network: {from: in, to: out, links: [[in]]}}\n",
+        6,
+        "links/0: has 1; expected at least 2",
+    ),
+    "network with half a link": (
+        TWO + "diagram: {network: {from: in, to: out, links: [{from: in}]}}\n",
+        6,
+        "links/0: expected between: [A, B], or from: A and to: B",
+    ),
+    "network whose junction is a part": (
+        TWO + "diagram: {network: {from: in, to: out, junctions: [A], links: [[in, A, B, out]]}}\n",
+        6,
+        "junctions: 'A' is a part, which may fail",
+    ),
+    "network whose junction is nowhere": (
+        TWO + "diagram: {network: {from: in, to: out, junctions: [x], links: [[in, A, B, out]]}}\n",
+        6,
+        "junctions: no link joins 'x' to anything",
+    ),
+    "network with an unknown key": (
+        TWO + "diagram: {network: {form: in, to: out, links: [[in, A, B, out]]}}\n",
+        6,
+        "unknown key 'form'; did you mean 'from'?",
+    ),
     "k zero": (TWO + "diagram: {k_of_n: {k: 0, of: [A, B]}}\n", 6, "k_of_n/k: expected greater than or equal to 1"),
     "empty group": (TWO + "diagram: {series: []}\n", 6, "diagram/series: is empty; expected at least one"),
     "two kinds of block": (
@@ -169,7 +218,7 @@ FAULTS = {
     "member out of range": (
         part("rate: 1 FIT, quantity: 2") + "diagram: {parallel: ['A[1]', 'A[3]']}\n",
         5,
-        "diagram/parallel: 'A[3]': A has quantity 2; expected [1] … [2]",
+        "diagram/parallel/1: 'A[3]': A has quantity 2; expected [1] … [2]",
     ),
     "member zero": (part("rate: 1 FIT, quantity: 2") + "diagram: {parallel: ['A[0]', 'A[1]']}\n", 5, "'A[0]': A has"),
     "member not closed": (part("rate: 1 FIT, quantity: 2") + "diagram: 'A[1'\n", 5, "'A[1': A has quantity 2"),

@@ -60,3 +60,11 @@ def test_what_is_refused(diagram: str, parts: str, says: str) -> None:
         parse(design(diagram, parts), "robot.yaml")
     assert "robot.yaml:" in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_a_network_is_no_member() -> None:
+    """Though both of its paths are of one part."""
+    wired = "diagram: {network: {from: in, to: out, links: [[in, x, out], [in, y, out]]}}"
+    more = f"modules: {{M: {{components: {{x: {{rate: 1 FPMH}}, y: {{rate: 1 FPMH}}}}, {wired}}}}}\n"
+    with pytest.raises(DesignError, match="'M' is not of parts in series; expected a part, or a module of parts in"):
+        parse(design("{standby: {of: [A, M]}}", more=more), "robot.yaml")

@@ -139,7 +139,6 @@ task:
     - {distance: 250 m, speed: 0.3 m/s, functions: [drive], stresses: {temperature: 40 degC}}
     - {duration: 5 min, cycles: 3, starts: 1}
 duty: 0.5
-uncertainty: {error_factor: 3}
 thresholds: {hazard_rate: 1000 FPMH, reliability: 0.9, remaining_life: 500 h, completion: 0.99, survival: 0.9}
 signals:
   temperature: {topic: /t, field: temperature, unit: degC, range: [-20, 80], offset: 5 K, max_age: 5 s, stale: worst}
@@ -150,6 +149,7 @@ clocks:
 acceleration: [{model: arrhenius, activation_energy: 0.7 eV}]
 modules:
   M:
+    uncertainty: {error_factor: 3}
     components:
       Motor:
         quantity: 4
@@ -171,6 +171,9 @@ components:
   Twin: {rate: 5 FIT, quantity: 2, required: 1}
   Triple: {rate: 5 FIT, quantity: 3, depends_on: Twin}
   Left: {rate: 5 FIT}
+  Pump: {rate: 5 FIT, quantity: 3}
+  Wheel: {rate: 5 FIT, quantity: 2}
+  Axle: {rate: 5 FIT, quantity: 2}
   Right: {rate: 5 FIT, depends_on: {parallel: [C, D]}}
   C:
     hazard: {model: general.constant, inputs: {rate: 3 FIT}}
@@ -185,6 +188,14 @@ diagram:
   series:
     - parallel: [M, C, D]
     - k_of_n: {k: 1, of: ["M/Motor[1]", "/M/Motor[2]"]}
+    - standby: {of: [Pump], active: 2, dormancy: 0.1, switch: 0.99}
+    - load_sharing: {of: [Wheel], k: 1, exponent: 3}
+    - load_sharing: {of: [Axle], factors: [1, 2.5]}
+    - network:
+        from: in
+        to: out
+        junctions: [x, y]
+        links: [[in, x, M, out], {between: [in, y], through: C}, {from: x, to: y}, {from: y, to: out, through: D}]
 functions:
   drive: M
 """

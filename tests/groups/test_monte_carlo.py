@@ -12,7 +12,7 @@ from scipy.stats import binom
 sys.path.insert(0, str(File(__file__).parent))
 from solving import names, sharing, solved, standby, works
 
-from robophm.blocks.diagram import Block, KOutOfN, LoadSharing, Parallel, Series, Standby
+from robophm.blocks.diagram import Block, KOutOfN, Link, LoadSharing, Network, Parallel, Series, Standby
 from robophm.blocks.reliability import Structure
 from robophm.groups.monte_carlo import Wear, interval, simulate, toss
 from robophm.life.distribution import LifeDistribution
@@ -46,6 +46,20 @@ AGES: list[tuple[Standby | LoadSharing, list[LifeDistribution]]] = [
 def test_every_way_of_solving(group: Standby | LoadSharing, lives: list[LifeDistribution], t: float) -> None:
     low, high = chance(group, lives, t)
     assert low <= works(solved(group, lives), t)[0] <= high
+
+
+def test_a_bridge_and_a_bridge_that_leads_one_way() -> None:
+    """Works if the middle does as two parallels in series, else as two series in parallel; one way, less one path."""
+    p = {"a": 0.9, "b": 0.8, "c": 0.7, "d": 0.6, "m": 0.5}
+    units = {name: [Wear(Exponential(-float(np.log(one))))] for name, one in p.items()}
+    a, b, c, d, m = p.values()
+    parted = 1 - (1 - a * c) * (1 - b * d)
+    over = a * (1 - (1 - c) * (1 - d)) + (1 - a) * b * d  # a bridge from a to d alone
+    for one_way, joined in ((False, (1 - (1 - a) * (1 - b)) * (1 - (1 - c) * (1 - d))), (True, over)):
+        links = [Link("in", "x", "a"), Link("in", "y", "b"), Link("x", "out", "c"), Link("y", "out", "d")]
+        network = Network("in", "out", [*links, Link("x", "y", "m", one_way)], {})
+        found = simulate(network, units, 1.0, SAMPLES, seed=3, confidence=SURE)
+        assert found.low <= m * joined + (1 - m) * parted <= found.high
 
 
 def test_a_diagram_with_shared_parts() -> None:

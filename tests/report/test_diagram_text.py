@@ -8,11 +8,44 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
+from robophm.blocks.diagram import Block, KOutOfN, Link, Network, Parallel, Series, Unit
 from robophm.report.diagram_text import cells, diagram_text
 from robophm.report.outline import Label
 
+BRIDGE = Network("s", "t", [Link("s", "1", "A"), Link("s", "2", "B"), Link("1", "2", "C"), Link("1", "t", "D"),
+                            Link("2", "t", "E")], {})  # fmt: skip
+MESH = Network("0", "5", [Link(str(i), str(j), f"{i}{j}") for i in range(6) for j in range(i + 1, 6)], {})
+
 BY_HAND = [
+    (
+        BRIDGE,
+        """
+           ┌─ A ⧉ ── C ⧉ ── E ⧉ ─┐
+        ───┼──── A ⧉ ── D ⧉ ─────┼─(1/4)───
+           ├─ B ⧉ ── C ⧉ ── D ⧉ ─┤
+           └──── B ⧉ ── E ⧉ ─────┘
+        """,
+    ),
+    (
+        MESH,
+        """
+           ┌─ 01 ─┐
+           ├─ 02 ─┤
+           ├─ 03 ─┤
+           ├─ 04 ─┤
+           ├─ 05 ─┤
+           ├─ 12 ─┤
+           ├─ 13 ─┤
+        ───┼─ 14 ─┼─(network)───
+           ├─ 15 ─┤
+           ├─ 23 ─┤
+           ├─ 24 ─┤
+           ├─ 25 ─┤
+           ├─ 34 ─┤
+           ├─ 35 ─┤
+           └─ 45 ─┘
+        """,
+    ),
     (Unit("A"), "─── A ───"),
     (Series("A", "B"), "─── A ── B ───"),
     (

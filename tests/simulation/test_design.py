@@ -62,7 +62,32 @@ def test_every_order_of_failures(design):
     assert fails_at(design(NESTED).whole, orders).tolist() == expected
 
 
+NETWORK = """
+components: {a: {rate: 1 /h}, b: {rate: 1 /h}, c: {rate: 1 /h, quantity: 2, required: 1}, d: {rate: 1 /h}}
+diagram:
+  network:
+    from: in
+    to: out
+    junctions: [x, y]
+    links: [[in, a, x, b, out], {between: [x, y], through: d}, {from: y, to: out}, [in, c, y]]
+"""
+
+
+def test_a_network_fails_with_its_last_path(design):
+    """Over all orders of failure of a, b, two of c, d: a–b, a–d, c, and c–d–b, less what cannot be best."""
+    orders = np.array(list(itertools.permutations(range(5))), dtype=float)
+    expected = []
+    for a, b, c1, c2, d in orders:
+        c = max(c1, c2)
+        expected.append(max(min(a, b), min(a, d), c, min(c, d, b)))
+    assert fails_at(design(NETWORK).whole, orders).tolist() == expected
+
+
 REFUSED = {
+    "components: {a: {rate: 1 /h}}\ndiagram: {network: {from: in, to: out, links: [[in, a]]}}": "no path leads",
+    "components: {a: {rate: 1 /h}}\ndiagram: {network: {from: in, to: out, links: [[in, b, out]]}}": "unknown part 'b'",
+    "components: {a: {rate: 1 /h}}\ndiagram: {network: {from: in, to: out, links: [{between: 3}]}}": "3 joins no two",
+    "components: {a: {rate: 1 /h}}\ndiagram: {network: {from: in, to: out, links: 3}}": "expected lists of links",
     "components: {a: {hazard: {model: x}}}": "components/a/hazard: 'hazard' is not simulated",
     "components: {a: {life: {distribution: weibull, shape: 2}}}": "a: has no rate",
     "components: {a: {rate: 1 /km}}": "unit '/km' does not measure what '1/h' does",
@@ -90,7 +115,8 @@ REFUSED = {
     "modules: {M: {}}": "modules/M: has no parts",
     "components: {a: {rate: 1 /h}}\ndiagram: b": "diagram: unknown part 'b'; known: a",
     "components: {a: {rate: 1 /h}}\ndiagram: a[2]": "'a[2]': expected [1] … [1]",
-    "components: {a: {rate: 1 /h}}\ndiagram: {standby: [a]}": "not a block",
+    "components: {a: {rate: 1 /h}}\ndiagram: {standby: {of: [a]}}": "standby: parts that depend on each other",
+    "components: {a: {rate: 1 /h}}\ndiagram: {serie: [a]}": "not a block",
     "components: {a: {rate: 1 /h}}\ndiagram: {series: []}": "series of nothing",
     "components: {a: {rate: 1 /h}}\ndiagram: {k_of_n: {k: 2, of: [a]}}": "2; expected a whole number, 1 … 1",
     "components: {a: {rate: 1 /h}}\nfunctions: {'a;b': a}": "holds ';'",

@@ -6,19 +6,18 @@ Rauzy, "New algorithms for fault trees analysis", Reliab. Eng. Syst. Saf. 40 (19
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robophm.core.errors import StructureError
+from robophm.blocks.compiling import compiled
+from robophm.blocks.nodes import Table, too_large
+from robophm.blocks.ordering import Gate
 
 Array = NDArray[np.float64]
-Gate = tuple[int, Sequence[int]]
-"""(k, inputs): at least k of the inputs work. 1 of n is parallel, n of n is series."""
-
 LIMIT = 500_000
 """Largest number of nodes, of pairs of nodes, and of steps to build them, of one decision diagram."""
 
@@ -30,29 +29,26 @@ _T = TypeVar("_T")
 class DecisionDiagram:
     """A coherent structure of independent variables, prepared once and evaluated many times.
 
-    ``gates`` come in topological order: inputs 0 … ``variables`` − 1 are the variables, in the order in which
-    the diagram decides them, input ``variables`` + i is gate i, and the last gate is the system.
+    ``gates`` come in topological order: inputs 0 … ``variables`` − 1 are the variables, input ``variables`` + i is
+    gate i, and the last gate is the system. The order in which the diagram decides them is found (ordering.py).
 
     Raises StructureError where the diagram would exceed LIMIT.
     """
 
     def __init__(self, variables: int, gates: Sequence[Gate]) -> None:
-        table = _Table(variables)
-        function = [table.node(x, _WORKS, _FAILED) for x in range(variables)]
-        for k, inputs in gates:
-            function.append(table.at_least(k, [function[i] for i in inputs]))
-        root = function[-1]
-
+        table, order, function = compiled(variables, gates, LIMIT)
+        root, pairs = function[-1], _Pairs(table)
         node = _below([root], (_FAILED, _WORKS), table.split, table.level.__getitem__)
         splits = [table.split(g) for g in node][2:]
-        pair = _below([(root, _FAILED), *splits], (_NEVER, _ALWAYS), table.split_pair, table.level_pair)
+        pair = _below([(root, _FAILED), *splits], (_NEVER, _ALWAYS), pairs.split, pairs.level)
         self._nodes = _levels(
-            (table.level[g], node[g1], node[g0], pair[_pair(g1, g0)])
-            for g, (g1, g0) in zip(list(node)[2:], splits, strict=True)
+            order,
+            (
+                (table.level[g], node[g1], node[g0], pair[_pair(g1, g0)])
+                for g, (g1, g0) in zip(list(node)[2:], splits, strict=True)
+            ),
         )
-        self._pairs = _levels(
-            (table.level_pair(gh), *(pair[part] for part in table.split_pair(gh))) for gh in list(pair)[2:]
-        )
+        self._pairs = _levels(order, pairs.rows(pair))
         self._root, self._root_works = node[root], pair[root, _FAILED]
         self._size = len(node), len(pair)
         self.size = len(node) + len(pair)
@@ -108,16 +104,12 @@ class Difference:
     """
 
     def __init__(self, variables: int, gates: Sequence[Gate], first: int | None, second: int) -> None:
-        table = _Table(variables)
-        function = [table.node(x, _WORKS, _FAILED) for x in range(variables)]
-        for k, inputs in gates:
-            function.append(table.at_least(k, [function[i] for i in inputs]))
+        table, order, function = compiled(variables, gates, LIMIT)
+        pairs = _Pairs(table)
         f, g = _WORKS if first is None else function[first], function[second]
         roots = [_pair(_WORKS, f), _pair(f, g), _pair(g, _FAILED)]
-        pair = _below(roots, (_NEVER, _ALWAYS), table.split_pair, table.level_pair)
-        self._pairs = _levels(
-            (table.level_pair(gh), *(pair[part] for part in table.split_pair(gh))) for gh in list(pair)[2:]
-        )
+        pair = _below(roots, (_NEVER, _ALWAYS), pairs.split, pairs.level)
+        self._pairs = _levels(order, pairs.rows(pair))
         self._roots = [pair[root] for root in roots]
         self.size = len(pair)
         """Number of pairs: what an evaluation holds per column."""
@@ -134,67 +126,21 @@ class Difference:
         return differ[self._roots]
 
 
-class _Table:
-    """The nodes of a diagram: node g decides variable ``level[g]`` into ``split(g)``; no two are alike."""
+class _Pairs:
+    """Pairs (g, h) of a table's nodes, for the probabilities that g works and h has failed."""
 
-    def __init__(self, variables: int) -> None:
-        self.level = [variables, variables]  # the leaves lie below every variable
-        self._split = [(_FAILED, _FAILED), (_WORKS, _WORKS)]
-        self._node: dict[tuple[int, int, int], int] = {}
-        self._choice: dict[tuple[int, int, int], int] = {}
+    def __init__(self, table: Table) -> None:
+        self._table = table
 
-    def node(self, x: int, high: int, low: int) -> int:
-        if high == low:
-            return high
-        node = self._node.setdefault((x, high, low), len(self.level))
-        if node == len(self.level):
-            self.level.append(x)
-            self._split.append((high, low))
-        return node
+    def level(self, pair: tuple[int, int]) -> int:
+        return min(self._table.level[pair[0]], self._table.level[pair[1]])
 
-    def split(self, g: int) -> tuple[int, int]:
-        return self._split[g]
-
-    def level_pair(self, pair: tuple[int, int]) -> int:
-        return min(self.level[pair[0]], self.level[pair[1]])
-
-    def split_pair(self, pair: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
-        (g1, g0), (h1, h0) = self._cofactors(pair, self.level_pair(pair))
+    def split(self, pair: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
+        (g1, g0), (h1, h0) = (self._table.cofactors(g, self.level(pair)) for g in pair)
         return _pair(g1, h1), _pair(g0, h0)
 
-    def _cofactors(self, nodes: Iterable[int], x: int) -> list[tuple[int, int]]:
-        return [self._split[g] if self.level[g] == x else (g, g) for g in nodes]
-
-    def at_least(self, k: int, inputs: Sequence[int]) -> int:
-        """The node that works while k of the inputs do; the last input first, as it lies deepest."""
-        enough = [_WORKS] + [_FAILED] * k  # enough[j]: at least j of the inputs seen work
-        for left, g in zip(reversed(range(len(inputs))), reversed(inputs), strict=True):
-            for j in range(k, max(k - left, 1) - 1, -1):
-                enough[j] = self.choose(g, enough[j - 1], enough[j])
-        return enough[k]
-
-    def choose(self, f: int, g: int, h: int) -> int:
-        """The node "g if f works, else h" (Bryant's if-then-else)."""
-        done, todo = self._choice, [(f, g, h)]
-        while todo:
-            choice = f, g, h = todo[-1]
-            if f == _WORKS or g == h:
-                done[choice] = g
-            elif f == _FAILED:
-                done[choice] = h
-            elif (g, h) == _ALWAYS:
-                done[choice] = f
-            else:
-                x = min(self.level[f], self.level[g], self.level[h])
-                (f1, f0), (g1, g0), (h1, h0) = self._cofactors(choice, x)
-                missing = [part for part in ((f1, g1, h1), (f0, g0, h0)) if part not in done]
-                if missing:
-                    todo += missing
-                    continue
-                done[choice] = self.node(x, done[f1, g1, h1], done[f0, g0, h0])
-            todo.pop()
-        _check(len(done))
-        return done[choice]
+    def rows(self, pair: dict[tuple[int, int], int]) -> Iterator[tuple[int, ...]]:
+        return ((self.level(gh), *(pair[part] for part in self.split(gh))) for gh in list(pair)[2:])
 
 
 def _pair(g: int, h: int) -> tuple[int, int]:
@@ -220,19 +166,16 @@ def _below(
     return {part: i for i, part in enumerate([*leaves, *deepest_first])}
 
 
-def _levels(rows: Iterable[tuple[int, ...]]) -> list[tuple[int, slice, list[NDArray[np.intp]]]]:
-    """(variable, rows that decide it, their columns) for each level, from rows (variable, *columns)."""
+def _levels(order: Sequence[int], rows: Iterable[tuple[int, ...]]) -> list[tuple[int, slice, list[NDArray[np.intp]]]]:
+    """(variable, rows that decide it, their columns) for each level, from rows (level, *columns)."""
     levels, start = [], 2
-    for x, group in groupby(rows, key=lambda row: row[0]):
+    for level, group in groupby(rows, key=lambda row: row[0]):
         columns = np.array([row[1:] for row in group], dtype=np.intp).T
-        levels.append((x, slice(start, start + columns.shape[1]), list(columns)))
+        levels.append((order[level], slice(start, start + columns.shape[1]), list(columns)))
         start += columns.shape[1]
     return levels
 
 
 def _check(size: int) -> None:
     if size > LIMIT:
-        raise StructureError(
-            f"shared parts: too many to solve exactly, their decision diagram exceeds {LIMIT:,} steps; "
-            "expected fewer parts that are drawn in several places"
-        )
+        raise too_large(LIMIT)

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
-from robophm.core.errors import StructureError
+from robophm.core.errors import StructureError, nearest
+
+MOST_LINKS = 2000
+"""Of one network."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +122,74 @@ def equal_share(n: int, k: int, exponent: float) -> tuple[float, ...]:
     return tuple((n / alive) ** exponent for alive in range(n, k - 1, -1))
 
 
-Block = Unit | Series | Parallel | KOutOfN
+class Link(NamedTuple):
+    """What joins two nodes of a network: nothing that can fail, or a block; both ways, or from start to end."""
+
+    start: str
+    end: str
+    block: Block | str | None = None
+    one_way: bool = False
+
+
+@dataclass(frozen=True, init=False)
+class Network:
+    """Works while a path of working links and nodes leads from its source to its sink.
+
+    ``nodes`` says what stands at each node; a node that is not in it cannot fail. Without ``nodes``, a unit of
+    its name stands at each but the source and the sink. A plain pair of names is a link both ways that cannot
+    fail. Raises StructureError where no path joins source and sink, where a path cannot fail, and where a block
+    lies on no path.
+    """
+
+    source: str
+    sink: str
+    links: tuple[Link, ...]
+    nodes: tuple[tuple[str, Block], ...]
+
+    def __init__(
+        self,
+        source: str,
+        sink: str,
+        links: Iterable[Link | Sequence[str]],
+        nodes: Mapping[str, Block | str] | None = None,
+    ) -> None:
+        joins = [link if isinstance(link, Link) else Link(link[0], link[1]) for link in links]
+        joins = [link._replace(block=Unit(link.block)) if isinstance(link.block, str) else link for link in joins]
+        if len(joins) > MOST_LINKS:
+            raise StructureError(f"network: {len(joins):,} links; expected at most {MOST_LINKS:,}")
+        named = list(dict.fromkeys(name for link in joins for name in (link.start, link.end)))
+        if nodes is None:
+            nodes = {name: name for name in named if name not in (source, sink)}
+        stands = tuple((name, Unit(block) if isinstance(block, str) else block) for name, block in nodes.items())
+        for name, value in (("source", source), ("sink", sink), ("links", tuple(joins)), ("nodes", stands)):
+            object.__setattr__(self, name, value)
+        for name in (source, sink, *nodes):
+            if name not in named:
+                raise StructureError(f"network: no link joins '{name}' to anything{nearest(name, named)}")
+        _check_paths(self)
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """What stands at its nodes and on its links, in the order of its links."""
+        at, found = dict(self.nodes), []
+        for link in self.links:
+            on: list[Block | str | None] = [at.pop(link.start, None), link.block, at.pop(link.end, None)]
+            found += [block for block in on if block is not None and not isinstance(block, str)]
+        return tuple(found)
+
+    def with_blocks(self, blocks: Iterable[Block]) -> Network:
+        """The same network with other blocks in the places of ``blocks``."""
+        new, at, nodes, links = iter(blocks), dict(self.nodes), {}, []
+        for link in self.links:
+            if at.pop(link.start, None):
+                nodes[link.start] = next(new)
+            links.append(link._replace(block=next(new)) if link.block else link)
+            if at.pop(link.end, None):
+                nodes[link.end] = next(new)
+        return Network(self.source, self.sink, links, nodes)
+
+
+Block = Unit | Series | Parallel | KOutOfN | Network
 """Any block of a diagram; a diagram is its outermost block."""
 
 
@@ -151,3 +223,57 @@ def drawn(block: Block) -> int:
         count[id(top)] = sum(count[id(one)] for one in inner) if inner else 1
         stack.pop()
     return count[id(block)]
+
+
+def with_blocks(block: Block, blocks: Iterable[Block]) -> Block:
+    """A block like this one of other blocks; a unit has none and stays."""
+    if isinstance(block, Unit):
+        return block
+    if isinstance(block, Network):
+        return block.with_blocks(blocks)
+    return KOutOfN(block.k, *blocks) if isinstance(block, KOutOfN) else type(block)(*blocks)
+
+
+def _check_paths(network: Network) -> None:
+    """Raise StructureError where a network is none, or has blocks that no path from source to sink passes.
+
+    A node is passed by none where another node lies on all ways from the source to it and on all ways from it to
+    the sink: any path would have to pass that one twice. Where all links go both ways, only then (Menger 1927).
+    """
+    source, sink = network.source, network.sink
+    if source == sink:
+        raise StructureError(f"network: source and sink are both '{source}'; expected two nodes")
+    # A link is a node too, by its number: what may fail on it is asked for as what stands at nodes is.
+    ahead: dict[str | int, list[str | int]] = defaultdict(list)
+    back: dict[str | int, list[str | int]] = defaultdict(list)
+    for number, link in enumerate(network.links):
+        if link.start == link.end:
+            raise StructureError(f"network: a link joins '{link.start}' with itself; expected two nodes")
+        for start, end in [(link.start, link.end)] + [(link.end, link.start)] * (not link.one_way):
+            ahead[start].append(number)
+            ahead[number].append(end)
+            back[end].append(number)
+            back[number].append(start)
+
+    def reached(start: str | int, ways: Mapping[str | int, list[str | int]], barred: set[str | int]) -> set[str | int]:
+        found, todo = set(barred), [start] * (start not in barred)
+        while todo:
+            node = todo.pop()
+            if node not in found:
+                found.add(node)
+                todo += ways[node]
+        return found - barred
+
+    if sink not in reached(source, ahead, set()):
+        raise StructureError(f"network: no path leads from '{source}' to '{sink}'")
+    blocks: set[str | int] = {name for name, _ in network.nodes}
+    blocks |= {number for number, link in enumerate(network.links) if link.block is not None}
+    if sink in reached(source, ahead, blocks):
+        raise StructureError(f"network: a path from '{source}' to '{sink}' has nothing on it that can fail")
+    for node in [node for node in ahead | back if isinstance(node, str)]:
+        passed = reached(source, ahead, {node}) | reached(sink, back, {node})
+        for missed in blocks - passed - {node}:
+            if isinstance(missed, str):
+                raise StructureError(f"network: no path from '{source}' to '{sink}' passes '{missed}'")
+            start, end, *_ = network.links[missed]
+            raise StructureError(f"network: no path from '{source}' to '{sink}' passes the link '{start}' – '{end}'")

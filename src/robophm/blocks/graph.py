@@ -6,11 +6,12 @@ Reliab. 45 (1996).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import count
+from collections.abc import Iterable, Sequence
+from itertools import accumulate, compress, count
 from typing import NamedTuple
 
-from robophm.blocks.diagram import Block, KOutOfN, Parallel, Unit
+from robophm.blocks.diagram import Block, KOutOfN, Network, Parallel, Unit
+from robophm.blocks.network import path
 
 
 class Gate(NamedTuple):
@@ -21,6 +22,8 @@ class Gate(NamedTuple):
 
 
 UNIT, ALL, ANY = -1, 0, 1
+NOT, ODD = -2, -3
+"""Of fault trees alone: the input is false; an odd number of the inputs is true."""
 
 
 def graph(*diagrams: Block) -> tuple[list[str], list[Gate], list[int]]:
@@ -29,35 +32,58 @@ def graph(*diagrams: Block) -> tuple[list[str], list[Gate], list[int]]:
     gates: list[Gate] = []
     known: dict[object, int] = {}  # name, or (k, inputs) → node
     node: dict[int, int] = {}  # by id(): a block's own hash would recurse
+
+    def gate(k: int, inputs: Iterable[int]) -> int:
+        inputs = tuple(inputs)
+        if k == len(inputs):
+            k = ALL
+        if k <= ANY:
+            inputs = tuple(dict.fromkeys(inputs))  # what is drawn twice there adds nothing
+        if len(inputs) == 1:
+            return inputs[0]
+        if known.setdefault((k, inputs), len(gates)) == len(gates):
+            gates.append(Gate(k, inputs))
+        return known[k, inputs]
+
     todo = list(reversed(diagrams))
     while todo:
         block = todo[-1]
         if isinstance(block, Unit):
-            key: object = block.name
-            if key not in known:
-                known[key] = len(gates)
+            if known.setdefault(block.name, len(gates)) == len(gates):
                 names.append(block.name)
                 gates.append(Gate(UNIT, ()))
+            node[id(block)] = known[block.name]
+            todo.pop()
+            continue
+        missing = [inner for inner in block.blocks if id(inner) not in node]
+        if missing:
+            todo += reversed(missing)
+            continue
+        inputs = [node[id(inner)] for inner in block.blocks]
+        if isinstance(block, Network):
+            node[id(block)] = path(block, inputs, gate)
         else:
-            missing = [inner for inner in block.blocks if id(inner) not in node]
-            if missing:
-                todo += reversed(missing)
-                continue
-            inputs = tuple(node[id(inner)] for inner in block.blocks)
             k = block.k if isinstance(block, KOutOfN) else ANY if isinstance(block, Parallel) else ALL
-            if k == len(inputs):
-                k = ALL
-            if k <= ANY:
-                inputs = tuple(dict.fromkeys(inputs))  # what is drawn twice there adds nothing
-            key = (k, inputs)
-            if len(inputs) == 1:
-                known[key] = inputs[0]
-            elif key not in known:
-                known[key] = len(gates)
-                gates.append(Gate(k, inputs))
-        node[id(block)] = known[key]
+            node[id(block)] = gate(k, inputs)
         todo.pop()
-    return names, gates, [node[id(diagram)] for diagram in diagrams]
+    return _used(names, gates, [node[id(diagram)] for diagram in diagrams])
+
+
+def _used(names: list[str], gates: list[Gate], tops: list[int]) -> tuple[list[str], list[Gate], list[int]]:
+    """Less what nothing hangs on: ways through a network that lead nowhere, and parts that a sure way passes by."""
+    used = [False] * len(gates)
+    for top in tops:
+        used[top] = True
+    for node in reversed(range(len(gates))):
+        if used[node]:
+            for i in gates[node].inputs:
+                used[i] = True
+    if all(used):
+        return names, gates, tops
+    units = [wanted for gate, wanted in zip(gates, used, strict=True) if gate.k == UNIT]
+    number = list(accumulate(used, initial=0))
+    kept = [Gate(k, tuple(number[i] for i in inputs)) for k, inputs in compress(gates, used)]
+    return list(compress(names, units)), kept, [number[top] for top in tops]
 
 
 def modules(gates: Sequence[Gate]) -> list[bool]:

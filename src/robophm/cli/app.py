@@ -528,6 +528,59 @@ def calibrate(
         raise typer.Exit(BREACHED)
 
 
+Order = Annotated[int | None, typer.Option(help="list the sets of at most so many parts, smallest first", min=1)]
+At = Annotated[float, typer.Option(help="operating hours of a new robot at which to state probabilities", min=0)]
+Most = Annotated[int, typer.Option(help="sets to list", min=1, max=100_000)]
+
+
+@app.command()
+def cutsets(
+    design: Design,
+    function: Annotated[str | None, typer.Option(help="of the robot; default the whole robot")] = None,
+    order: Order = None,
+    paths: Annotated[
+        bool, typer.Option("--paths", help="what is enough to work, in place of what is enough to fail")
+    ] = False,
+    at: At = 1000.0,
+    most: Most = 20,
+    as_json: Json = False,
+) -> None:
+    """The smallest sets of parts whose failure fails a robot, the likeliest first."""
+    from robophm.cli.fault_tree import cut_sets, of_robot
+    from robophm.design.file import load
+
+    cut_sets(of_robot(load(design), function, at), paths=paths, order=order, most=most, as_json=as_json)
+
+
+@app.command("fault-tree")
+def fault_tree(
+    source: Annotated[
+        Path, typer.Argument(help="an Open-PSA model, or a robot's design", metavar="MODEL.XML|ROBOT.YAML")
+    ],
+    function: Annotated[str | None, typer.Option(help="of a robot; default the whole robot")] = None,
+    top: Annotated[str | None, typer.Option(help="gate of a model of which several are used by no other")] = None,
+    time: Annotated[float | None, typer.Option(help="mission time, or of a new robot [h of operation]", min=0)] = None,
+    order: Order = None,
+    most: Most = 20,
+    to: Annotated[Path | None, typer.Option(help="write the tree as an Open-PSA model")] = None,
+    as_json: Json = False,
+) -> None:
+    """The probability of a fault tree's top event, and its minimal cut sets; of a robot, also its fault tree."""
+    from robophm.cli.fault_tree import of_model, of_robot, tree
+    from robophm.design.file import load
+
+    may_write(to, source)
+    if source.suffix.lower() in (".yaml", ".yml"):
+        if top is not None:
+            raise RobophmError("--top is of a model; of a robot it is --function")
+        system = of_robot(load(source), function, 1000.0 if time is None else time)
+    else:
+        if function is not None:
+            raise RobophmError("--function is of a robot; of a model it is --top")
+        system = of_model(source, time, top)
+    tree(system, order=order, most=most, to=to, as_json=as_json)
+
+
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of the design file."""

@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -15,7 +15,6 @@ from robophm.core.errors import (
     ModelError,
     PlugError,
     RobophmError,
-    StructureError,
     UnitError,
     nearest,
 )
@@ -38,6 +37,7 @@ from robophm.design.robot import (
     Uncertainty,
     Usage,
 )
+from robophm.design.wiring import Wiring, told_apart
 from robophm.hazard.acceleration import PER_CYCLE, acceleration_model, stress_inputs
 from robophm.hazard.formula import formula_model
 from robophm.hazard.handbooks import handbook_model
@@ -95,14 +95,14 @@ class _Builder:
         self.depends_on: dict[str, Any] = {}
         self.used_signals: dict[Path, None] = {}  # in the order of the design
         self.told_apart = {
-            name.partition("[")[0].rpartition("/")[2] for name in _told_apart(design)
+            name.partition("[")[0].rpartition("/")[2] for name in told_apart(design)
         }  # last steps of names drawn as 'motor[2]', of members of a group, and of those that may fail together
 
     def robot(self) -> Robot:
         design = self.design
         root = self._module((), (), design, _Scope())
         groups = CommonCauses(self.components, self.modules)
-        expand = _Expansion(self, groups.of)
+        expand = Wiring(self.modules, self.components, self.places, self.depends_on, groups.of)
         for level, said in self.modules.items():
             for name, group in said.common_causes.items():
                 place = (*self.places[level], "common_causes", name)
@@ -494,251 +494,6 @@ class _Builder:
         for kind in ("modules", "components"):
             for name, child in getattr(level, kind, {}).items():
                 yield from self._signal_places((*place, kind, name), child)
-
-
-class _Expansion:
-    """Diagrams of names become diagrams of units; what contains itself, or depends on itself, is found."""
-
-    def __init__(self, builder: _Builder, causes: Mapping[str, Sequence[str]]) -> None:
-        self.builder = builder
-        self.causes = causes
-        """In series with each unit."""
-        self.expanded: dict[str, blocks.Block] = {}
-        self.under_way: list[tuple[str, str]] = []
-        """(what is done, to which path)"""
-        self.groups: dict[str, blocks.Group] = {}  # of parts that depend on each other, by name
-        self.group_places: dict[str, Path] = {}
-
-    def module(self, module: Module) -> Module:
-        inner = tuple(self.module(child) for child in module.modules)
-        parts = tuple(self.builder.components[part.path] for part in module.components)
-        wiring, diagram = self._wiring(module.path), self.path("", module.path, ())
-        return replace(module, modules=inner, components=parts, wiring=wiring, diagram=diagram)
-
-    def parts(self, level: str, names: Iterable[str], place: Path) -> list[str]:
-        """Paths of the components or units that are named at a level."""
-        found = []
-        for i, name in enumerate(names):
-            at = (*place, str(i))
-            found.append(self._resolve(level, name, at))
-            if found[-1] in self.builder.modules:
-                raise Fault(at, f"'{name}' is a module; expected a part")
-        return found
-
-    def needs(self, path: str) -> blocks.Block:
-        """What a module or component depends on, as drawn."""
-        level, said = path.rpartition("/")[0], self.builder.depends_on[path]
-        place = (*self.builder.places[path], "depends_on")
-        if isinstance(said, list):
-            return blocks.Series(*(self._named(level, one, (*place, str(i))) for i, one in enumerate(said)))
-        return self._named(level, said, place)
-
-    def _wiring(self, path: str) -> blocks.Block:
-        level = self.builder.modules[path]
-        place = (*self.builder.places[path], "diagram")
-        if level.diagram is None:
-            names = [_join(path, name) for name in (*level.modules, *level.components)]
-            return blocks.Series(*names)
-        return self._named(path, level.diagram, place)
-
-    def _named(self, level: str, diagram: Any, place: Path) -> blocks.Block:
-        """The diagram with every name made a path from the robot down."""
-        if isinstance(diagram, str):
-            return blocks.Unit(self._resolve(level, diagram, place))
-        try:
-            if isinstance(diagram, schema.Series):
-                return blocks.Series(*(self._named(level, b, (*place, "series")) for b in diagram.series))
-            if isinstance(diagram, schema.Parallel):
-                return blocks.Parallel(*(self._named(level, b, (*place, "parallel")) for b in diagram.parallel))
-            if isinstance(diagram, schema.KOutOfN):
-                group = diagram.k_of_n
-                return blocks.KOutOfN(group.k, *(self._named(level, b, (*place, "k_of_n")) for b in group.of))
-            return self._group(level, diagram, place)
-        except StructureError as error:
-            raise Fault(place, str(error)) from None
-
-    def _group(self, level: str, diagram: schema.Standby | schema.LoadSharing, place: Path) -> blocks.Block:
-        """A group whose members are paths; the equal parts of a component are members of their own."""
-        kind, said = ("standby", diagram.standby) if isinstance(diagram, schema.Standby) else (
-            "load_sharing", diagram.load_sharing)  # fmt: skip
-        place = (*place, kind)
-        members: list[tuple[str, ...]] = []
-        for name in said.of:
-            path = self._resolve(level, name, place)
-            component = self.builder.components.get(path)
-            units = component.units if component else (path,)
-            if component and component.required not in (1, component.quantity):
-                raise Fault(place, f"'{name}': {component.required} of {component.quantity}; expected a quantity alone")
-            members += [(unit,) for unit in units]
-        name = f"{kind.replace('_', ' ')} of {', '.join(member for (member,) in members)}"
-        if isinstance(said, schema.StandbyGroup):
-            return blocks.Standby(name, tuple(members), said.active, said.dormancy, said.switch)
-        factors = tuple(said.factors or ()) or blocks.equal_share(len(members), said.k, said.exponent or 0.0)
-        return blocks.LoadSharing(name, tuple(members), said.k, factors)
-
-    def _expand_group(self, level: str, group: blocks.Group, place: Path) -> blocks.Group:
-        """The group down to units, once for each name."""
-        members = []
-        for (path,) in group.members:
-            parts = series(self.path(level, path, place))
-            if parts is None:
-                raise Fault(
-                    place, f"'{path}' is not of parts in series; expected a part, or a module of parts in series"
-                )
-            for unit in parts:
-                component = self.builder.components.get(unit.partition("[")[0])
-                if not component:
-                    raise Fault(
-                        place, f"'{path}' may fail together with others ({unit}); expected a part that does not"
-                    )
-                for mode in component.modes:
-                    if mode.scaling == "hazard":
-                        raise Fault(place, f"{mode.path}: scaling 'hazard' in a group of parts; expected 'age'")
-                    if mode.uncertainty:
-                        raise Fault(
-                            place, f"{mode.path}: 'uncertainty' in a group of parts; expected a rate that is exact"
-                        )
-            members.append(parts)
-        found = replace(group, members=tuple(members))
-        if self.groups.setdefault(group.name, found) != found:
-            raise Fault(place, f"{group.name}: drawn elsewhere with other numbers; expected the same")
-        self.group_places.setdefault(group.name, place)
-        return found
-
-    def check_groups(self, used: Iterable[str]) -> None:
-        """Raise Fault where a member of a group is drawn outside it too."""
-        of: dict[str, str] = {}
-        for name, group in self.groups.items():
-            for unit in (unit for member in group.members for unit in member):
-                other = of.setdefault(unit, name)
-                if other != name:
-                    raise Fault(self.group_places[name], f"'{unit}' is a member of two groups; expected of one")
-        if alone := next((unit for unit in sorted(used) if unit in of), None):
-            raise Fault(self.group_places[of[alone]], f"'{alone}' is drawn outside its group too; expected in it alone")
-
-    def _resolve(self, level: str, name: str, place: Path) -> str:
-        """A name in a diagram: of this level, below it by path, or from the robot down after a leading '/'."""
-        path = name[1:] if name.startswith("/") else _join(level, name)
-        stem, bracket, _ = path.partition("[")
-        component = self.builder.components.get(stem)
-        if component and bracket:
-            if path in component.units:
-                return path
-            raise Fault(
-                place,
-                f"'{name}': {stem} has quantity {component.quantity}; expected [1] … [{component.quantity}]",
-            )
-        if path in self.builder.modules or component:
-            return path
-        known = [
-            p.removeprefix(f"{level}/") if level else p for p in (*self.builder.components, *self.builder.modules) if p
-        ]
-        raise Fault(place, f"unknown part '{name}'{nearest(name, known)}")
-
-    def block(self, path: Path, diagram: Any, place: Path) -> blocks.Block:
-        level = "/".join(path)
-        return self._expand(level, self._named(level, diagram, place), place)
-
-    def path(self, level: str, path: str, place: Path) -> blocks.Block:
-        """What must work so that a module, a component or a member of one, drawn at a level, does its work.
-
-        It needs what it depends on, and what the modules around it do, up to one that is around the level too.
-        """
-        itself = self._itself(path, place)
-        steps = path.partition("[")[0].split("/")
-        around = ("/".join(steps[: n + 1]) for n in range(len(steps)))
-        needed = [one for one in around if one in self.builder.depends_on and not f"{level}/".startswith(f"{one}/")]
-        if not needed:
-            return itself
-        return blocks.Series(itself, *(self._once("depends on", one, place) for one in needed))
-
-    def _itself(self, path: str, place: Path) -> blocks.Block:
-        component = self.builder.components.get(path.partition("[")[0])
-        if not component:
-            return self._once("contains", path, place)
-        if path in component.units:
-            return self._unit(path, self.causes.get(path, ()))
-        first, *others = (self.causes.get(unit, ()) for unit in component.units)
-        of_all = [cause for cause in first if all(cause in causes for causes in others)]  # need not be told apart
-        units = (
-            self._unit(unit, [cause for cause in self.causes.get(unit, ()) if cause not in of_all])
-            for unit in component.units
-        )
-        group = blocks.KOutOfN(component.required, *units)
-        return blocks.Series(group, *of_all) if of_all else group
-
-    @staticmethod
-    def _unit(name: str, causes: Sequence[str]) -> blocks.Block:
-        return blocks.Series(name, *causes) if causes else blocks.Unit(name)
-
-    def _once(self, what: str, path: str, place: Path) -> blocks.Block:
-        """Expanded: what a module contains, or what something depends on."""
-        key = f"{what} {path}"
-        if key not in self.expanded:
-            if (what, path) in self.under_way:
-                circle = [*self.under_way[self.under_way.index((what, path)) :], (what, path)]
-                steps = " → ".join(step or "the robot" for _, step in circle)
-                raise Fault(place, f"cycle: {steps} {what} itself")
-            self.under_way.append((what, path))
-            if what == "contains":
-                level, drawn, at = path, self._wiring(path), (*self.builder.places[path], "diagram")
-            else:
-                level, drawn, at = path.rpartition("/")[0], self.needs(path), (*self.builder.places[path], "depends_on")
-            self.expanded[key] = self._expand(level, drawn, at)
-            self.under_way.pop()
-        return self.expanded[key]
-
-    def _expand(self, level: str, block: blocks.Block, place: Path) -> blocks.Block:
-        if isinstance(block, blocks.Group):
-            return self._expand_group(level, block, place)
-        if isinstance(block, blocks.Unit):
-            return self.path(level, block.name, place)
-        inner = (self._expand(level, child, place) for child in block.blocks)
-        return blocks.KOutOfN(block.k, *inner) if isinstance(block, blocks.KOutOfN) else type(block)(*inner)
-
-
-def series(block: blocks.Block) -> tuple[str, ...] | None:
-    """The units of a diagram that are all in series; None where they are not."""
-    found: list[str] = []
-    todo = [block]
-    while todo:
-        top = todo.pop()
-        if isinstance(top, blocks.Group) or (isinstance(top, blocks.Parallel) and len(top.blocks) > 1):
-            return None
-        if isinstance(top, blocks.Unit):
-            found.append(top.name)
-        elif isinstance(top, blocks.KOutOfN) and top.k < len(top.blocks):
-            return None
-        else:
-            todo += reversed(top.blocks)
-    return tuple(dict.fromkeys(found))
-
-
-def _join(level: str, name: str) -> str:
-    return f"{level}/{name}" if level else name
-
-
-def _told_apart(level: Any) -> Iterable[str]:
-    """Names by which a design tells equal parts apart: drawn as 'motor[2]' or in a group, or what may fail together."""
-    for group in level.common_causes.values():
-        yield from group.of
-    stack: list[tuple[Any, bool]] = [
-        (block, False) for block in (level.diagram, *getattr(level, "functions", {}).values())
-    ]
-    stack += [(below.depends_on, False) for below in (*level.modules.values(), *level.components.values())]
-    while stack:
-        block, alone = stack.pop()
-        if isinstance(block, str):
-            if alone or block.endswith("]"):
-                yield block
-        elif isinstance(block, list):
-            stack.extend((one, False) for one in block)
-        elif block is not None:
-            for kind in schema.BLOCKS:
-                inner = getattr(block, kind, None)
-                stack.extend((one, kind in ("standby", "load_sharing")) for one in getattr(inner, "of", inner) or ())
-    for module in level.modules.values():
-        yield from _told_apart(module)
 
 
 def _plug(place: Path, find: Any, name: str) -> Any:

@@ -242,6 +242,9 @@ def _first_fault(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> 
     if detail["type"] in ("model_type", "dict_type", "model_attributes_type"):
         return place, f"expected keys with values, not {detail['input']!r:.60}"
     if detail["type"] == "too_short":
+        bounds = detail["ctx"]
+        if bounds["actual_length"]:
+            return place, f"has {bounds['actual_length']}; expected at least {bounds['min_length']}"
         return place, "is empty; expected at least one"
     message = detail["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
     given = detail["input"]
@@ -262,6 +265,7 @@ def _keys(place: tuple[str, ...], lines: Lines, root: type[BaseModel]) -> list[s
         "common_causes": schema.CommonCause,
         "tasks": schema.Leg,
         "legs": schema.Leg,
+        "links": schema.NetworkLink,
     }
     itself: dict[str, type[BaseModel]] = {
         "life": schema.Life,
@@ -275,10 +279,13 @@ def _keys(place: tuple[str, ...], lines: Lines, root: type[BaseModel]) -> list[s
         "k_of_n": schema.KOutOfNGroup,
         "standby": schema.StandbyGroup,
         "load_sharing": schema.LoadSharingGroup,
+        "network": schema.NetworkGroup,
     }
     if not place:
         return list(root.model_fields)
     if (*place, "legs") in lines:
         return list(schema.Task.model_fields)
     model = inside[place[-2]] if len(place) > 1 and place[-2] in inside else itself.get(place[-1])
-    return list(model.model_fields) if model else list(schema.BLOCKS)
+    if model is None:
+        return list(schema.BLOCKS)
+    return [field.alias or name for name, field in model.model_fields.items()]

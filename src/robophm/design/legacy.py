@@ -227,7 +227,7 @@ def legacy_rate(module: Module) -> float:
             return series_rate(rates_within)
         if isinstance(block, Parallel):
             return parallel_rate(rates_within)
-        raise StructureError("the 2020 tool knows no k-of-n groups")
+        raise StructureError("the 2020 tool knows neither k-of-n groups nor networks")
 
     return rate(module.wiring)
 

@@ -26,6 +26,9 @@ from robophm.core.units import quantity
 LONGEST = 1e9
 """Seconds, some thirty years: what a time in a design may be, so that its nanoseconds can be counted."""
 
+BLOCKS = ("series", "parallel", "k_of_n", "standby", "load_sharing", "network")
+"""The kinds of blocks."""
+
 Clock = Literal["operating", "calendar", "kilometres", "cycles", "starts"]
 """What a failure mode ages on."""
 
@@ -301,8 +304,44 @@ class LoadSharing(_Strict):
     load_sharing: LoadSharingGroup
 
 
-BLOCKS = ("series", "parallel", "k_of_n", "standby", "load_sharing")
-"""What a diagram is made of, beside parts."""
+class NetworkLink(_Strict):
+    """A link that is not just a chain of names: one way only, or with something on it that may fail."""
+
+    between: tuple[str, str] | None = Field(None, description="the nodes that it joins, both ways")
+    start: str | None = Field(None, alias="from", description="where a one-way link starts")
+    end: str | None = Field(None, alias="to", description="where a one-way link ends")
+    through: Diagram | None = Field(None, description="what on it may fail, e.g. a cable; default nothing")
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> NetworkLink:
+        if (self.between is None) == (self.start is None) or (self.start is None) != (self.end is None):
+            raise ValueError("expected between: [A, B], or from: A and to: B")
+        return self
+
+
+Links = Annotated[
+    Annotated[list[str], Field(min_length=2), Tag("names")] | Annotated[NetworkLink, Tag("link")],
+    Discriminator(
+        lambda value: "names" if isinstance(value, list) else "link" if isinstance(value, dict | NetworkLink) else None,
+        custom_error_type="link",
+        custom_error_message="not a link; expected names, e.g. [A, B], or between: [A, B], or from: A and to: B",
+    ),
+]
+
+
+class NetworkGroup(_Strict):
+    """Nodes and what joins them. A node is a part, a junction, or where the network begins and ends."""
+
+    start: str = Field(alias="from", description="where it begins: a part, or any name that links have")
+    end: str = Field(alias="to", description="where it ends, likewise")
+    links: list[Links] = Field(min_length=1, description="[A, B, …] joins each name with the next, both ways")
+    junctions: list[str] = Field(default_factory=list, description="nodes that are no parts and cannot fail")
+
+
+class Network(_Strict):
+    """Works while a path of working parts leads from one node to another."""
+
+    network: NetworkGroup
 
 
 def _kind_of_block(value: object) -> str | None:
@@ -318,11 +357,12 @@ Diagram = Annotated[
     | Annotated[Parallel, Tag("parallel")]
     | Annotated[KOutOfN, Tag("k_of_n")]
     | Annotated[Standby, Tag("standby")]
-    | Annotated[LoadSharing, Tag("load_sharing")],
+    | Annotated[LoadSharing, Tag("load_sharing")]
+    | Annotated[Network, Tag("network")],
     Discriminator(
         _kind_of_block,
         custom_error_type="block",
-        custom_error_message=f"not a block; expected a part's name, or one of {', '.join(BLOCKS)}",
+        custom_error_message="not a block; expected a part's name, or one of " + ", ".join(BLOCKS),
     ),
 ]
 
@@ -451,7 +491,9 @@ class RobotFile(_Group):
     thresholds: Thresholds = Field(default_factory=Thresholds)
 
 
-for _model in (Component, Series, Parallel, KOutOfNGroup, KOutOfN, Module, RobotFile):
+for _model in (
+    Component, Series, Parallel, KOutOfNGroup, KOutOfN, NetworkLink, NetworkGroup, Network, Module, RobotFile
+):  # fmt: skip
     _model.model_rebuild()
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import betaincinv
 
-from robophm.blocks.diagram import Block, Group, KOutOfN, LoadSharing, Series, Standby, Unit
+from robophm.blocks.diagram import Block, Group, KOutOfN, LoadSharing, Network, Series, Standby, Unit
 from robophm.life.distribution import LifeDistribution
 
 Array = npt.NDArray[np.float64]
@@ -99,6 +99,8 @@ class _Toss:
             elif missing := [inner for inner in block.blocks if id(inner) not in done]:
                 todo += missing
                 continue
+            elif isinstance(block, Network):
+                done[id(block)] = _reached(block, done)
             else:
                 done[id(block)] = _gate(block, [done[id(inner)] for inner in block.blocks])
             todo.pop()
@@ -198,6 +200,27 @@ def _gate(block: Block, inputs: Sequence[Words]) -> Words:
             enough[j] |= enough[j - 1] & one
         enough[0] |= one
     return enough[-1]
+
+
+def _reached(network: Network, works: Mapping[int, Words]) -> Words:
+    """Where its sink is reached: from node to node along what works (of blocks by id()), until nothing is new."""
+    sure = np.full_like(works[id(network.blocks[0])], _ALL)
+    stands = {name: works[id(block)] for name, block in network.nodes}
+    ways = []
+    for start, end, block, one_way in network.links:
+        passes = sure if block is None else works[id(block)]
+        ways += [(start, end, passes)] + [(end, start, passes)] * (not one_way)
+    reached = {name: np.zeros_like(sure) for way in ways for name in way[:2]}
+    reached[network.source] = stands.get(network.source, sure).copy()
+    news = True
+    while news:
+        news = False
+        for start, end, passes in ways:
+            more = reached[start] & passes & stands.get(end, sure) & ~reached[end]
+            if more.any():
+                reached[end] |= more
+                news = True
+    return reached[network.sink]
 
 
 def _packed(works: npt.NDArray[np.bool_]) -> Words:

@@ -43,7 +43,7 @@ def diagram_svg(
     groups nested very deeply, a dashed box counts the parts left out. ``standalone`` makes it a file.
     """
     nodes = outline(diagram, max_boxes)
-    places = Counter(units(diagram))
+    places = Counter(units(diagram)) | Counter(names(nodes))
     labels = {name: label(name) for name in names(nodes)}
     box = max([_NARROWEST, *(_needs(says, places[name]) for name, says in labels.items())])
     drawn = layout(nodes, _measures(min(box, _WIDEST)), width - 2 * _PAD)

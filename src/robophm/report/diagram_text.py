@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from robophm.blocks.diagram import Block, units
 from robophm.report.layout import Measures, layout
-from robophm.report.outline import Label, More, Spare, outline
+from robophm.report.outline import Label, More, Spare, names, outline
 from robophm.report.style import MARKS
 
 _UP, _DOWN, _LEFT, _RIGHT = 1, 2, 4, 8  # arms of a cell; their sum indexes the lines
@@ -29,7 +29,8 @@ def diagram_text(
     ``╌>``, the next starts with ``>╌``.
     ``ascii_only`` draws with ``+-|>``, ``! x ?`` and ``&``.
     """
-    places = Counter(units(diagram))
+    nodes = outline(diagram, max_boxes)
+    places = Counter(units(diagram)) | Counter(names(nodes))
     longest = max(8, min(32, width // 3))
 
     def text(part: str | More) -> str:
@@ -60,7 +61,7 @@ def diagram_text(
         row_gap=1,
         narrowest=0,
     )
-    drawn = layout(outline(diagram, max_boxes), measures, width)
+    drawn = layout(nodes, measures, width)
     arms = [[0] * int(drawn.width) for _ in range(int(drawn.height))]
     for wire in drawn.wires:
         steps = list(zip(wire.points, wire.points[1:], strict=False))

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from robophm.blocks.diagram import Block, KOutOfN, LoadSharing, Series, Standby, Unit, units
+from robophm.blocks.diagram import Block, KOutOfN, LoadSharing, Network, Parallel, Series, Standby, Unit, units
+from robophm.blocks.network import simple_paths
 from robophm.report.style import Tone
 
+_MOST_PATHS = 12  # of a network drawn as its paths
 _DEEPEST = 12  # groups inside groups: beyond, a drawing would be all brackets
 
 
@@ -40,7 +42,7 @@ class Chain:
 
 @dataclass(frozen=True)
 class Fork:
-    """Branches side by side, at least ``k`` of ``n`` of which must work."""
+    """Branches side by side, at least ``k`` of ``n`` of which must work; k = 0: some path through them must."""
 
     k: int
     n: int
@@ -50,8 +52,8 @@ class Fork:
 
     @property
     def text(self) -> str:
-        """What stands behind them: "1/2", "1/3 standby"."""
-        return f"{self.k}/{self.n} {self.kind}".rstrip()
+        """What stands behind them: "1/2", "1/3 standby", "network"."""
+        return f"{self.k}/{self.n} {self.kind}".rstrip() if self.k else "network"
 
 
 class Spare(str):
@@ -83,11 +85,11 @@ def words(node: Node, labels: Mapping[str, Label]) -> str:
     if isinstance(node, More):
         return str(node)
     inside = ", ".join(words(inner, labels) for inner in node.nodes)
-    return (
-        f"all of ({inside})"
-        if isinstance(node, Chain)
-        else f"at least {node.k} of {node.n}{node.kind and ', ' + node.kind} ({inside})"
-    )
+    if isinstance(node, Chain):
+        return f"all of ({inside})"
+    if not node.k:
+        return f"all on a path through ({inside})"
+    return f"at least {node.k} of {node.n}{node.kind and ', ' + node.kind} ({inside})"
 
 
 class _Outliner:
@@ -107,6 +109,8 @@ class _Outliner:
         if depth == _DEEPEST:
             self.left -= 1
             return More(_count([link]))
+        if isinstance(link, Network):
+            return self.network(link, depth)
         k = link.k if isinstance(link, KOutOfN) else 1
         return Fork(k, len(link.blocks), self.nodes(link.blocks, depth + 1))
 
@@ -123,6 +127,12 @@ class _Outliner:
             drawn.append(Chain(parts) if len(parts) > 1 else parts[0])
         k, kind = (group.active, "standby") if isinstance(group, Standby) else (group.k, "load")
         return Fork(k, len(group.members), tuple(drawn), kind)
+
+    def network(self, network: Network, depth: int) -> Node:
+        """As its paths side by side where they are few, in which a part has several places, else as its blocks."""
+        if paths := simple_paths(network, _MOST_PATHS):
+            return self.node(Parallel(*(Series(*blocks) for blocks in paths)), depth)
+        return Fork(0, len(network.blocks), self.nodes(network.blocks, depth + 1))
 
     def nodes(self, blocks: Sequence[Block], depth: int) -> tuple[Node, ...]:
         drawn: list[Node] = []

@@ -6,6 +6,7 @@ import io
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from robophm.core.errors import DesignError, RobophmError, nearest
 from robophm.core.signal import signal_name
 from robophm.core.units import conversion, quantity
 from robophm.simulation.lives import LIVES, Life
-from robophm.simulation.structure import Block, Group
+from robophm.simulation.structure import Block, Group, Route
 
 Array = npt.NDArray[np.float64]
 Place = tuple[str, ...]
@@ -192,6 +193,8 @@ _KEYS: Mapping[str, set[str]] = {
     "powered": {"topic", "field"},
     "usage": {"operating", "kilometres", "cycles", "starts"},
     "k_of_n": {"k", "of"},
+    "network": {"from", "to", "links", "junctions"},
+    "link": {"between", "from", "to", "through"},
 }
 _ACCELERATIONS: Mapping[str, tuple[str, str, str, float | None]] = {
     "q10": ("temperature", "q", "", 2.0),
@@ -483,9 +486,11 @@ class _Reader:
         kinds = list(diagram) if isinstance(diagram, dict) else []
         if kinds and kinds[0] in ("standby", "load_sharing"):
             raise _Fault(place, f"{kinds[0]}: parts that depend on each other are not simulated; expected other blocks")
-        if len(kinds) != 1 or kinds[0] not in ("series", "parallel", "k_of_n"):
-            raise _Fault(place, "not a block; expected a part's name, or one of series, parallel, k_of_n")
+        if len(kinds) != 1 or kinds[0] not in ("series", "parallel", "k_of_n", "network"):
+            raise _Fault(place, "not a block; expected a part's name, or one of series, parallel, k_of_n, network")
         kind, inside = kinds[0], diagram[kinds[0]]
+        if kind == "network":
+            return self._network(level, inside, place, depth)
         k: Any = 1
         if kind == "k_of_n":
             self._keys(place, inside, "k_of_n")
@@ -494,6 +499,39 @@ class _Reader:
             raise _Fault(place, f"{kind} of nothing; expected a list of blocks")
         blocks = tuple(self._block(level, one, place, depth + 1) for one in inside)
         return Group(len(blocks) if kind == "series" else self._whole(place, k, len(blocks)), blocks)
+
+    def _network(self, level: str, said: Any, place: Place, depth: int) -> Block:
+        self._keys(place, said, "network")
+        start, end = str(said.get("from")), str(said.get("to"))
+        lists = [said.get(name) or [] for name in ("links", "junctions")]
+        if not all(isinstance(one, list) for one in lists):
+            raise _Fault(place, "expected lists of links and junctions")
+        links: list[tuple[str, str, Block | None]] = []
+        for link in lists[0]:
+            if isinstance(link, list):
+                links += [way for a, b in pairwise(map(str, link)) for way in ((a, b, None), (b, a, None))]
+                continue
+            self._keys((*place, "links"), link, "link")
+            block = link.get("through")
+            through = None if block is None else self._block(level, block, (*place, "links"), depth + 1)
+            joined = link.get("between", [link.get("from"), link.get("to")])
+            if not isinstance(joined, list) or len(joined) != 2:
+                raise _Fault((*place, "links"), f"{joined!r:.60} joins no two nodes")
+            a, b = map(str, joined)
+            links += [(a, b, through)] + [(b, a, through)] * ("between" in link)
+        named = dict.fromkeys(name for a, b, _ in links for name in (a, b))
+        perfect = {name for name in (start, end) if not self._is_part(level, name)} | set(map(str, lists[1]))
+        nodes = {name: self._named(level, name, (*place, "links")) for name in named if name not in perfect}
+        ends = {str(start)}
+        for _ in named:
+            ends |= {b for a, b, _ in links if a in ends}
+        if end not in ends or start == end:
+            raise _Fault(place, f"no path leads from '{start}' to '{end}'")
+        return Route(start, end, tuple(links), nodes)
+
+    def _is_part(self, level: str, name: str) -> bool:
+        path = name[1:] if name.startswith("/") else f"{level}/{name}" if level else name
+        return path.partition("[")[0] in self.components or path in self.levels
 
     def _named(self, level: str, name: str, place: Place) -> Block:
         path = name[1:] if name.startswith("/") else f"{level}/{name}" if level else name

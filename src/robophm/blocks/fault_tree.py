@@ -1,0 +1,85 @@
+"""A fault tree: when the top event occurs, given which basic events have. Its probability, exact for any gates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
+from robophm.blocks.graph import ALL, ANY, NOT, ODD, UNIT, Gate, graph
+from robophm.blocks.modular import Modular
+from robophm.core.errors import StructureError
+
+Array = NDArray[np.float64]
+
+
+class FaultTree:
+    """Basic events, which occur independently, and gates over them.
+
+    ``gates`` come inputs first; those of UNIT are the events in the order of ``names``, the last one is the top.
+    ``k`` is how many inputs must have occurred (ALL, ANY or a number), or NOT or ODD. What the top does not hang on
+    does not count.
+    """
+
+    def __init__(self, names: Sequence[str], gates: Sequence[Gate]) -> None:
+        self.names = tuple(names)
+        self.gates = tuple(gates)
+        if sum(gate.k == UNIT for gate in gates) != len(self.names):
+            raise StructureError(f"fault tree: {len(self.names)} names of {sum(g.k == UNIT for g in gates)} events")
+
+    @classmethod
+    def of(cls, diagram: Block) -> FaultTree:
+        """The fault tree of a block diagram: its top event is that the diagram fails, its events that units have."""
+        names, gates, _ = graph(diagram)
+        return cls(names, dual(gates))
+
+    @property
+    def coherent(self) -> bool:
+        """Whether no gate asks that something has not occurred."""
+        return all(gate.k not in (NOT, ODD) for gate in self.gates)
+
+    def diagram(self) -> Block:
+        """The block diagram that fails when the top event occurs. Raises StructureError where there is none."""
+        self.must_be_coherent("has no block diagram")
+        events = iter(self.names)
+        blocks: list[Block] = []
+        for k, inputs in dual(self.gates):
+            inner = [blocks[i] for i in inputs]
+            if k == UNIT:
+                blocks.append(Unit(next(events)))
+            elif k in (ALL, ANY):
+                blocks.append(inner[0] if len(inner) == 1 else (Series if k == ALL else Parallel)(*inner))
+            else:
+                blocks.append(KOutOfN(k, *inner))
+        return blocks[-1]
+
+    def must_be_coherent(self, otherwise: str) -> None:
+        """Raises StructureError where a gate asks that something has not occurred."""
+        if not self.coherent:
+            raise StructureError(f"fault tree: it has 'not' or 'xor' gates, so that it {otherwise}")
+
+    @cached_property
+    def modular(self) -> Modular:
+        """Solved. Raises StructureError where it is too large to solve exactly (modular.LIMIT)."""
+        return Modular(self.gates)
+
+    def probability(self, occurred: ArrayLike, not_yet: ArrayLike | None = None) -> Array:
+        """Of the top event, shape (...), from those of the events, shape (events, ...); ``not_yet`` = 1 − ``occurred``.
+
+        Nothing is subtracted: the smallest probability has all its digits. Raises StructureError as ``modular``.
+        """
+        p = np.asarray(occurred, dtype=float)
+        q = 1.0 - p if not_yet is None else np.asarray(not_yet, dtype=float)
+        if p.ndim == 0 or p.shape[0] != len(self.names) or q.shape != p.shape:
+            raise StructureError(f"first axis of {p.shape}: expected the {len(self.names)} events of the fault tree")
+        top, _ = self.modular.probability(p.reshape(len(p), -1), q.reshape(len(p), -1))
+        return top.reshape(p.shape[1:])
+
+
+def dual(gates: Sequence[Gate]) -> list[Gate]:
+    """From when something works to when it fails, or back: k of n work unless n + 1 − k have failed."""
+    swapped = {ALL: ANY, ANY: ALL, UNIT: UNIT}
+    return [Gate(swapped.get(k, len(inputs) + 1 - k), inputs) for k, inputs in gates]

@@ -1,0 +1,202 @@
+"""The nodes of reduced ordered decision diagrams that share them, and the operations that make new ones.
+
+Bryant, "Graph-based algorithms for Boolean function manipulation", IEEE Trans. Comput. C-35 (1986).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from robophm.blocks.graph import ALL, NOT, ODD
+from robophm.core.errors import StructureError
+
+FALSE, TRUE = 0, 1
+"""The two leaves."""
+
+_WORD = 32
+_MASK = (1 << _WORD) - 1
+
+
+class Table:
+    """Node g decides variable ``level[g]`` into ``high[g]``, where it is true, and ``low[g]``; no two are alike.
+
+    Raises StructureError once ``limit`` steps are taken.
+    """
+
+    def __init__(self, variables: int, limit: int) -> None:
+        self.level = [variables, variables]  # the leaves lie below every variable
+        self.high, self.low = [FALSE, TRUE], [FALSE, TRUE]
+        self._limit = limit
+        self._node: dict[tuple[int, int, int], int] = {}
+        self._both: dict[int, int] = {}
+        self._either: dict[int, int] = {}
+        self._choice: dict[tuple[int, int, int], int] = {}
+        self._opposite: dict[int, int] = {FALSE: TRUE, TRUE: FALSE}
+
+    def node(self, x: int, high: int, low: int) -> int:
+        """The node that decides x into these two."""
+        return high if high == low else self.family(x, high, low)
+
+    def family(self, x: int, high: int, low: int) -> int:
+        """The node of these two also where they are alike, as sets with x and without it are not."""
+        node = self._node.setdefault((x, high, low), len(self.level))
+        if node == len(self.level):
+            self.level.append(x)
+            self.high.append(high)
+            self.low.append(low)
+        return node
+
+    def split(self, g: int) -> tuple[int, int]:
+        """What a node is where its variable is true, and where it is false."""
+        return self.high[g], self.low[g]
+
+    def cofactors(self, g: int, x: int) -> tuple[int, int]:
+        """What a node is where x, which lies no deeper, is true, and where it is false."""
+        return (self.high[g], self.low[g]) if self.level[g] == x else (g, g)
+
+    def steps(self) -> int:
+        """How many steps have been taken."""
+        return len(self._both) + len(self._either) + len(self._choice) + len(self._opposite)
+
+    def gate(self, k: int, inputs: Sequence[int]) -> int:
+        """What a gate of these inputs is; ``k`` as of graph.Gate."""
+        if k == NOT:
+            return self.opposite(inputs[0])
+        if k == ODD:
+            odd = FALSE
+            for g in inputs:
+                odd = self.choose(odd, self.opposite(g), g)
+            return odd
+        return self.at_least(len(inputs) if k == ALL else k, inputs)
+
+    def at_least(self, k: int, inputs: Sequence[int]) -> int:
+        """True while at least k of the inputs are."""
+        inputs = sorted(inputs, key=self.level.__getitem__)
+        if k == len(inputs) or k == 1:
+            memo, absorbs = (self._both, FALSE) if k == len(inputs) else (self._either, TRUE)
+            whole = inputs[-1]
+            for g in reversed(inputs[:-1]):  # what lies deepest first
+                whole = self._combine(g, whole, memo, absorbs)
+            return whole
+        enough = [TRUE] + [FALSE] * k  # enough[j]: at least j of the inputs seen are true
+        for left, g in zip(reversed(range(len(inputs))), reversed(inputs), strict=True):
+            for j in range(k, max(k - left, 1) - 1, -1):
+                enough[j] = self.choose(g, enough[j - 1], enough[j])
+        return enough[k]
+
+    def both(self, f: int, g: int) -> int:
+        """f and g."""
+        return self._combine(f, g, self._both, FALSE)
+
+    def either(self, f: int, g: int) -> int:
+        """f or g."""
+        return self._combine(f, g, self._either, TRUE)
+
+    def _combine(self, f: int, g: int, memo: dict[int, int], absorbs: int) -> int:
+        """ "And" or "or": the leaf that absorbs is false or true, the other one changes nothing."""
+        level, high, low, unique = self.level, self.high, self.low, self._node
+        neutral = 1 - absorbs
+
+        def known(f: int, g: int) -> int:
+            """The result, or, negative, under which key it will be."""
+            if f in (g, absorbs) or g == neutral:
+                return f
+            if f == neutral or g == absorbs:
+                return g
+            key = f << _WORD | g if f < g else g << _WORD | f
+            return memo.get(key, ~key)
+
+        top = known(f, g)
+        if top >= 0:
+            return top
+        todo = [~top]
+        while todo:
+            key = todo[-1]
+            f, g = key >> _WORD, key & _MASK
+            x, y = level[f], level[g]
+            if x == y:
+                one, zero = known(high[f], high[g]), known(low[f], low[g])
+            elif x < y:
+                one, zero = known(high[f], g), known(low[f], g)
+            else:
+                one, zero, x = known(f, high[g]), known(f, low[g]), y
+            if one >= 0 and zero >= 0:
+                todo.pop()
+                if one == zero:
+                    memo[key] = one
+                    continue
+                node = unique.setdefault((x, one, zero), len(level))
+                if node == len(level):
+                    level.append(x)
+                    high.append(one)
+                    low.append(zero)
+                memo[key] = node
+                continue
+            if one < 0:
+                todo.append(~one)
+            if zero < 0:
+                todo.append(~zero)
+            if len(memo) > self._limit:
+                self._check()
+        self._check()
+        return memo[~top]
+
+    def opposite(self, f: int) -> int:
+        """True where f is false."""
+        done, todo = self._opposite, [f]
+        while todo:
+            g = todo[-1]
+            missing = [part for part in (self.high[g], self.low[g]) if part not in done] if g not in done else []
+            if missing:
+                todo += missing
+                continue
+            todo.pop()
+            if g not in done:
+                done[g] = self.node(self.level[g], done[self.high[g]], done[self.low[g]])
+        self._check()
+        return done[f]
+
+    def choose(self, f: int, g: int, h: int) -> int:
+        """The node "g if f is true, else h" (Bryant's if-then-else)."""
+        done, todo = self._choice, [(f, g, h)]
+        while todo:
+            choice = f, g, h = todo[-1]
+            if choice in done:
+                pass
+            elif f == TRUE or g == h:
+                done[choice] = g
+            elif f == FALSE:
+                done[choice] = h
+            elif (g, h) == (TRUE, FALSE):
+                done[choice] = f
+            else:
+                x = min(self.level[f], self.level[g], self.level[h])
+                (f1, f0), (g1, g0), (h1, h0) = self.cofactors(f, x), self.cofactors(g, x), self.cofactors(h, x)
+                missing = [part for part in ((f1, g1, h1), (f0, g0, h0)) if part not in done]
+                if missing:
+                    todo += missing
+                    if len(done) > self._limit:
+                        self._check()
+                    continue
+                done[choice] = self.node(x, done[f1, g1, h1], done[f0, g0, h0])
+            todo.pop()
+        self._check()
+        return done[f, g, h] if (f, g, h) in done else done[choice]
+
+    def _check(self) -> None:
+        if self.steps() > self._limit:
+            raise too_large(self._limit)
+
+
+class TooLargeError(StructureError):
+    """A decision diagram takes too many steps; ``gates`` of them were made."""
+
+    gates = 0
+
+
+def too_large(limit: int) -> TooLargeError:
+    """What is said of a diagram that takes too many steps."""
+    return TooLargeError(
+        f"shared parts: too many to solve exactly, their decision diagram exceeds {limit:,} steps; "
+        "expected fewer parts that are drawn in several places, or an estimate by simulation (Monte Carlo)"
+    )

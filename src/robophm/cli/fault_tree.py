@@ -1,0 +1,174 @@
+"""Fault trees and minimal sets, of a robot or of a model in the Open-PSA format."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from itertools import islice, takewhile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.blocks.cut_sets import MinimalSet, MinimalSets
+from robophm.blocks.diagram import Block, Unit
+from robophm.blocks.fault_tree import FaultTree
+from robophm.cli.output import console, print_json, print_table, table, write
+from robophm.core.errors import RobophmError, StructureError, nearest
+from robophm.design.open_psa import load
+from robophm.design.open_psa.writing import document
+from robophm.design.robot import Robot
+from robophm.health.plant import Plant
+from robophm.health.prognosis import as_designed
+from robophm.life.exponential import Exponential
+from robophm.report.words import number_text, probability_text
+
+_ORDERS = 10  # of which the numbers of sets are stated
+
+
+@dataclass(frozen=True)
+class System:
+    """What is asked about: a tree, and the probabilities of its events."""
+
+    name: str
+    when: str
+    tree: FaultTree
+    occurred: npt.NDArray[np.float64]
+    not_yet: npt.NDArray[np.float64]
+    diagram: Block | None = None
+    rates: dict[str, float] = field(default_factory=dict)
+    """Of events that fail at a constant rate [1/h]."""
+
+
+def of_robot(robot: Robot, function: str | None, hours: float) -> System:
+    """A robot, or a function of it, new and as designed, after so many operating hours."""
+    if not math.isfinite(hours):
+        raise RobophmError(f"{hours:g} h: expected a finite number")
+    if function is not None and function not in robot.functions:
+        raise RobophmError(f"no function '{function}'{nearest(function, robot.functions)}")
+    diagram = robot.functions[function] if function else robot.diagram
+    tree, new = FaultTree.of(diagram), as_designed(Plant(robot))
+    states = [new.survival_curve(Unit(name), np.array([hours])) for name in tree.names]
+    rates: dict[str, float] = {}
+    for part in robot.all_components():
+        if all(isinstance(mode.life, Exponential) for mode in part.modes):
+            each = math.fsum(robot.usage.per_operating_hour(mode.clock) * mode.share * mode.rate for mode in part.modes)
+            calendar = any(mode.clock == "calendar" for mode in part.modes)
+            if not calendar:
+                rates |= dict.fromkeys(part.units, part.multiplicity * each)
+    name = f"{robot.name}: {function}" if function else robot.name
+    return System(
+        name, f"after {number_text(hours)} h of operation, new and as designed", tree,
+        np.array([float(one.failed[0]) for one in states]), np.array([float(one.works[0]) for one in states]),
+        diagram, rates,
+    )  # fmt: skip
+
+
+def of_model(path: Path, time: float | None, top: str | None) -> System:
+    """A model in the Open-PSA format, at a mission time."""
+    model = load(path, time, top)
+    if model.tree is None:
+        says = "always occurs" if model.certain else "never occurs"
+        raise StructureError(f"{path}: '{model.name}' {says}: constants and house events decide it")
+    when = f"at {number_text(time)} h" if time is not None else "as given"
+    return System(model.name, when, model.tree, model.occurred, model.not_yet)
+
+
+def cut_sets(system: System, *, paths: bool, order: int | None, most: int, as_json: bool) -> None:
+    """List the minimal cut sets, or path sets, of a robot."""
+    probability = float(system.tree.probability(system.occurred, system.not_yet))
+    if paths and system.diagram is not None:
+        sets = MinimalSets.paths(system.diagram)
+        place = {name: i for i, name in enumerate(system.tree.names)}
+        listed = _Listed(sets, system.not_yet[[place[name] for name in sets.names]], order, most)
+        share_of = 1.0 - probability
+    else:
+        listed, share_of = _Listed(MinimalSets(system.tree), system.occurred, order, most), probability
+    kind = "path" if paths else "cut"
+    if as_json:
+        print_json({"system": system.name, "when": system.when, "unreliability": probability,
+                    f"{kind}_sets": listed.to_json(share_of)})  # fmt: skip
+        return
+    out = console()
+    out.print(f"{system.name}, {system.when}: has failed with {probability_text(probability)}", markup=False)
+    listed.show(kind, share_of)
+
+
+def tree(system: System, *, order: int | None, most: int, to: Path | None, as_json: bool) -> None:
+    """State the probability of the top event, list the cut sets of a coherent tree, and write it where wanted."""
+    probability = float(system.tree.probability(system.occurred, system.not_yet))
+    listed = _Listed(MinimalSets(system.tree), system.occurred, order, most) if system.tree.coherent else None
+    if to:
+        write(to, document(system.name, system.tree, list(map(float, system.occurred)), system.rates))
+    size = {"basic_events": len(system.tree.names), "gates": len(system.tree.gates) - len(system.tree.names)}
+    if as_json:
+        print_json({
+            "top_event": system.name, "when": system.when, "probability": probability, **size,
+            "modules": len(system.tree.modular.parts), "nodes": system.tree.modular.size,
+            "coherent": system.tree.coherent, "cut_sets": listed.to_json(probability) if listed else None,
+        })  # fmt: skip
+        return
+    out = console()
+    out.print(f"{system.name}, {system.when}: occurs with {probability:.6g}", markup=False)
+    out.print(f"{size['basic_events']} basic events, {size['gates']} gates; solved as {len(system.tree.modular.parts)} "
+              f"modules by {system.tree.modular.size} nodes", markup=False)  # fmt: skip
+    if listed:
+        listed.show("cut", probability)
+    else:
+        out.print(
+            "It has 'not' or 'xor' gates: no minimal cut sets are listed, the probability is exact.", markup=False
+        )
+    if to:
+        out.print(f"Written: {to}", markup=False)
+
+
+class _Listed:
+    """Minimal sets, some of them listed."""
+
+    def __init__(self, sets: MinimalSets, probability: npt.NDArray[np.float64], order: int | None, most: int) -> None:
+        self.count, self.by_order = sets.count(), sets.count_by_order(_ORDERS)
+        self.mass = sets.mass(probability)
+        if order is None:
+            found = sets.likeliest(probability)
+        else:
+            found = takewhile(lambda one: len(one.names) <= order, sets.smallest(probability))
+        self.sets: list[MinimalSet] = list(islice(found, most))
+        self.neglected = max(self.mass - math.fsum(one.probability for one in self.sets), 0.0)
+        if len(self.sets) == self.count:
+            self.neglected = 0.0
+
+    def to_json(self, whole: float) -> dict[str, Any]:
+        """For machines; shares are of the ``whole``."""
+        return {
+            "count": self.count,
+            "count_by_order": {str(i): n for i, n in enumerate(self.by_order, 1)},
+            "sum_of_probabilities": self.mass,
+            "sum_of_those_not_listed": self.neglected,
+            "listed": [
+                {"parts": list(one.names), "probability": one.probability,
+                 "share": one.probability / whole if whole > 0 else None}
+                for one in self.sets
+            ],
+        }  # fmt: skip
+
+    def show(self, kind: str, whole: float) -> None:
+        """For people."""
+        out = console()
+        by_order = ", ".join(f"{n:,} of {i}" for i, n in enumerate(self.by_order, 1) if n)
+        rest = self.count - sum(self.by_order)
+        more = f", {rest:,} of more than {_ORDERS}" if rest and by_order else ""
+        out.print(
+            f"{self.count:,} minimal {kind} sets: {by_order or f'all of more than {_ORDERS}'}{more}", markup=False
+        )
+        rows = [
+            (str(len(one.names)), f"{one.probability:.4g}",
+             f"{100 * one.probability / whole:.3g} %" if whole > 0 else "–", ", ".join(one.names))
+            for one in self.sets
+        ]  # fmt: skip
+        print_table(out, table("", ("parts", "probability", "share", f"minimal {kind} set"), rows, figures=(0, 1, 2)))
+        if len(self.sets) < self.count:
+            out.print(
+                f"{self.count - len(self.sets):,} more are not listed; their probabilities add up to "
+                f"{self.neglected:.3g}, of all {self.mass:.4g}.", markup=False
+            )  # fmt: skip

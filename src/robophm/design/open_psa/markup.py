@@ -1,0 +1,85 @@
+"""XML from outside, read within bounds: no entities, nothing fetched, every element with its line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.parsers import expat
+
+from robophm.core.errors import DesignError
+
+MAX_BYTES = 50_000_000
+"""A larger file is refused before it is parsed."""
+
+MAX_DEPTH = 100
+"""Elements inside elements."""
+
+MAX_ELEMENTS = 2_000_000
+
+
+@dataclass(frozen=True)
+class Element:
+    """One element; ``text`` is what stands in it outside of other elements."""
+
+    tag: str
+    attributes: Mapping[str, str]
+    line: int
+    children: list[Element] = field(default_factory=list)
+    text: list[str] = field(default_factory=list)
+
+    def inside(self) -> Iterator[Element]:
+        """Its children less what only describes it."""
+        return (child for child in self.children if child.tag not in ("label", "attributes"))
+
+
+class Markup:
+    """Reads one file. Errors are one line: file, line, what is wrong."""
+
+    def __init__(self, path: Path) -> None:
+        self.name = str(path)
+        try:
+            with path.open("rb") as file:
+                self._text = file.read(MAX_BYTES + 1)
+        except OSError as error:
+            raise DesignError(f"{path}: cannot be read: {error.strerror}") from None
+        if len(self._text) > MAX_BYTES:
+            raise DesignError(f"{path}: is larger than {MAX_BYTES:,} bytes")
+
+    def fault(self, line: int, message: str) -> DesignError:
+        """An error at a line."""
+        return DesignError(f"{self.name}:{line}: {message}")
+
+    def root(self) -> Element:
+        """The outermost element. Raises DesignError for what is no XML, declares entities, or exceeds the bounds."""
+        parser = expat.ParserCreate()
+        outermost: list[Element] = []
+        stack: list[Element] = []
+        count = 0
+
+        def start(tag: str, attributes: dict[str, str]) -> None:
+            nonlocal count
+            count += 1
+            line = parser.CurrentLineNumber
+            if count > MAX_ELEMENTS:
+                raise self.fault(line, f"more than {MAX_ELEMENTS:,} elements")
+            if len(stack) >= MAX_DEPTH:
+                raise self.fault(line, f"is nested too deeply; expected at most {MAX_DEPTH} levels")
+            element = Element(tag, attributes, line)
+            (stack[-1].children if stack else outermost).append(element)
+            stack.append(element)
+
+        def entity(*declaration: object) -> None:
+            raise self.fault(parser.CurrentLineNumber, f"declares the entity '{declaration[0]}'; none is taken")
+
+        parser.StartElementHandler = start
+        parser.EndElementHandler = lambda _tag: stack.pop()
+        parser.CharacterDataHandler = lambda text: stack[-1].text.append(text)
+        parser.EntityDeclHandler = entity
+        try:
+            parser.Parse(self._text, True)
+        except expat.ExpatError as error:
+            raise self.fault(error.lineno, f"is no XML: {expat.ErrorString(error.code)}") from None
+        except (ValueError, LookupError) as error:  # of an unknown encoding
+            raise self.fault(1, f"is no XML: {error}") from None
+        return outermost[0]

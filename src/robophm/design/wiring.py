@@ -1,0 +1,308 @@
+"""How the parts of a design are wired: its diagrams of names become diagrams of units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+from robophm.blocks import diagram as blocks
+from robophm.core.errors import StructureError, nearest
+from robophm.design import schema
+from robophm.design.fault import Fault, Path
+from robophm.design.robot import Component, Module
+
+
+class Wiring:
+    """Diagrams of names become diagrams of units; what contains itself, or depends on itself, is found."""
+
+    def __init__(
+        self,
+        modules: Mapping[str, Any],
+        components: Mapping[str, Component],
+        places: Mapping[str, Path],
+        depends_on: Mapping[str, Any],
+        causes: Mapping[str, Sequence[str]],
+    ) -> None:
+        self.modules, self.components, self.places, self.depends_on = modules, components, places, depends_on
+        self.causes = causes
+        """In series with each unit."""
+        self.expanded: dict[str, blocks.Block] = {}
+        self.under_way: list[tuple[str, str]] = []
+        """(what is done, to which path)"""
+        self.groups: dict[str, blocks.Group] = {}  # of parts that depend on each other, by name
+        self.group_places: dict[str, Path] = {}
+
+    def module(self, module: Module) -> Module:
+        """The module and those in it, with their diagrams."""
+        inner = tuple(self.module(child) for child in module.modules)
+        parts = tuple(self.components[part.path] for part in module.components)
+        wiring, diagram = self._wiring(module.path), self.path("", module.path, ())
+        return replace(module, modules=inner, components=parts, wiring=wiring, diagram=diagram)
+
+    def parts(self, level: str, names: Iterable[str], place: Path) -> list[str]:
+        """Paths of the components or units that are named at a level."""
+        found = []
+        for i, name in enumerate(names):
+            at = (*place, str(i))
+            found.append(self._resolve(level, name, at))
+            if found[-1] in self.modules:
+                raise Fault(at, f"'{name}' is a module; expected a part")
+        return found
+
+    def needs(self, path: str) -> blocks.Block:
+        """What a module or component depends on, as drawn."""
+        level, said = path.rpartition("/")[0], self.depends_on[path]
+        place = (*self.places[path], "depends_on")
+        if isinstance(said, list):
+            return blocks.Series(*(self._named(level, one, (*place, str(i))) for i, one in enumerate(said)))
+        return self._named(level, said, place)
+
+    def _wiring(self, path: str) -> blocks.Block:
+        level = self.modules[path]
+        place = (*self.places[path], "diagram")
+        if level.diagram is None:
+            names = [_join(path, name) for name in (*level.modules, *level.components)]
+            return blocks.Series(*names)
+        return self._named(path, level.diagram, place)
+
+    def _named(self, level: str, diagram: Any, place: Path) -> blocks.Block:
+        """The diagram with every name made a path from the robot down."""
+        if isinstance(diagram, str):
+            return blocks.Unit(self._resolve(level, diagram, place))
+        try:
+            if isinstance(diagram, schema.Series):
+                return blocks.Series(*self._inner(level, diagram.series, (*place, "series")))
+            if isinstance(diagram, schema.Parallel):
+                return blocks.Parallel(*self._inner(level, diagram.parallel, (*place, "parallel")))
+            if isinstance(diagram, schema.Network):
+                return self._network(level, diagram.network, (*place, "network"))
+            if isinstance(diagram, schema.KOutOfN):
+                group = diagram.k_of_n
+                return blocks.KOutOfN(group.k, *self._inner(level, group.of, (*place, "k_of_n", "of")))
+            return self._group(level, diagram, place)
+        except StructureError as error:
+            raise Fault(place, str(error)) from None
+
+    def _inner(self, level: str, diagrams: Iterable[Any], place: Path) -> list[blocks.Block]:
+        return [self._named(level, diagram, (*place, str(i))) for i, diagram in enumerate(diagrams)]
+
+    def _network(self, level: str, network: schema.NetworkGroup, place: Path) -> blocks.Network:
+        links: list[blocks.Link] = []
+        for i, said in enumerate(network.links):
+            at = (*place, "links", str(i))
+            if isinstance(said, list):
+                links += [blocks.Link(start, end) for start, end in pairwise(said)]
+                continue
+            start, end = said.between or (str(said.start), str(said.end))
+            through = self._named(level, said.through, (*at, "through")) if said.through is not None else None
+            links.append(blocks.Link(start, end, through, one_way=said.between is None))
+        ends, nodes = (network.start, network.end), {}
+        for name in network.junctions:
+            if self._is_part(level, name):
+                raise Fault((*place, "junctions"), f"'{name}' is a part, which may fail; expected it in links alone")
+            if not any(name in (link.start, link.end) for link in links):
+                raise Fault((*place, "junctions"), f"no link joins '{name}' to anything")
+        for name in dict.fromkeys(name for link in links for name in (link.start, link.end)):
+            if name not in network.junctions and (name not in ends or self._is_part(level, name)):
+                if not self._is_part(level, name):
+                    known = (*network.junctions, *ends, *self._known(level))
+                    raise Fault((*place, "links"), f"'{name}' is neither a part nor in junctions{nearest(name, known)}")
+                nodes[name] = blocks.Unit(self._resolve(level, name, (*place, "links")))
+        try:
+            return blocks.Network(*ends, links, nodes)
+        except StructureError as error:
+            raise Fault(place, str(error).removeprefix("network: ")) from None
+
+    def _group(self, level: str, diagram: schema.Standby | schema.LoadSharing, place: Path) -> blocks.Block:
+        """A group whose members are paths; the equal parts of a component are members of their own."""
+        kind, said = ("standby", diagram.standby) if isinstance(diagram, schema.Standby) else (
+            "load_sharing", diagram.load_sharing)  # fmt: skip
+        place = (*place, kind)
+        members: list[tuple[str, ...]] = []
+        for name in said.of:
+            path = self._resolve(level, name, place)
+            component = self.components.get(path)
+            units = component.units if component else (path,)
+            if component and component.required not in (1, component.quantity):
+                raise Fault(place, f"'{name}': {component.required} of {component.quantity}; expected a quantity alone")
+            members += [(unit,) for unit in units]
+        name = f"{kind.replace('_', ' ')} of {', '.join(member for (member,) in members)}"
+        if isinstance(said, schema.StandbyGroup):
+            return blocks.Standby(name, tuple(members), said.active, said.dormancy, said.switch)
+        factors = tuple(said.factors or ()) or blocks.equal_share(len(members), said.k, said.exponent or 0.0)
+        return blocks.LoadSharing(name, tuple(members), said.k, factors)
+
+    def _expand_group(self, level: str, group: blocks.Group, place: Path) -> blocks.Group:
+        """The group down to units, once for each name."""
+        members = []
+        for (path,) in group.members:
+            parts = series(self.path(level, path, place))
+            if parts is None:
+                raise Fault(
+                    place, f"'{path}' is not of parts in series; expected a part, or a module of parts in series"
+                )
+            for unit in parts:
+                component = self.components.get(unit.partition("[")[0])
+                if not component:
+                    raise Fault(
+                        place, f"'{path}' may fail together with others ({unit}); expected a part that does not"
+                    )
+                for mode in component.modes:
+                    if mode.scaling == "hazard":
+                        raise Fault(place, f"{mode.path}: scaling 'hazard' in a group of parts; expected 'age'")
+                    if mode.uncertainty:
+                        raise Fault(
+                            place, f"{mode.path}: 'uncertainty' in a group of parts; expected a rate that is exact"
+                        )
+            members.append(parts)
+        found = replace(group, members=tuple(members))
+        if self.groups.setdefault(group.name, found) != found:
+            raise Fault(place, f"{group.name}: drawn elsewhere with other numbers; expected the same")
+        self.group_places.setdefault(group.name, place)
+        return found
+
+    def check_groups(self, used: Iterable[str]) -> None:
+        """Raise Fault where a member of a group is drawn outside it too."""
+        of: dict[str, str] = {}
+        for name, group in self.groups.items():
+            for unit in (unit for member in group.members for unit in member):
+                other = of.setdefault(unit, name)
+                if other != name:
+                    raise Fault(self.group_places[name], f"'{unit}' is a member of two groups; expected of one")
+        if alone := next((unit for unit in sorted(used) if unit in of), None):
+            raise Fault(self.group_places[of[alone]], f"'{alone}' is drawn outside its group too; expected in it alone")
+
+    def _is_part(self, level: str, name: str) -> bool:
+        path = (name[1:] if name.startswith("/") else _join(level, name)).partition("[")[0]
+        return path in self.components or path in self.modules
+
+    def _resolve(self, level: str, name: str, place: Path) -> str:
+        """A name in a diagram: of this level, below it by path, or from the robot down after a leading '/'."""
+        path = name[1:] if name.startswith("/") else _join(level, name)
+        stem, bracket, _ = path.partition("[")
+        component = self.components.get(stem)
+        if component and bracket:
+            if path in component.units:
+                return path
+            raise Fault(
+                place,
+                f"'{name}': {stem} has quantity {component.quantity}; expected [1] … [{component.quantity}]",
+            )
+        if path in self.modules or component:
+            return path
+        raise Fault(place, f"unknown part '{name}'{nearest(name, self._known(level))}")
+
+    def _known(self, level: str) -> list[str]:
+        """The names that a diagram of this level may draw."""
+        paths = (*self.components, *self.modules)
+        return [path.removeprefix(f"{level}/") if level else path for path in paths if path]
+
+    def block(self, path: Path, diagram: Any, place: Path) -> blocks.Block:
+        """A diagram that a level draws, expanded to units."""
+        level = "/".join(path)
+        return self._expand(level, self._named(level, diagram, place), place)
+
+    def path(self, level: str, path: str, place: Path) -> blocks.Block:
+        """What must work so that a module, a component or a member of one, drawn at a level, does its work.
+
+        It needs what it depends on, and what the modules around it do, up to one that is around the level too.
+        """
+        itself = self._itself(path, place)
+        steps = path.partition("[")[0].split("/")
+        around = ("/".join(steps[: n + 1]) for n in range(len(steps)))
+        needed = [one for one in around if one in self.depends_on and not f"{level}/".startswith(f"{one}/")]
+        if not needed:
+            return itself
+        return blocks.Series(itself, *(self._once("depends on", one, place) for one in needed))
+
+    def _itself(self, path: str, place: Path) -> blocks.Block:
+        component = self.components.get(path.partition("[")[0])
+        if not component:
+            return self._once("contains", path, place)
+        if path in component.units:
+            return self._unit(path, self.causes.get(path, ()))
+        first, *others = (self.causes.get(unit, ()) for unit in component.units)
+        of_all = [cause for cause in first if all(cause in causes for causes in others)]  # need not be told apart
+        units = (
+            self._unit(unit, [cause for cause in self.causes.get(unit, ()) if cause not in of_all])
+            for unit in component.units
+        )
+        group = blocks.KOutOfN(component.required, *units)
+        return blocks.Series(group, *of_all) if of_all else group
+
+    @staticmethod
+    def _unit(name: str, causes: Sequence[str]) -> blocks.Block:
+        return blocks.Series(name, *causes) if causes else blocks.Unit(name)
+
+    def _once(self, what: str, path: str, place: Path) -> blocks.Block:
+        """Expanded: what a module contains, or what something depends on."""
+        key = f"{what} {path}"
+        if key not in self.expanded:
+            if (what, path) in self.under_way:
+                circle = [*self.under_way[self.under_way.index((what, path)) :], (what, path)]
+                steps = " → ".join(step or "the robot" for _, step in circle)
+                raise Fault(place, f"cycle: {steps} {what} itself")
+            self.under_way.append((what, path))
+            if what == "contains":
+                level, drawn, at = path, self._wiring(path), (*self.places[path], "diagram")
+            else:
+                level, drawn, at = path.rpartition("/")[0], self.needs(path), (*self.places[path], "depends_on")
+            self.expanded[key] = self._expand(level, drawn, at)
+            self.under_way.pop()
+        return self.expanded[key]
+
+    def _expand(self, level: str, block: blocks.Block, place: Path) -> blocks.Block:
+        if isinstance(block, blocks.Group):
+            return self._expand_group(level, block, place)
+        if isinstance(block, blocks.Unit):
+            return self.path(level, block.name, place)
+        return blocks.with_blocks(block, [self._expand(level, child, place) for child in block.blocks])
+
+
+def series(block: blocks.Block) -> tuple[str, ...] | None:
+    """The units of a diagram that are all in series; None where they are not."""
+    found: list[str] = []
+    todo = [block]
+    while todo:
+        top = todo.pop()
+        if isinstance(top, blocks.Group | blocks.Network) or (isinstance(top, blocks.Parallel) and len(top.blocks) > 1):
+            return None
+        if isinstance(top, blocks.Unit):
+            found.append(top.name)
+        elif isinstance(top, blocks.KOutOfN) and top.k < len(top.blocks):
+            return None
+        else:
+            todo += reversed(top.blocks)
+    return tuple(dict.fromkeys(found))
+
+
+def _join(level: str, name: str) -> str:
+    return f"{level}/{name}" if level else name
+
+
+def told_apart(level: Any) -> Iterable[str]:
+    """Names by which a design tells equal parts apart: drawn as 'motor[2]' or in a group, or what may fail together."""
+    for group in level.common_causes.values():
+        yield from group.of
+    stack: list[Any] = [level.diagram, *getattr(level, "functions", {}).values()]
+    stack += [below.depends_on for below in (*level.modules.values(), *level.components.values())]
+    while stack:
+        block = stack.pop()
+        if isinstance(block, str):
+            if block.endswith("]"):
+                yield block
+        elif isinstance(block, list):
+            stack += block
+        elif isinstance(block, schema.Standby | schema.LoadSharing):
+            yield from (block.standby if isinstance(block, schema.Standby) else block.load_sharing).of
+        elif isinstance(block, schema.Network):
+            stack += block.network.links
+        elif isinstance(block, schema.NetworkLink):
+            stack += [*(block.between or (block.start, block.end)), block.through]
+        elif block is not None:
+            inner = getattr(block, next(kind for kind in schema.BLOCKS if hasattr(block, kind)))
+            stack += getattr(inner, "of", inner)
+    for module in level.modules.values():
+        yield from told_apart(module)

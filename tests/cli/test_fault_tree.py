@@ -1,0 +1,118 @@
+"""robophm fault-tree and robophm cutsets, run as a newcomer does."""
+
+import json
+import math
+
+import pytest
+
+ROBOT = """
+schema_version: 1
+name: Pair
+components:
+  computer: {rate: 10 FPMH}
+  motor: {rate: 50 FPMH, quantity: 2, required: 1}
+  lamp: {rate: 5 FPMH, life: {distribution: weibull, shape: 2}}
+functions: {see: lamp, move: {series: [computer, motor]}}
+"""
+
+
+@pytest.fixture
+def robot(tmp_path):
+    path = tmp_path / "robot.yaml"
+    path.write_text(ROBOT)
+    return path
+
+
+def failed(per_million_hours: float, hours: float) -> float:
+    return -math.expm1(-per_million_hours * 1e-6 * hours)
+
+
+def test_the_cut_sets_of_a_robot(run, robot):
+    done = run("cutsets", robot, "--at", 2000, "--function", "move", "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    said = json.loads(done.stdout)
+    computer, motor = failed(10, 2000), failed(50, 2000)
+    assert said["unreliability"] == pytest.approx(1 - (1 - computer) * (1 - motor**2), rel=1e-12)
+    sets = {tuple(one["parts"]): one for one in said["cut_sets"]["listed"]}
+    assert sets["computer",]["probability"] == pytest.approx(computer, rel=1e-12)
+    assert sets["motor[1]", "motor[2]"]["probability"] == pytest.approx(motor**2, rel=1e-12)
+    assert sets["computer",]["share"] == pytest.approx(computer / said["unreliability"], rel=1e-12)
+    assert said["cut_sets"]["count"] == 2
+    text = run("cutsets", robot, "--paths").stdout
+    assert "2 minimal path sets: 2 of 3" in text
+    assert "computer, motor[1], lamp" in text
+
+
+def test_few_are_listed_and_the_rest_is_stated(run, robot):
+    text = run("cutsets", robot, "--order", 1).stdout
+    assert "3 minimal cut sets: 2 of 1, 1 of 2" in text
+    assert "motor[1]" not in text
+    assert f"1 more are not listed; their probabilities add up to {failed(50, 1000) ** 2:.3g}" in text
+
+
+def test_a_robots_tree_is_written_and_says_the_same(run, robot, tmp_path):
+    first = json.loads(run("fault-tree", robot, "--time", 500, "--to", "tree.xml", "--json").stdout)
+    second = json.loads(run("fault-tree", "tree.xml", "--time", 500, "--json").stdout)
+    assert second["probability"] == pytest.approx(first["probability"], rel=1e-12)
+    assert second["cut_sets"]["count"] == first["cut_sets"]["count"] == 3
+    assert '<exponential><float value="1e-05"/>' in (tmp_path / "tree.xml").read_text()
+    shown = json.loads(run("show", robot, "--hours", 500, "--json").stdout)
+    assert first["probability"] == pytest.approx(shown["modules"][0]["unreliability"], rel=1e-12)
+
+
+def test_mistakes_are_one_line(run, robot, tmp_path):
+    (tmp_path / "bad.xml").write_text("<opsa-mef>\n<define-fault-tree name='x'>\n")
+    (tmp_path / "sure.xml").write_text(
+        '<opsa-mef><define-fault-tree name="t"><define-gate name="g"><constant value="true"/></define-gate>'
+        "</define-fault-tree></opsa-mef>"
+    )
+    for words, says in (
+        (("fault-tree", "bad.xml"), "bad.xml:3: is no XML: no element found"),
+        (("fault-tree", "none.xml"), "none.xml: cannot be read: No such file"),
+        (("fault-tree", "sure.xml"), "'g' always occurs: constants and house events decide it"),
+        (("cutsets", robot, "--function", "mve"), "no function 'mve'; did you mean 'move'?"),
+        (("fault-tree", robot, "--top", "x"), "--top is of a model"),
+        (("fault-tree", "bad.xml", "--function", "x"), "--function is of a robot"),
+        (("fault-tree", robot, "--to", "no/tree.xml"), "no such folder"),
+        (("cutsets", robot, "--at", "inf"), "expected a finite number"),
+    ):
+        done = run(*words)
+        assert done.returncode == 3
+        assert says in done.stderr
+        assert done.stderr.count("\n") == 1
+        assert done.stdout == ""
+
+
+def test_a_tree_with_not_has_a_probability_and_no_cut_sets(run, tmp_path):
+    (tmp_path / "m.xml").write_text(
+        '<opsa-mef><define-fault-tree name="t"><define-gate name="g"><and><basic-event name="a"/><not>'
+        '<basic-event name="b"/></not></and></define-gate></define-fault-tree><model-data><define-basic-event name="a">'
+        '<float value="0.5"/></define-basic-event><define-basic-event name="b"><float value="0.25"/>'
+        "</define-basic-event></model-data></opsa-mef>"
+    )
+    text = run("fault-tree", "m.xml").stdout
+    assert "occurs with 0.375" in text
+    assert "no minimal cut sets are listed" in text
+
+
+def test_common_causes_and_groups_are_events(run, tmp_path):
+    """Of a pair that may fail together and a cold pair: the cause and the group are cut sets of one."""
+    (tmp_path / "robot.yaml").write_text("""
+schema_version: 1
+name: R
+components:
+  motor: {rate: 50 FPMH, quantity: 2, required: 1}
+  A: {rate: 20 FPMH}
+  B: {rate: 20 FPMH}
+common_causes: {heat: {of: [motor], beta: 0.1}}
+diagram: {series: [motor, {standby: {of: [A, B]}}]}
+""")
+    said = json.loads(run("fault-tree", "robot.yaml", "--time", 1000, "--to", "tree.xml", "--json").stdout)
+    sets = {tuple(one["parts"]): one["probability"] for one in said["cut_sets"]["listed"]}
+    assert sets == {
+        ("heat",): pytest.approx(failed(5, 1000), rel=1e-12),
+        ("motor[1]", "motor[2]"): pytest.approx(failed(45, 1000) ** 2, rel=1e-12),
+        ("standby of A, B",): pytest.approx(1 - math.exp(-0.02) * 1.02, rel=1e-10),
+    }
+    again = json.loads(run("fault-tree", "tree.xml", "--time", 1000, "--json").stdout)
+    assert again["probability"] == pytest.approx(said["probability"], rel=1e-12)
