@@ -8,6 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 DESIGN = """
 schema_version: 1
 name: rover
@@ -56,3 +58,14 @@ def test_the_2020_tool_knows_no_groups(inside: Callable[..., Any], tmp_path: Pat
     refused = inside("show", "robot.yaml", "--legacy")
     assert refused.returncode != 0
     assert "standby of A, B" in refused.stderr
+
+
+def test_chance_knows_what_fails_together(inside: Callable[..., Any], tmp_path: Path) -> None:
+    """Of a pair, a tenth of whose failures takes both: R = exp(−βλt)·(1 − (1 − exp(−(1 − β)λt))²)."""
+    text = "schema_version: 1\nname: R\ncomponents: {A: {rate: 1e-3 /h}, B: {rate: 1e-3 /h}}\n"
+    text += "common_causes: {flood: {of: [A, B], beta: 0.1}}\ndiagram: {parallel: [A, B]}\n"
+    (tmp_path / "pair.yaml").write_text(text)
+    found = json.loads(inside("show", "pair.yaml", "--hours", "100", "--monte-carlo", "100000", "--json").stdout)
+    expected = math.exp(-0.01) * (1 - (1 - math.exp(-0.09)) ** 2)
+    error = math.sqrt(expected * (1 - expected) / 100_000)
+    assert found["probability"] == pytest.approx(expected, abs=5 * error)

@@ -56,7 +56,12 @@ def estimate(robot: Robot, hours: float, samples: int, seed: int) -> Estimate:
     """Reliability of the new robot after so many operating hours, nominal, by chance; also where nothing is exact."""
     units = {
         unit: [
-            Wear(mode.life, robot.usage.per_operating_hour(mode.clock), mode.initial_exposure, part.multiplicity)
+            Wear(
+                mode.life,
+                robot.usage.per_operating_hour(mode.clock),
+                mode.initial_exposure,
+                mode.share * part.multiplicity,
+            )
             for mode in part.modes
         ]
         for part in robot.all_components()

@@ -38,7 +38,7 @@ class Wear:
     age: float = 0.0
     """At the start [unit of its clock]; of a part that stands alone its life before counts too."""
     multiplicity: float = 1.0
-    """Equal parts in series."""
+    """Of the hazard of its life: equal parts in series, less what they share with a common cause."""
 
 
 @dataclass(frozen=True)
