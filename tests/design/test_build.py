@@ -226,8 +226,8 @@ def test_what_would_count_is_not_left_unheard():
     with pytest.raises(DesignError) as refused:
         robot(CHIP % "")
     assert str(refused.value) == (
-        "design:7: components/Chip/hazard/inputs: mil_hdbk_217f.microcircuit.processor says nothing of "
-        "'case_temperature', which signals/case_temperature measures; expected its value as designed, "
+        "design:7: components/Chip/hazard/inputs: 'case_temperature' is measured (signals/case_temperature), but its "
+        "value as designed is not stated, and mil_hdbk_217f.microcircuit.processor answers to it; expected "
         "case_temperature: -55 … 175 degC"
     )
     assert signals(modes(CHIP % ", case_temperature: 50 degC")["Chip"]) == {"case_temperature": "/t.data"}

@@ -381,8 +381,8 @@ class _Builder:
                 signal = "/".join(scope.signals[name][0])
                 raise Fault(
                     place,
-                    f"{model.name} says nothing of '{name}', which {signal} measures; expected its value as designed, "
-                    f"{name}: {model.expected(name)}",
+                    f"'{name}' is measured ({signal}), but its value as designed is not stated, and {model.name} "
+                    f"answers to it; expected {name}: {model.expected(name)}",
                 )
         return Stress(model, design, channels)
 

@@ -130,6 +130,8 @@ REFERENCE = [
     ("nswc_11.electric_motor", "C_alt", {"altitude": "3300 foot"}, 1),
     ("nswc_11.actuator_axial_load", "C_T", {"temperature": "25.2 degC"}, 1),
     ("nswc_11.actuator_side_load", "C_S", {"filter_size": "10 um"}, 1),
+    ("nswc_11.coupling", "λ_CP,B", {}, 5.0),
+    ("nswc_11.coupling", "λ_H", {}, 0.001),
     ("nswc_11.shaft", "C_T", {"temperature": "160 degF"}, 1),
     ("nswc_11.shaft", "C_SC,R", {"diameter": "10 mm", "step_diameter": "10.001 mm", "fillet_radius": "3 mm"}, 1),
 ]  # fmt: skip
