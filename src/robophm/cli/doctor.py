@@ -12,7 +12,7 @@ from pathlib import Path
 from robophm.cli import INVALID
 from robophm.cli.output import console, print_json
 
-NEEDED = ("robophm", "numpy", "scipy", "pydantic", "ruamel.yaml", "typer", "rich", "pint", "rosbags", "mcap")
+NEEDED = ("robophm", "numpy", "scipy", "pydantic", "ruamel.yaml", "typer", "rich", "pint", "rosbags", "mcap", "PyYAML")
 
 
 def run(*, as_json: bool) -> None:
