@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from robophm.blocks.reliability import Structure
 from robophm.cli import main
 from robophm.design.file import parse
 from robophm.design.task_file import parse_plan, plan_from_csv
@@ -59,9 +60,28 @@ def test_the_lists_of_the_reference_are_valid():
     assert of_table.tasks[0].legs[1].functions == ("lift", "look")
 
 
-def test_the_common_causes_of_the_reference_are_valid():
+def of_reference(key):
+    """The example in the reference of design files that starts with a key."""
     page = (ROOT / "docs" / "reference" / "design-file.md").read_text(encoding="utf-8")
-    (groups,) = re.findall(r"```yaml\n(.*?)```", page, re.S)
+    (found,) = re.findall(rf"```yaml\n({key}:.*?)```", page, re.S)
+    return found
+
+
+def test_the_network_of_the_reference_is_a_bridge():
+    """With the cable one feed and one drive are enough; without it, both of a side."""
+    parts = ["left feed", "left drive", "right feed", "right drive", "cross cable"]
+    components = "".join(f"  {name}: {{rate: 1e-3 /h}}\n" for name in parts)
+    structure = Structure(
+        parse(f"schema_version: 1\nname: R\ncomponents:\n{components}{of_reference('diagram')}").diagram
+    )
+    assert sorted(structure.names) == sorted(parts)
+    p = 0.8
+    bridge = p * (1 - (1 - p) ** 2) ** 2 + (1 - p) * (1 - (1 - p**2) ** 2)
+    assert structure.state([p] * 5, [1 - p] * 5).works == pytest.approx(bridge, rel=1e-14)
+
+
+def test_the_common_causes_of_the_reference_are_valid():
+    groups = of_reference("common_causes")
     parts = ["Motor Left", "Motor Right", "Camera", "Lidar Camera"]
     components = "".join(f"  {name}: {{rate: 1 FIT}}\n" for name in parts) + "  Wheel: {rate: 2 FIT, quantity: 4}\n"
     arm = "modules: {Arm: {components: {Camera: {rate: 1 FIT}}}}\n"
