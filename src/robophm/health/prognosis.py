@@ -148,7 +148,7 @@ class Outlook:
         """Of each mode, per operating hour."""
         m = parts.modes
         speed = self.factor_now * self.usage_now
-        hazard = np.where(speed[m] > 0, _finite(parts.lifewise("hazard", self.age[m])) * speed[m], 0.0)
+        hazard = np.where(speed[m] > 0, _finite(parts.lives.hazard(self.age[m])) * speed[m], 0.0)
         groups = []
         for i in parts.groups:
             own = speed[self.plant.groups[i].modes]
@@ -213,7 +213,7 @@ class Outlook:
         if ratios is not None:
             drawn = ratios.reshape(len(m), 1, ratios.shape[1], *[1] * (aged.ndim - 3))
             age, step = drawn * age, drawn * step
-        return weight * modes.lifewise("increment", age, step)
+        return weight * modes.lives.increment(age, step)
 
     def ahead(self, diagram: Block, advance: Array, effective: Array) -> Transition:
         """What the system does while every clock advances; arguments as of ``gathered`` without steps."""
@@ -253,7 +253,7 @@ class Outlook:
                 factor = np.divide(aged, step, out=np.ones_like(step), where=step > 0)
                 age = self.age[m, None] + gone[m][:, k]
                 drawn_age, drawn_step = (ratios[weighing][:, None] * one[..., None] for one in (age, step))
-                rest = weighed.lifewise("increment", drawn_age, drawn_step)
+                rest = weighed.lives.increment(drawn_age, drawn_step)
                 found[weighing] = gathered[:, k] + factor[..., None] * rest
             return found
 
@@ -310,7 +310,7 @@ class Outlook:
         more = self._increments(system, advance[:, None], effective[:, None])[:, 0]
         age = self.age[m, None] + np.where(self.plant.by_age[m, None], effective[m], advance[m])
         speed = (factor * usage)[m, None]
-        hazard = np.where(speed > 0, _finite(system.lifewise("hazard", age)) * speed, 0.0)
+        hazard = np.where(speed > 0, _finite(system.lives.hazard(age)) * speed, 0.0)
         for i in system.groups:
             one, modes = self._since_new[i], self.plant.groups[i].modes
             ahead = _finite(one.rate(effective[modes], (factor * usage)[modes]))
@@ -429,4 +429,4 @@ def nominal_outlook(plant: Plant, age: Array, knowledge: Knowledge | None = None
 
 def _increment(plant: Plant, start: Array, end: Array) -> Array:
     """H(end) − H(start) of every mode. From 0 on, a part is new, whatever mass its distribution has below."""
-    return plant.parts.lifewise("increment", start, np.maximum(end - start, 0.0))
+    return plant.parts.lives.increment(start, np.maximum(end - start, 0.0))
