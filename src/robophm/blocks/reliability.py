@@ -132,9 +132,7 @@ class Structure:
         arrays = [np.asarray(array, dtype=np.float64) for array in units]
         for array in arrays:
             if array.ndim and len(array) != self._inputs:
-                raise StructureError(
-                    f"first axis of {array.shape}: expected the {self._inputs} units of the diagram"
-                )
+                raise StructureError(f"first axis of {array.shape}: expected the {self._inputs} units of the diagram")
         axes = max(1, *(array.ndim for array in arrays))
         arrays = [array.reshape(array.shape + (1,) * (axes - array.ndim)) for array in arrays]
         shape = np.broadcast_shapes((self._inputs, *[1] * (axes - 1)), *(array.shape for array in arrays))

@@ -232,7 +232,9 @@ class Outlook:
         ratios = np.ones((len(modes.modes), 1)) if ratios is None else ratios
         if not len(ratios):
             return lambda hours: np.empty((0, len(hours), ratios.shape[1]))
-        weighing = ~self.plant.by_age[modes.modes] & (not future.changeless)
+        if future.changeless:
+            return self._along_steady(modes, future, ratios)
+        weighing = ~self.plant.by_age[modes.modes]
         steady, weighed = (Modes(self.plant, modes.modes[which]) for which in (~weighing, weighing))
         m, drawn = weighed.modes, _drawn_out(future)
         most = np.clip(_AT_ONCE // max(len(m) * ratios.shape[1], 1), 1, _MOST_KNOTS + 1)
@@ -259,6 +261,21 @@ class Outlook:
 
         return added
 
+    def _along_steady(self, modes: Modes, future: Future, ratios: Array) -> Callable[[Array], Array]:
+        """The same where nothing changes: a mode ages at one pace, and its stress weighs what it gathers."""
+        m = modes.modes
+        advance, effective = future.advance[m, -1] / future.hours[-1], future.effective[m, -1] / future.hours[-1]
+        by_age = self.plant.by_age[m]
+        pace = ratios * np.where(by_age, effective, advance)[:, None]
+        weight = np.divide(effective, advance, out=np.ones(len(m)), where=~by_age & (advance > 0))[:, None, None]
+        age, weighed = (ratios * self.age[m, None])[:, None], bool(np.any(weight != 1.0))
+
+        def added(hours: Array) -> Array:
+            more = modes.lives.increment(age, pace[:, None] * hours[:, None])
+            return weight * more if weighed else more
+
+        return added
+
     def groups_along(self, parts: Parts, future: Future) -> Callable[[Array], Array]:
         """What a future adds to the cumulative hazard of the groups of dependent parts; shape (groups, hours)."""
         along = [self._as_known[i].along(_drawn_out(future), self.plant.groups[i].modes) for i in parts.groups]
@@ -273,12 +290,18 @@ class Outlook:
         system = self.plant.system(diagram)
         known = system.of_groups(self.known(system, system.needed))[:, None]
         hazard, groups = self.along(system, future or self.course), self.groups_along(system, future or self.course)
+        failed, works = -np.expm1(-known), np.exp(-known)
 
         def some(hours: Array) -> tuple[Array, Array]:
-            added = system.of_groups(system.of_units(np.concatenate((hazard(hours)[..., 0], groups(hours)))))
-            return system.structure.transition(
-                -np.expm1(-known), np.exp(-known) * -np.expm1(-added), np.exp(-known - added)
-            ).given_works()
+            added = hazard(hours)[..., 0]
+            if len(system.groups):
+                added = np.concatenate((added, groups(hours)))
+            added = system.of_groups(system.of_units(added))
+            fails, survives = -np.expm1(-added), np.exp(-added)
+            if not known.any():  # all work: what fails is what fails from now on
+                works_then, failed_then = system.structure.probability(survives, fails)
+                return failed_then, works_then
+            return system.structure.transition(failed, works * fails, works * survives).given_works()
 
         turn = max(1, _IN_TURN // len(self.age))
 
