@@ -65,6 +65,26 @@ def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike, *, tole
     return result.reshape(np.shape(fails))
 
 
+def times_of_many(curve: Curve, fails: Array, survives: Array, *, tolerance: float = 1e-12) -> Array:
+    """The same of many, each with its own curve: ``curve`` takes a time of each and gives the probabilities of each."""
+    target = _log_hazard(fails, survives)
+    grid = low = high = below = above = np.empty(0)
+    passed = np.zeros(len(target), dtype=bool)
+    for decades in (_USUAL, _DECADES):
+        grid = np.log(10.0) * decades
+        table = np.array([_of_curve(*curve(np.full(len(target), time))) for time in np.exp(grid)]) - target
+        first, passed = np.argmax(table >= 0, axis=0), table[0] >= 0
+        found = ~passed & (table[-1] >= 0)
+        every = np.arange(len(target))
+        low, high, below, above = grid[first - 1], grid[first], table[first - 1, every], table[first, every]
+        if found.all():
+            break
+    # What is not found has a bracket of nothing, where the search ends at once.
+    low, high = np.where(found, low, 0.0), np.where(found, high, 0.0)
+    times = np.exp(_roots(lambda x: _of_curve(*curve(np.exp(x))) - target, low, high, below, above, tolerance))
+    return np.where(found, times, np.where(passed, 0.0, math.inf))
+
+
 def _log_hazard(fails: Array, survives: Array) -> Array:
     """ln of the cumulative hazard, of the smaller probability."""
     with np.errstate(divide="ignore"):

@@ -176,6 +176,10 @@ class Parts(Modes):
             result: Array = np.add.reduceat(of_units, self._groups, axis=0)
         return result
 
+    def of_rows(self, of_modes: Array) -> Array:
+        """Sums over the failure modes of all units of each group; shape (groups, ...)."""
+        return self.of_groups(self.of_units(of_modes))
+
     def of_modes(self, of_units: Array) -> Array:
         """Of each failure mode, the sum over the units of its component, times their equal parts; shape (modes,)."""
         sums = self._multiplicity * np.bincount(self._component, of_units, len(self._starts))

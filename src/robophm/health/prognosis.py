@@ -91,8 +91,11 @@ class Outlook:
 
     def _lived(self, parts: Parts) -> Array:
         """Cumulative hazard of each unit since new; shape (units,)."""
-        groups = [self._since_new[group].until_now() for group in parts.groups]
-        return parts.of_units(np.append(self.cumulative_hazard[parts.modes], groups))
+        return parts.of_units(np.append(self.cumulative_hazard[parts.modes], self.groups_since_new(parts)))
+
+    def groups_since_new(self, parts: Parts) -> Array:
+        """Cumulative hazard of groups of dependent parts, of whose members nothing is known; shape (groups,)."""
+        return np.array([self._since_new[group].until_now() for group in parts.groups])
 
     @cached_property
     def _since_new(self) -> list[Standing]:
@@ -126,9 +129,9 @@ class Outlook:
         system = self.plant.system(diagram)
         known = system.of_groups(self.known(system, system.needed))
         works = np.exp(-known)
-        density = _finite(system.of_groups(system.of_units(self._mode_hazard(system)))) * works
+        density = finite(system.of_rows(self._mode_hazard(system))) * works
         state = system.structure.state(works, -np.expm1(-known), density)
-        return float(_infinite(state.density / state.works)) if state.works > 0 else math.inf
+        return float(infinite(state.density / state.works)) if state.works > 0 else math.inf
 
     def component_hazard_rates(self) -> Array:
         """Of every component [1/h of operation], the equal parts of one together; shape (components,)."""
@@ -148,12 +151,23 @@ class Outlook:
         """Of each mode, per operating hour."""
         m = parts.modes
         speed = self.factor_now * self.usage_now
-        hazard = np.where(speed[m] > 0, _finite(parts.lives.hazard(self.age[m])) * speed[m], 0.0)
-        groups = []
-        for i in parts.groups:
+        hazard = np.where(speed[m] > 0, finite(parts.lives.hazard(self.age[m])) * speed[m], 0.0)
+        return np.append(hazard, self.groups_rates_now(parts))
+
+    def groups_rates(self, parts: Parts) -> Array:
+        """Hazard of groups of dependent parts [1/h of operation], of whose members nothing is known; (groups,)."""
+        return self._groups_rates(parts, self._since_new)
+
+    def groups_rates_now(self, parts: Parts) -> Array:
+        """The same, with what is known of their members."""
+        return self._groups_rates(parts, self._as_known)
+
+    def _groups_rates(self, parts: Parts, standing: Sequence[Standing]) -> Array:
+        speed, found = self.factor_now * self.usage_now, []
+        for i in parts.groups.tolist():
             own = speed[self.plant.groups[i].modes]
-            groups.append(_finite(self._as_known[i].rate(np.zeros((len(own), 1)), own))[0])
-        return np.append(hazard, groups)
+            found.append(finite(standing[i].rate(np.zeros((len(own), 1)), own))[0])
+        return np.array(found)
 
     def known(self, parts: Parts, needed: npt.NDArray[np.bool_], unseen: Array | None = None) -> Array:
         """Cumulative hazard of each unit, less what is known not to have happened; infinite where it has.
@@ -296,7 +310,7 @@ class Outlook:
             added = hazard(hours)[..., 0]
             if len(system.groups):
                 added = np.concatenate((added, groups(hours)))
-            added = system.of_groups(system.of_units(added))
+            added = system.of_rows(added)
             fails, survives = -np.expm1(-added), np.exp(-added)
             if not known.any():  # all work: what fails is what fails from now on
                 works_then, failed_then = system.structure.probability(survives, fails)
@@ -333,16 +347,16 @@ class Outlook:
         more = self._increments(system, advance[:, None], effective[:, None])[:, 0]
         age = self.age[m, None] + np.where(self.plant.by_age[m, None], effective[m], advance[m])
         speed = (factor * usage)[m, None]
-        hazard = np.where(speed > 0, _finite(system.lives.hazard(age)) * speed, 0.0)
+        hazard = np.where(speed > 0, finite(system.lives.hazard(age)) * speed, 0.0)
         for i in system.groups:
             one, modes = self._since_new[i], self.plant.groups[i].modes
-            ahead = _finite(one.rate(effective[modes], (factor * usage)[modes]))
+            ahead = finite(one.rate(effective[modes], (factor * usage)[modes]))
             more, hazard = np.vstack((more, one.to(effective[modes]))), np.vstack((hazard, ahead))
-        lived = system.of_groups(self._lived(system))[:, None] + system.of_groups(system.of_units(more))
+        lived = system.of_groups(self._lived(system))[:, None] + system.of_rows(more)
         works = np.exp(-lived)
-        density = _finite(system.of_groups(system.of_units(hazard))) * works
+        density = finite(system.of_rows(hazard)) * works
         state = system.structure.state(works, -np.expm1(-lived), density)
-        return state._replace(density=_infinite(state.density))
+        return state._replace(density=infinite(state.density))
 
 
 _IN_TURN = 1_000_000  # numbers that one array of times may hold: more times take turns
@@ -359,11 +373,12 @@ def _drawn_out(future: Future) -> Future:
 _HUGE = 1e300  # stands for an infinite hazard, that of infant mortality at age 0, where infinity times 0 would not
 
 
-def _finite(hazard: Array) -> Array:
+def finite(hazard: Array) -> Array:
+    """A hazard that may be multiplied: an infinite one is huge."""
     return np.minimum(hazard, _HUGE)
 
 
-def _infinite(density: Array) -> Array:
+def infinite(density: Array) -> Array:
     """Back again: what an infinite hazard reaches is infinite, what redundancy keeps it from is not."""
     return np.where(density > 1e-30 * _HUGE, math.inf, density)
 
