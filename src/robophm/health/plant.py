@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
+from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
@@ -27,6 +28,9 @@ from robophm.life.side_by_side import Lives
 
 Array = npt.NDArray[np.float64]
 _Number = TypeVar("_Number", bound=np.generic)
+_MANY = 200
+"""Failure modes from which on it pays to look for those that are alike."""
+
 Need = tuple[int, str]
 """Until the end of which phase of a mission a function must work; "" is the whole robot."""
 
@@ -140,7 +144,8 @@ class Modes:
         """Their indices among the robot's."""
         self.groups = np.empty(0, dtype=np.intp)
         """Indices of the robot's groups, whose own failure modes come after these."""
-        self.lives = Lives([plant.robot.modes[i].life for i in modes], plant.share[modes])
+        self._share = plant.share[modes]
+        self.lives = Lives([plant.robot.modes[i].life for i in modes], self._share)
         """Their life distributions, each with its share."""
 
 
@@ -202,11 +207,41 @@ class System(Parts):
     """A diagram prepared."""
 
     def __init__(self, plant: Plant, diagram: Block) -> None:
-        (merged,), stands_for = merge_series(diagram)
-        self.structure = Structure(merged)
-        super().__init__(plant, [stands_for[name] for name in self.structure.names])
+        (self._merged,), self._stands_for = merge_series(diagram)
+        self.structure = Structure(self._merged)
+        super().__init__(plant, [self._stands_for[name] for name in self.structure.names])
         self.needed = _of_units(self, plant, single_points_of_failure(diagram))
         """Whether the system works only while a unit does."""
+        self._plant = plant
+        numbers: dict[LifeDistribution, int] = {}
+        self._life = np.array([numbers.setdefault(plant.robot.modes[i].life, len(numbers)) for i in self.modes], float)
+        self._alike: tuple[bytes, Structure, Parts] | None = None
+
+    def by_kind(self, *of_modes: Array) -> tuple[Structure, Parts]:
+        """The same with one group of units of each kind, where ``of_modes``, shape (modes,), is all that tells them apart.
+
+        The structure takes a row for each of those groups. Where hardly any are alike it is the system as it is.
+        """
+        if len(self.groups) or len(self.modes) < _MANY:
+            return self.structure, self
+        told = np.stack((self._life, self._share, *of_modes), axis=1)
+        _, mode = np.unique(told.view(np.dtype((np.void, told.itemsize * told.shape[1])))[:, 0], return_inverse=True)
+        weights = self.weights
+        counted = mode[weights.indices] + 1j * weights.data  # how often a failure mode of a kind counts
+        known: dict[bytes, int] = {}
+        ends = weights.indptr.tolist()
+        kinds = [
+            known.setdefault(np.sort(counted[i:j]).tobytes() if j - i > 1 else counted[i].tobytes(), len(known))
+            for i, j in pairwise(ends)
+        ]
+        if len(known) * 2 > len(kinds):
+            return self.structure, self
+        key = np.array(kinds).tobytes()
+        if self._alike is None or self._alike[0] != key:
+            first = dict(reversed([(kind, name) for kind, name in zip(kinds, self.structure.names, strict=True)]))
+            parts = Parts(self._plant, [self._stands_for[first[kind]] for kind in range(len(known))])
+            self._alike = key, Structure(self._merged, kinds=kinds), parts
+        return self._alike[1:]
 
 
 class Mission(Parts):

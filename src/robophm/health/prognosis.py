@@ -337,6 +337,29 @@ class Outlook:
         early, median, late, *threshold = (float(time) for time in time_at(curve, 1 - survives, survives))
         return RemainingLife(mean_time(curve, _drawn_out(future).hours), median, early, late, *threshold)
 
+    def reliability_curve(self, diagram: Block, hours: Array) -> tuple[Array, Array]:
+        """P(works) and P(has failed) since new, after so many more operating hours at the mean pace of the future.
+
+        Shape of ``hours``. Parts that are alike in life, age and pace are asked once.
+        """
+        system = self.plant.system(diagram)
+        m = system.modes
+        going = self.future.usage[m], self.future.factor[m]
+        structure, parts = system.by_kind(self.age[m], self.cumulative_hazard[m], *going)
+        lived = parts.of_groups(self._lived(parts))[:, None]
+        pace, hour = self.future.usage[:, None], np.array([0.0, 1.0])
+        operating = Future("operating", hour, hour, pace * hour, self.future.factor[:, None] * pace * hour)
+        added, groups = self.along(parts, operating), self.groups_along(parts, operating)
+        found = np.empty((2, len(hours)))
+        turn = max(1, _IN_CACHE // max(len(parts.modes), 1))
+        for i in range(0, len(hours), turn):
+            more = added(hours[i : i + turn])[..., 0]
+            if len(parts.groups):
+                more = np.concatenate((more, groups(hours[i : i + turn])))
+            total = lived + parts.of_rows(more)
+            found[:, i : i + turn] = structure.probability(np.exp(-total), -np.expm1(-total))
+        return found[0], found[1]
+
     def survival_curve(self, diagram: Block, hours: Array) -> State:
         """Survival since new after so many more operating hours at the mean pace of the future; shape of ``hours``."""
         system = self.plant.system(diagram)
@@ -359,6 +382,7 @@ class Outlook:
         return state._replace(density=infinite(state.density))
 
 
+_IN_CACHE = 100_000  # the same, where they pass once and need not be many
 _IN_TURN = 1_000_000  # numbers that one array of times may hold: more times take turns
 _MOST_KNOTS = 256
 """Of a future that begins anew for ever, how many are looked at one by one."""

@@ -119,7 +119,7 @@ class HealthReport:
     def reliability(self, hours: float, view: View = "sensor_based") -> float:
         """Survival since new after so many more operating hours of the same use."""
         outlook = self.outlooks[view]
-        return float(outlook.survival_curve(outlook.plant.robot.diagram, np.array([hours])).works[0])
+        return float(outlook.reliability_curve(outlook.plant.robot.diagram, np.array([hours]))[0][0])
 
     def remaining_life(self, view: View = "sensor_based") -> RemainingLife:
         """Of the robot [h]."""
