@@ -215,32 +215,32 @@ class System(Parts):
         self._plant = plant
         numbers: dict[LifeDistribution, int] = {}
         self._life = np.array([numbers.setdefault(plant.robot.modes[i].life, len(numbers)) for i in self.modes], float)
-        self._alike: tuple[bytes, Structure, Parts] | None = None
+        self._alike: tuple[bytes, Structure, Modes, csr_array] | None = None
 
-    def by_kind(self, *of_modes: Array) -> tuple[Structure, Parts]:
-        """The same with one group of units of each kind, where ``of_modes``, shape (modes,), is all that tells them apart.
+    def by_kind(self, *of_modes: Array) -> tuple[Structure, Modes, csr_array]:
+        """The same with one failure mode and one unit of each kind; ``of_modes``, shape (modes,), tell them apart.
 
-        The structure takes a row for each of those groups. Where hardly any are alike it is the system as it is.
+        The structure takes a row for each kind of unit, and the matrix says how often each failure mode counts in it.
+        Where hardly any are alike it is the system as it is.
         """
         if len(self.groups) or len(self.modes) < _MANY:
-            return self.structure, self
+            return self.structure, self, self.weights
         told = np.stack((self._life, self._share, *of_modes), axis=1)
-        _, mode = np.unique(told.view(np.dtype((np.void, told.itemsize * told.shape[1])))[:, 0], return_inverse=True)
-        weights = self.weights
-        counted = mode[weights.indices] + 1j * weights.data  # how often a failure mode of a kind counts
-        known: dict[bytes, int] = {}
-        ends = weights.indptr.tolist()
-        kinds = [
-            known.setdefault(np.sort(counted[i:j]).tobytes() if j - i > 1 else counted[i].tobytes(), len(known))
-            for i, j in pairwise(ends)
+        if self._alike is not None and self._alike[0] == told.tobytes():
+            return self._alike[1:]
+        bytewise = told.view(np.dtype((np.void, told.itemsize * told.shape[1])))[:, 0]
+        _, first, kind = np.unique(bytewise, return_index=True, return_inverse=True)
+        if len(first) * 2 > len(kind):
+            return self.structure, self, self.weights
+        counts = csr_array(self.weights @ csr_array((np.ones(len(kind)), (np.arange(len(kind)), kind))))
+        counts.sort_indices()
+        known: dict[tuple[bytes, bytes], int] = {}
+        ends = pairwise(counts.indptr.tolist())
+        rows = [
+            known.setdefault((counts.indices[i:j].tobytes(), counts.data[i:j].tobytes()), len(known)) for i, j in ends
         ]
-        if len(known) * 2 > len(kinds):
-            return self.structure, self
-        key = np.array(kinds).tobytes()
-        if self._alike is None or self._alike[0] != key:
-            first = dict(reversed([(kind, name) for kind, name in zip(kinds, self.structure.names, strict=True)]))
-            parts = Parts(self._plant, [self._stands_for[first[kind]] for kind in range(len(known))])
-            self._alike = key, Structure(self._merged, kinds=kinds), parts
+        structure, modes = Structure(self._merged, kinds=rows), Modes(self._plant, self.modes[first])
+        self._alike = told.tobytes(), structure, modes, counts[np.unique(rows, return_index=True)[1]]
         return self._alike[1:]
 
 

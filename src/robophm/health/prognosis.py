@@ -345,18 +345,18 @@ class Outlook:
         system = self.plant.system(diagram)
         m = system.modes
         going = self.future.usage[m], self.future.factor[m]
-        structure, parts = system.by_kind(self.age[m], self.cumulative_hazard[m], *going)
-        lived = parts.of_groups(self._lived(parts))[:, None]
+        structure, modes, counts = system.by_kind(self.age[m], self.cumulative_hazard[m], *going)
         pace, hour = self.future.usage[:, None], np.array([0.0, 1.0])
         operating = Future("operating", hour, hour, pace * hour, self.future.factor[:, None] * pace * hour)
-        added, groups = self.along(parts, operating), self.groups_along(parts, operating)
+        added, groups = self.along(modes, operating), self.groups_along(system, operating)
+        lived = np.append(self.cumulative_hazard[modes.modes], self.groups_since_new(system))[:, None]
         found = np.empty((2, len(hours)))
-        turn = max(1, _IN_CACHE // max(len(parts.modes), 1))
+        turn = max(1, _IN_CACHE // len(lived))
         for i in range(0, len(hours), turn):
             more = added(hours[i : i + turn])[..., 0]
-            if len(parts.groups):
+            if len(system.groups):
                 more = np.concatenate((more, groups(hours[i : i + turn])))
-            total = lived + parts.of_rows(more)
+            total = counts @ (lived + more)
             found[:, i : i + turn] = structure.probability(np.exp(-total), -np.expm1(-total))
         return found[0], found[1]
 
