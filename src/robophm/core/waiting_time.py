@@ -49,12 +49,12 @@ def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike, *, tole
         def above(x: Array) -> Array:
             return excess(*curve(np.exp(x)), todo)
 
-        result[todo] = np.exp(_roots(above, grid[low], grid[high], table[low, todo], table[high, todo], tolerance))
+        result[todo] = np.exp(roots(above, grid[low], grid[high], table[low, todo], table[high, todo], tolerance))
     return result.reshape(np.shape(fails))
 
 
-def _roots(f: Callable[[Array], Array], a: Array, b: Array, fa: Array, fb: Array, tolerance: float) -> Array:
-    """Roots of many bracketed functions side by side. Chandrupatla, Adv. Eng. Software 28 (1997)."""
+def roots(f: Callable[[Array], Array], a: Array, b: Array, fa: Array, fb: Array, tolerance: float) -> Array:
+    """Roots of many functions side by side, each bracketed by ``a`` and ``b``. Chandrupatla, Adv. Eng. Software 28 (1997)."""
     c, fc, t = a, fa, np.full(a.shape, 0.5)
     for _ in range(100):
         x = a + t * (b - a)
