@@ -48,8 +48,7 @@ class Importance(NamedTuple):
 def importance(structure: Structure, before: ArrayLike, during: ArrayLike, after: ArrayLike) -> Importance:
     """What each unit's part in a failure is, shape (units, ...); arguments as of ``Structure.transition``.
 
-    Units fail ``before`` the time begins, ``during`` it, or ``after`` it if at all. Of a state without a past, ``before``
-    is 0. Rausand and Høyland, System Reliability Theory (2nd ed.), chapter 5. Raises StructureError as ``transition``.
+    Units fail ``before`` the time begins, ``during`` it, or ``after`` it if at all; without a past, ``before`` is 0. Rausand and Høyland, System Reliability Theory (2nd ed.), chapter 5. Raises StructureError as ``transition``.
     """
     b, c, s = np.broadcast_arrays(*(np.asarray(one, dtype=float) for one in (before, during, after)))
     system = structure.transition(b, c, s)
@@ -146,7 +145,6 @@ def _edges(curve: Curve, until: float) -> Array:
 def _panels(intensity: Callable[[Array], Array], low: Array, high: Array) -> Array:
     """∫ over panels in x = ln t, shape (units, panels)."""
     times = np.exp(low[:, None] + (high - low)[:, None] * (_NODES + 1) / 2)
-    found = []
-    for some in times:
-        found.append((intensity(some) * some) @ _WEIGHTS)
-    return np.stack(found, axis=1) * (high - low) / 2
+    found = [(intensity(some) * some) @ _WEIGHTS for some in times]
+    area: Array = np.stack(found, axis=1) * (high - low) / 2
+    return area

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
-from robophm.blocks.importance import Importance, barlow_proschan, importance, intensity
+from robophm.blocks.fussell_vesely import fussell_vesely
+from robophm.blocks.importance import barlow_proschan, importance, intensity
 from robophm.blocks.merging import single_points_of_failure
 from robophm.blocks.reliability import Structure
+from robophm.core.errors import StructureError
 from robophm.health.plant import Parts, Plant
 from robophm.health.prognosis import Outlook
 
@@ -29,6 +30,8 @@ class UnitImportance:
     unit: str
     birnbaum: float
     criticality: float
+    fussell_vesely: float
+    """P(a minimal cut set with the unit in it has failed | the system fails)."""
     achievement: float
     reduction: float
     improvement: float
@@ -47,6 +50,8 @@ class Importances:
     ever: float
     """P(it ever fails)."""
     units: tuple[UnitImportance, ...]
+    refused: str = ""
+    """Why there are no Fussell–Vesely importances, where there are none."""
 
     def ranked(self, by: str = "criticality") -> list[UnitImportance]:
         """The most important first; those of which it is not known last."""
@@ -62,7 +67,7 @@ class Drawn(Parts):
     """A diagram prepared with every unit by itself, to be asked about each."""
 
     def __init__(self, plant: Plant, diagram: Block) -> None:
-        self.structure = Structure(diagram)
+        self.diagram, self.structure = diagram, Structure(diagram)
         super().__init__(plant, [(name,) for name in self.structure.names])
         fatal = single_points_of_failure(diagram)
         self.needed = np.array([name in fatal for name in self.structure.names])
@@ -79,20 +84,37 @@ def importances(outlook: Outlook, drawn: Drawn, hours: float) -> Importances:
     chances = -np.expm1(-known), np.exp(-known) * -np.expm1(-more), np.exp(-known - more)
     system = drawn.structure.transition(*chances)
     works = float(system.fails + system.survives)
-    measures = importance(drawn.structure, *chances)
     caused = np.full(len(known), math.nan)
     if works > 0:
         caused = _caused(outlook, drawn, known) / works
-    ever = float(caused.sum())
+    ever = float(caused.sum()) if works > 0 else 1.0
     share = caused / ever if ever > 0 else np.full(len(known), math.nan)
+    failure = float(system.fails) / works if works > 0 else 1.0
+    return _stated(drawn.diagram, drawn.structure, chances, share, hours, failure, ever)
+
+
+def of_probabilities(diagram: Block, works: Array, failed: Array, hours: float = math.nan) -> Importances:
+    """Of a diagram of which no more than the probabilities of its units is known, in drawing order; shape (units,)."""
+    structure = Structure(diagram)
+    failure = float(structure.probability(works, failed)[1])
+    nothing = np.full(len(works), math.nan)
+    return _stated(diagram, structure, (np.zeros(len(works)), failed, works), nothing, hours, failure, math.nan)
+
+
+def _stated(
+    diagram: Block, structure: Structure, chances: tuple[Array, Array, Array], share: Array,
+    hours: float, failure: float, ever: float,
+) -> Importances:  # fmt: skip
+    measures = importance(structure, *chances)
+    refused, by_cut_sets = "", np.full(len(share), math.nan)
+    try:
+        by_cut_sets = fussell_vesely(diagram, *chances)
+    except StructureError as error:
+        refused = str(error)
+    columns = (measures.birnbaum, measures.criticality, by_cut_sets, *measures[2:], share)
+    units = zip(structure.names, *columns, strict=True)
     return Importances(
-        hours,
-        float(system.fails) / works if works > 0 else 1.0,
-        ever if works > 0 else 1.0,
-        tuple(
-            UnitImportance(name, *(float(one) for one in values))
-            for name, *values in zip(drawn.structure.names, *measures, share, strict=True)
-        ),
+        hours, failure, ever, tuple(UnitImportance(name, *map(float, values)) for name, *values in units), refused
     )
 
 

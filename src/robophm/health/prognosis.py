@@ -328,7 +328,7 @@ class Outlook:
         speed = (factor * usage)[m, None]
         hazard = np.where(speed > 0, _finite(parts.lifewise("hazard", age)) * speed, 0.0)
         for i in parts.groups:
-            one, modes = groups[i], self.plant.groups[i].modes
+            one, modes = groups[int(i)], self.plant.groups[i].modes
             ahead = _finite(one.rate(effective[modes], (factor * usage)[modes]))
             more, hazard = np.vstack((more, one.to(effective[modes]))), np.vstack((hazard, ahead))
         return parts.of_units(more), parts.of_units(hazard)

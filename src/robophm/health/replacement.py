@@ -24,6 +24,7 @@ MOST = 100
 
 _AT_ONCE = 4_000_000  # numbers that one array may hold
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
+_NOTHING = 1e-12  # of a life, below which two do not differ
 _DOUBLINGS = 2.0 ** np.arange(-40, 7)
 
 
@@ -106,7 +107,7 @@ def replacements(outlook: Outlook, diagram: Block, task: Task | None, most: int 
 
 
 def _more(new: float, old: float) -> float:
-    return 0.0 if new == old else new - old
+    return 0.0 if new == old or abs(new - old) < _NOTHING * old else new - old
 
 
 def _sortable(gain: float) -> float:
@@ -224,7 +225,8 @@ class _Curves:
         def excess(x: Array) -> Array:
             fails, left = self._given(self._more(np.exp(x)), which[todo])
             with np.errstate(divide="ignore"):
-                return np.asarray(np.clip(np.log(fails) - np.log(left), -1e300, 1e300))
+                beyond: Array = np.clip(np.log(fails) - np.log(left), -1e300, 1e300)
+            return beyond
 
         grid, k = np.log(times), first[todo]
         low, high = grid[k - 1], grid[k]
