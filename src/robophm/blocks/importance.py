@@ -48,7 +48,8 @@ class Importance(NamedTuple):
 def importance(structure: Structure, before: ArrayLike, during: ArrayLike, after: ArrayLike) -> Importance:
     """What each unit's part in a failure is, shape (units, ...); arguments as of ``Structure.transition``.
 
-    Units fail ``before`` the time begins, ``during`` it, or ``after`` it if at all; without a past, ``before`` is 0. Rausand and Høyland, System Reliability Theory (2nd ed.), chapter 5. Raises StructureError as ``transition``.
+    Units fail ``before`` the time begins, ``during`` it, or ``after`` it if at all; without a past, ``before`` is 0.
+    Rausand and Høyland, System Reliability Theory (2nd ed.), chapter 5. Raises StructureError as ``transition``.
     """
     b, c, s = np.broadcast_arrays(*(np.asarray(one, dtype=float) for one in (before, during, after)))
     system = structure.transition(b, c, s)
@@ -114,7 +115,8 @@ def barlow_proschan(intensity: Callable[[Array], Array], curve: Curve, until: fl
             return settled
         low, high = (np.concatenate((one[rough], two[rough])) for one, two in ((low, middle), (middle, high)))
         whole = np.concatenate((left[:, rough], right[:, rough]), axis=1)
-    return settled + np.asarray(whole.sum(axis=1))
+    settled += whole.sum(axis=1)
+    return settled
 
 
 _DEEPEST = 30

@@ -54,7 +54,7 @@ def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike, *, tole
 
 
 def roots(f: Callable[[Array], Array], a: Array, b: Array, fa: Array, fb: Array, tolerance: float) -> Array:
-    """Roots of many functions side by side, each between ``a`` and ``b``. Chandrupatla, Adv. Eng. Software 28 (1997)."""
+    """Roots of functions side by side, each between ``a`` and ``b``. Chandrupatla, Adv. Eng. Software 28 (1997)."""
     c, fc, t = a, fa, np.full(a.shape, 0.5)
     for _ in range(100):
         x = a + t * (b - a)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
+from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.fussell_vesely import fussell_vesely
 from robophm.blocks.importance import barlow_proschan, importance, intensity
 from robophm.blocks.merging import single_points_of_failure
@@ -80,7 +81,7 @@ def importances(outlook: Outlook, drawn: Drawn, hours: float) -> Importances:
     Barlow–Proschan importances are of all time ahead.
     """
     known = outlook.known(drawn, drawn.needed)
-    more = outlook.onward(drawn, np.array([hours]))[0][:, 0]
+    more = _added(outlook, drawn, np.array([hours]))[:, 0]
     chances = -np.expm1(-known), np.exp(-known) * -np.expm1(-more), np.exp(-known - more)
     system = drawn.structure.transition(*chances)
     works = float(system.fails + system.survives)
@@ -93,12 +94,20 @@ def importances(outlook: Outlook, drawn: Drawn, hours: float) -> Importances:
     return _stated(drawn.diagram, drawn.structure, chances, share, hours, failure, ever)
 
 
-def of_probabilities(diagram: Block, works: Array, failed: Array, hours: float = math.nan) -> Importances:
-    """Of a diagram of which no more than the probabilities of its units is known, in drawing order; shape (units,)."""
+def of_tree(tree: FaultTree, occurred: Array, not_yet: Array, hours: float = math.nan) -> Importances:
+    """Of a coherent fault tree, from the probabilities of its events, shape (events,); ``occurred`` + ``not_yet`` = 1.
+
+    Raises StructureError for one with "not" or "xor", where what fails may be for the better.
+    """
+    tree.must_be_coherent("has events whose importance would be negative, which is not stated")
+    diagram = tree.diagram()
     structure = Structure(diagram)
+    place = {name: i for i, name in enumerate(tree.names)}
+    order = [place[name] for name in structure.names]
+    failed, works = occurred[order], not_yet[order]
     failure = float(structure.probability(works, failed)[1])
-    nothing = np.full(len(works), math.nan)
-    return _stated(diagram, structure, (np.zeros(len(works)), failed, works), nothing, hours, failure, math.nan)
+    nothing = np.full(len(order), math.nan)
+    return _stated(diagram, structure, (np.zeros(len(order)), failed, works), nothing, hours, failure, math.nan)
 
 
 def _stated(
@@ -121,17 +130,22 @@ def _stated(
 def _caused(outlook: Outlook, drawn: Drawn, known: Array) -> Array:
     """P(the system works now, and it is this unit that fails it, ever)."""
 
-    def ahead(hours: Array) -> tuple[Array, Array, Array]:
-        more, hazard = outlook.onward(drawn, hours)
-        total = known[:, None] + more
+    def rates(hours: Array) -> Array:
+        total = known[:, None] + _added(outlook, drawn, hours)
         works = np.exp(-total)
-        return works, -np.expm1(-total), hazard * works
+        hazard = outlook.hazard_then(drawn, *outlook.paced(hours))
+        return intensity(drawn.structure, works, -np.expm1(-total), hazard * works)
 
     def curve(hours: Array) -> tuple[Array, Array]:
-        more, _ = outlook.onward(drawn, hours)
-        before = known[:, None]
+        more, before = _added(outlook, drawn, hours), known[:, None]
         return drawn.structure.transition(
             -np.expm1(-before), np.exp(-before) * -np.expm1(-more), np.exp(-before - more)
         ).given_works()
 
-    return barlow_proschan(lambda hours: intensity(drawn.structure, *ahead(hours)), curve)
+    return barlow_proschan(rates, curve)
+
+
+def _added(outlook: Outlook, drawn: Drawn, hours: Array) -> Array:
+    """What operating hours add to the cumulative hazard of each unit; shape (units, hours)."""
+    advance, effective = outlook.paced(hours)
+    return outlook.gathered(drawn, advance[:, None], effective[:, None])[:, 0]

@@ -303,35 +303,35 @@ class Outlook:
     def survival_curve(self, diagram: Block, hours: Array) -> State:
         """Survival since new after so many more operating hours at the mean pace of the future; shape of ``hours``."""
         system = self.plant.system(diagram)
-        more, hazard = self._onward(system, hours, self._since_new)
-        lived = system.of_groups(self._lived(system))[:, None] + system.of_groups(more)
+        advance, effective = self.paced(hours)
+        more = self._increments(system, advance[:, None], effective[:, None])[:, 0]
+        for i in system.groups:
+            more = np.vstack((more, self._since_new[i].to(effective[self.plant.groups[i].modes])))
+        lived = system.of_groups(self._lived(system))[:, None] + system.of_groups(system.of_units(more))
         works = np.exp(-lived)
-        density = _finite(system.of_groups(hazard)) * works
-        state = system.structure.state(works, -np.expm1(-lived), density)
+        hazard = self._hazard_then(system, advance, effective, self._since_new)
+        state = system.structure.state(works, -np.expm1(-lived), _finite(system.of_groups(hazard)) * works)
         return state._replace(density=_infinite(state.density))
 
-    def onward(self, parts: Parts, hours: Array) -> tuple[Array, Array]:
-        """After so many more operating hours at the mean pace of the future, given what is known now.
+    def paced(self, hours: Array) -> tuple[Array, Array]:
+        """Advance and effective advance of every mode in operating hours at the future's mean pace; (modes, hours)."""
+        advance = self.future.usage[:, None] * hours
+        return advance, self.future.factor[:, None] * advance
 
-        What that adds to the cumulative hazard of each unit, and its hazard rate then [1/h]; shape (units, hours).
-        """
-        more, hazard = self._onward(parts, hours, self._as_known)
-        return more, _finite(hazard)
+    def hazard_then(self, parts: Parts, advance: Array, effective: Array) -> Array:
+        """Hazard rate of each unit [1/h] after that at the mean pace, given what is known now; shape (units, hours)."""
+        return _finite(self._hazard_then(parts, advance, effective, self._as_known))
 
-    def _onward(self, parts: Parts, hours: Array, groups: Sequence[Standing]) -> tuple[Array, Array]:
+    def _hazard_then(self, parts: Parts, advance: Array, effective: Array, groups: Sequence[Standing]) -> Array:
         m = parts.modes
-        usage, factor = self.future.usage, self.future.factor
-        advance = usage[:, None] * hours
-        effective = factor[:, None] * advance
-        more = self._increments(parts, advance[:, None], effective[:, None])[:, 0]
+        pace = self.future.factor * self.future.usage
         age = self.age[m, None] + np.where(self.plant.by_age[m, None], effective[m], advance[m])
-        speed = (factor * usage)[m, None]
+        speed = pace[m, None]
         hazard = np.where(speed > 0, _finite(parts.lifewise("hazard", age)) * speed, 0.0)
         for i in parts.groups:
-            one, modes = groups[int(i)], self.plant.groups[i].modes
-            ahead = _finite(one.rate(effective[modes], (factor * usage)[modes]))
-            more, hazard = np.vstack((more, one.to(effective[modes]))), np.vstack((hazard, ahead))
-        return parts.of_units(more), parts.of_units(hazard)
+            modes = self.plant.groups[i].modes
+            hazard = np.vstack((hazard, _finite(groups[int(i)].rate(effective[modes], pace[modes]))))
+        return parts.of_units(hazard)
 
 
 _IN_TURN = 1_000_000  # numbers that one array of times may hold: more times take turns

@@ -202,7 +202,8 @@ class _Curves:
         if not course.changeless and len(positive):
             ends = course.hours[1:]
             positive = np.unique(np.append(positive, ends[(ends > positive[0]) & (ends < positive[-1])]))
-        return np.log(positive)
+        edges: Array = np.log(positive)
+        return edges
 
     def _survival(self, hours: Array, which: Indices) -> Array:
         """P(survives) at all of these times, with which component new; shape (components, hours)."""
