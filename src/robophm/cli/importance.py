@@ -117,6 +117,9 @@ def _json(found: Importances, question: Question) -> Any:
 
 def _show(title: str, found: Importances, question: Question, nominal: Importances | None = None) -> None:
     out = console()
+    if math.isnan(found.units[0].birnbaum):
+        out.print(f"{title}: has failed; no part matters more than another", markup=False, soft_wrap=True)
+        return
     ahead = f"within {number_text(found.hours)} h of operation " if not math.isnan(found.ever) else ""
     out.print(f"{title}: fails {ahead}with {number_text(100 * found.failure)} %", markup=False, soft_wrap=True)
     columns = ["most important first", "Birnbaum", "criticality", "F–V", "RAW", "RRW", "improvement"]
@@ -170,7 +173,7 @@ def _show_gains(found: Replacements, question: Question) -> None:
     if losing:
         out.print(f"{losing:,} would lose: young parts of theirs fail more often than old ones")
     if len(some) < len(found.parts):
-        out.print(f"{len(found.parts) - len(some):,} parts gain nothing: their hazard does not grow with age")
+        out.print(f"{len(found.parts) - len(some):,} more would change nothing")
     if found.others:
         out.print(f"{found.others:,} parts that matter less were not looked at")
 

@@ -12,9 +12,10 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block, units
 from robophm.core.waiting_time import roots, time_at
 from robophm.design.task import Knowledge, Task
-from robophm.health.mission import completion, with_new_parts
+from robophm.health.mission import completion, needs, now, with_new_parts
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
+from robophm.health.swapped import Swapped
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
@@ -81,27 +82,30 @@ def replacements(outlook: Outlook, diagram: Block, task: Task | None, most: int 
     fresh = _new(outlook, slice(None))
     whole = _Curves(outlook, fresh, diagram)
     alone, dependent = _candidates(plant, diagram)
-    told = {int(plant.component_of[plant.place[unit]]) for unit in outlook.knowledge.failed}
-    slow = [i for i in alone if i in told] + dependent
-    quick = np.array([i for i in alone if i not in told], dtype=np.intp)
-    others = max(len(quick) - most, 0)
-    if others:
-        quick = whole.first(quick)[:most]
+    chosen = whole.first(np.array(alone, dtype=np.intp))[:most] if len(alone) > most else np.array(alone, dtype=np.intp)
+    others = len(alone) - len(chosen)
+    unsure = whole.unsure(task)
+    quick = np.array([i for i in chosen if i not in unsure], dtype=np.intp)
     none = np.array([-1], dtype=np.intp)
     lives = whole.lives(np.concatenate((none, quick)))
     median, mean = lives[0]
     failure = completion(outlook, task).failure if task else None
     fails = with_new_parts(outlook, fresh, task, quick)[0] if task else np.full(len(quick), math.nan)
 
-    def gain(i: int, new_failure: float, new_median: float, new_mean: float) -> Replacement:
-        gained = failure - new_failure if failure is not None else None
+    def gain(i: int, new_failure: float | None, new_median: float, new_mean: float) -> Replacement:
+        gained = failure - new_failure if failure is not None and new_failure is not None else None
         return Replacement(plant.paths[i], gained, _more(new_median, median), _more(new_mean, mean))
 
     found = [gain(i, float(q), *life) for i, q, life in zip(quick, fails, lives[1:], strict=True)]
-    for i in slow:
+    for i in (int(i) for i in chosen if i in unsure):
+        swapped, forgetting = Swapped(outlook, fresh, i), replaced(outlook, i)
+        fails_then = swapped.failure(task) if task else math.nan
+        if task and fails_then is None:
+            fails_then = completion(forgetting, task).failure
+        found.append(gain(i, fails_then, *(swapped.life(diagram) or _life(forgetting, diagram))))
+    for i in dependent:
         new = replaced(outlook, i)
-        life = new.remaining_life(diagram)
-        found.append(gain(i, completion(new, task).failure if task else math.nan, life.median, life.mean))
+        found.append(gain(i, completion(new, task).failure if task else math.nan, *_life(new, diagram)))
     by_task = sorted(found, key=lambda one: (-(one.completion or 0.0), -_sortable(one.median), -_sortable(one.mean)))
     return Replacements(failure, median, mean, tuple(by_task), others)
 
@@ -130,6 +134,11 @@ def _candidates(plant: Plant, diagram: Block) -> tuple[list[int], list[int]]:
     )
 
 
+def _life(outlook: Outlook, diagram: Block) -> tuple[float, float]:
+    life = outlook.remaining_life(diagram)
+    return life.median, life.mean
+
+
 class _Curves:
     """The remaining life of a diagram with one component after the other put in new; side by side."""
 
@@ -156,6 +165,16 @@ class _Curves:
         return self._system.structure.transition(
             -np.expm1(-known), np.exp(-known) * -np.expm1(-added), np.exp(-known - added)
         ).given_works()
+
+    def unsure(self, task: Task | None) -> set[int]:
+        """The components of which it is not known that they work."""
+        plant = self._outlook.plant
+        wanted, _ = needs(task) if task else ((), [])
+        mission = plant.mission(now(wanted), wanted) if wanted else self._system
+        found: set[int] = set()
+        for parts, known in ((self._system, self._known), (mission, self._outlook.known(mission, mission.needed))):
+            found |= set(plant.component_of[parts.units[known > 0]].tolist())
+        return found
 
     def first(self, components: Indices) -> Indices:
         """The components, those first that change most, to first order, at half of the robot's life."""
@@ -235,5 +254,4 @@ class _Curves:
         return found
 
     def _one(self, component: int) -> tuple[float, float]:
-        life = (self._outlook if component < 0 else replaced(self._outlook, component)).remaining_life(self._diagram)
-        return life.median, life.mean
+        return _life(self._outlook if component < 0 else replaced(self._outlook, component), self._diagram)
