@@ -120,18 +120,18 @@ def barlow_proschan(intensity: Callable[[Array], Array], curve: Curve, until: fl
 
 
 _DEEPEST = 30
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
 _LONGEST = 1e250  # a time beyond which nothing is asked
 
 
 def _edges(curve: Curve, until: float) -> Array:
-    """ln of times, each with twice the system's cumulative hazard of the one before: smooth between them."""
+    """ln of times, each with four times the system's cumulative hazard of the one before: smooth between them."""
     end = min(until, _LONGEST)
     (fails,), (survives,) = curve(np.array([end]))
     if not fails > 0:
         return np.empty(0)
     most = -math.log1p(-fails) if fails < 0.5 else -math.log(max(survives, 1e-300))
-    levels = min(most, 64.0) * 2.0 ** np.arange(-44, 1)
+    levels = min(most, 64.0) * 4.0 ** np.arange(-22, 1)
     if until == math.inf and most < 64.0:  # what may never fail gets there only at the end
         levels = np.sort(np.append(levels, most * (1 - 2.0 ** -np.arange(2.0, 44.0))))
     times = time_at(curve, -np.expm1(-levels), np.exp(-levels), tolerance=1e-7)

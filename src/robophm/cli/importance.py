@@ -15,7 +15,7 @@ from robophm.core.errors import RobophmError, nearest
 from robophm.core.units import quantity
 from robophm.design.robot import Robot
 from robophm.design.task import Plan, Task
-from robophm.health.importance import Drawn, Importances, importances, of_tree
+from robophm.health.importance import Drawn, Importances, importances, of_tree, usual_hours
 from robophm.health.ledger import Ledger
 from robophm.health.prognosis import FutureName, View, outlooks
 from robophm.health.replacement import Replacements, replacements
@@ -34,9 +34,6 @@ MEASURES = {
 }
 """What parts may be ranked by, and what it is called inside."""
 
-DEFAULT = 1000.0
-"""Hours ahead, if not said otherwise."""
-
 LONGEST = 1e9
 """Hours ahead that may be asked about."""
 
@@ -49,7 +46,7 @@ class Question:
     future: FutureName
     function: str | None
     hours: float | None
-    """Of operation ahead; None: DEFAULT, or half a life where that is shorter."""
+    """Of operation ahead; None: the usual."""
     by: str
     most: int
 
@@ -82,8 +79,7 @@ def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: boo
     task = Task(tuple(chain.from_iterable(one.legs for one in plan.tasks))) if plan.tasks else None
     drawn = Drawn(monitor.plant, diagram)
     gains = {view: replacements(views[view], diagram, task) for view in wanted}
-    half = gains["sensor_based"].median * robot.usage.operating
-    hours = question.hours or (min(half, DEFAULT) if half > 0 else DEFAULT)
+    hours = question.hours or usual_hours(views["sensor_based"], gains["sensor_based"].median)
     found = {view: importances(views[view], drawn, hours) for view in wanted}
     name = f"{robot.name}: {question.function}" if question.function else robot.name
     if as_json:

@@ -21,6 +21,10 @@ from robophm.health.prognosis import Outlook
 Array = npt.NDArray[np.float64]
 
 
+USUAL = 1000.0
+"""Hours of operation."""
+
+
 @dataclass(frozen=True)
 class UnitImportance:
     """How much one unit of a diagram matters, given what is known now; not a number where that says nothing.
@@ -64,6 +68,12 @@ class Importances:
         return sorted(self.units, key=rank)
 
 
+def usual_hours(outlook: Outlook, median: float) -> float:
+    """Of operation ahead to ask about if nothing is said: USUAL, or half a life, of that median [h], if shorter."""
+    half = median * outlook.plant.robot.usage.operating
+    return min(half, USUAL) if half > 0 else USUAL
+
+
 class Drawn(Parts):
     """A diagram prepared with every unit by itself, to be asked about each."""
 
@@ -75,10 +85,10 @@ class Drawn(Parts):
         """Whether the system works only while a unit does."""
 
 
-def importances(outlook: Outlook, drawn: Drawn, hours: float) -> Importances:
+def importances(outlook: Outlook, drawn: Drawn, hours: float, *, lifelong: bool = True) -> Importances:
     """How much each unit matters within so many operating hours, at the mean pace of the future, given what is known.
 
-    Barlow–Proschan importances are of all time ahead.
+    Barlow–Proschan importances are of all time ahead, and take most of the work: they are left out if not ``lifelong``.
     """
     known = outlook.known(drawn, drawn.needed)
     more = _added(outlook, drawn, np.array([hours]))[:, 0]
@@ -86,10 +96,10 @@ def importances(outlook: Outlook, drawn: Drawn, hours: float) -> Importances:
     system = drawn.structure.transition(*chances)
     works = float(system.fails + system.survives)
     caused = np.full(len(known), math.nan)
-    if works > 0:
+    if works > 0 and lifelong:
         caused = _caused(outlook, drawn, known) / works
     ever = float(caused.sum()) if works > 0 else 1.0
-    share = caused / ever if ever > 0 else np.full(len(known), math.nan)
+    share = caused / ever if ever > 0 else caused
     failure = float(system.fails) / works if works > 0 else 1.0
     return _stated(drawn.diagram, drawn.structure, chances, share, hours, failure, ever)
 

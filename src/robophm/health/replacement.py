@@ -3,29 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from robophm.blocks.diagram import Block, units
+from robophm.blocks.diagram import Block, Series, units
+from robophm.blocks.merging import independent
 from robophm.core.waiting_time import roots, time_at
 from robophm.design.task import Knowledge, Task
-from robophm.health.mission import completion, needs, now, with_new_parts
+from robophm.health.mission import completion, needs, now, planned, with_new_parts
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.swapped import Swapped
 
 Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.intp]
 
 MOST = 100
 """Parts of which the gain is worked out, unless said otherwise."""
 
 _AT_ONCE = 4_000_000  # numbers that one array may hold
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _NOTHING = 1e-12  # of a life, below which two do not differ
+_CLOSE = 0.25  # in ln t: closer edges say nothing more
 _DOUBLINGS = 2.0 ** np.arange(-40, 7)
 
 
@@ -79,35 +80,24 @@ def replacements(outlook: Outlook, diagram: Block, task: Task | None, most: int 
     Of more than ``most`` components, those that change most to first order. Common causes cannot be replaced.
     """
     plant = outlook.plant
-    fresh = _new(outlook, slice(None))
-    whole = _Curves(outlook, fresh, diagram)
+    ahead = _Ahead(outlook, _new(outlook, slice(None)), diagram)
     alone, dependent = _candidates(plant, diagram)
-    chosen = whole.first(np.array(alone, dtype=np.intp))[:most] if len(alone) > most else np.array(alone, dtype=np.intp)
-    others = len(alone) - len(chosen)
-    unsure = whole.unsure(task)
-    quick = np.array([i for i in chosen if i not in unsure], dtype=np.intp)
-    none = np.array([-1], dtype=np.intp)
-    lives = whole.lives(np.concatenate((none, quick)))
-    median, mean = lives[0]
+    chosen = ahead.first(alone)[:most] if len(alone) > most else alone
+    lives = ahead.lives([-1, *chosen])
+    (median, mean), *new_lives = lives
     failure = completion(outlook, task).failure if task else None
-    fails = with_new_parts(outlook, fresh, task, quick)[0] if task else np.full(len(quick), math.nan)
+    failures: Sequence[float | None] = ahead.failures(task, chosen) if task else [None] * len(chosen)
 
     def gain(i: int, new_failure: float | None, new_median: float, new_mean: float) -> Replacement:
-        gained = failure - new_failure if failure is not None and new_failure is not None else None
+        gained = None if failure is None or new_failure is None else failure - new_failure
         return Replacement(plant.paths[i], gained, _more(new_median, median), _more(new_mean, mean))
 
-    found = [gain(i, float(q), *life) for i, q, life in zip(quick, fails, lives[1:], strict=True)]
-    for i in (int(i) for i in chosen if i in unsure):
-        swapped, forgetting = Swapped(outlook, fresh, i), replaced(outlook, i)
-        fails_then = swapped.failure(task) if task else math.nan
-        if task and fails_then is None:
-            fails_then = completion(forgetting, task).failure
-        found.append(gain(i, fails_then, *(swapped.life(diagram) or _life(forgetting, diagram))))
+    found = [gain(i, q, *life) for i, q, life in zip(chosen, failures, new_lives, strict=True)]
     for i in dependent:
         new = replaced(outlook, i)
-        found.append(gain(i, completion(new, task).failure if task else math.nan, *_life(new, diagram)))
-    by_task = sorted(found, key=lambda one: (-(one.completion or 0.0), -_sortable(one.median), -_sortable(one.mean)))
-    return Replacements(failure, median, mean, tuple(by_task), others)
+        found.append(gain(i, completion(new, task).failure if task else None, *_life(new, diagram)))
+    found.sort(key=lambda one: (-(one.completion or 0.0), -_sortable(one.median), -_sortable(one.mean)))
+    return Replacements(failure, median, mean, tuple(found), len(alone) - len(chosen))
 
 
 def _more(new: float, old: float) -> float:
@@ -139,44 +129,97 @@ def _life(outlook: Outlook, diagram: Block) -> tuple[float, float]:
     return life.median, life.mean
 
 
-class _Curves:
-    """The remaining life of a diagram with one component after the other put in new; side by side."""
+class _Ahead:
+    """A diagram's future with one component after the other put in new."""
 
     def __init__(self, outlook: Outlook, fresh: Outlook, diagram: Block) -> None:
-        self._outlook, self._diagram = outlook, diagram
+        self._outlook, self._fresh, self._diagram = outlook, fresh, diagram
         self._system = outlook.plant.system(diagram)
+        self._row = {int(unit): row for row, unit in enumerate(self._system.units)}
         self._component = outlook.plant.component_of[self._system.units]
         self._known = outlook.known(self._system, self._system.needed)
-        self._fresh = fresh
         course = outlook.course
         self._along = [one.along(self._system, course) for one in (outlook, fresh)]
         self._groups = outlook.groups_along(self._system, course)
+        self._unsure = set(self._component[self._known > 0].tolist())
+        self._parts: dict[int, _Part | None] = {}
 
     def _more(self, hours: Array) -> list[Array]:
         """What is added to the hazard of each unit by then: as it is, and if it were new; shape (units, hours)."""
         groups = self._groups(hours)
         return [self._system.of_units(np.concatenate((along(hours)[..., 0], groups))) for along in self._along]
 
-    def _given(self, more: Sequence[Array], which: Indices) -> tuple[Array, Array]:
-        """P(fails) and P(survives), with which component new in each column; −1 for none."""
-        new = self._component[:, None] == which
-        known = self._system.of_groups(np.where(new, 0.0, self._known[:, None]))
-        added = self._system.of_groups(np.where(new, more[1], more[0]))
-        return self._system.structure.transition(
-            -np.expm1(-known), np.exp(-known) * -np.expm1(-added), np.exp(-known - added)
-        ).given_works()
+    def given(self, more: Sequence[Array], which: Sequence[int]) -> tuple[Array, Array]:
+        """P(fails) and P(survives), with which component new in each column; −1 for none.
 
-    def unsure(self, task: Task | None) -> set[int]:
-        """The components of which it is not known that they work."""
-        plant = self._outlook.plant
-        wanted, _ = needs(task) if task else ((), [])
-        mission = plant.mission(now(wanted), wanted) if wanted else self._system
-        found: set[int] = set()
-        for parts, known in ((self._system, self._known), (mission, self._outlook.known(mission, mission.needed))):
-            found |= set(plant.component_of[parts.units[known > 0]].tolist())
+        ``more``: what is added to the hazard of each unit, as it is and if it were new; shape (units, columns).
+        """
+        columns = np.array(which)
+        known, added = self._known[:, None], more[0]
+        new = self._component[:, None] == columns
+        alone = {i: part for i in set(which) & self._unsure if (part := self._part(i))}
+        for i, part in alone.items():  # what shares parts with it is solved apart, the rest as if that could not fail
+            new[np.ix_(part.rows, columns == i)] = True
+        known = self._system.of_groups(np.where(new, 0.0, known))
+        instead = more[1].copy()
+        for i, part in alone.items():
+            instead[np.ix_(part.rows, columns == i)] = 0.0
+        total = self._system.of_groups(np.where(new, instead, added))
+        fails, survives = self._system.structure.transition(
+            -np.expm1(-known), np.exp(-known) * -np.expm1(-total), np.exp(-known - total)
+        ).given_works()
+        for i, part in alone.items():
+            here = columns == i
+            lost, left = part.given(*(one[:, here] for one in more))
+            fails[here] += survives[here] * lost
+            survives[here] *= left
+        return fails, survives
+
+    def _part(self, component: int) -> _Part | None:
+        """What a component that may have failed unseen shares parts with; None where it cannot work with the old."""
+        if component not in self._parts:
+            names = self._outlook.plant.components[component].units
+            together = [one for one in independent(self._diagram) if not set(names).isdisjoint(units(one))]
+            block = together[0] if len(together) == 1 else Series(*together)
+            part = _Part(Swapped(self._outlook, [(1, block)], names), self._row)
+            self._parts[component] = part if part.may_work else None
+        return self._parts[component]
+
+    def failures(self, task: Task, which: Sequence[int]) -> list[float]:
+        """P(the task fails), with which component new."""
+        plant, outlook = self._outlook.plant, self._outlook
+        wanted, ends = needs(task)
+        hazards = [one.increments(plant.everything, *planned(outlook, task)) for one in (outlook, self._fresh)]
+        if len(wanted) == 1:
+            diagram = plant.diagram(wanted[0][1])
+            ahead = self if diagram is self._diagram else _Ahead(outlook, self._fresh, diagram)
+            return ahead._failures([one.sum(axis=1) for one in hazards], which)
+        mission = plant.mission(now(wanted), wanted)
+        unsure = set(plant.component_of[mission.units[outlook.known(mission, mission.needed) > 0]].tolist())
+        quick, _ = with_new_parts(outlook, self._fresh, task, np.array(which, dtype=np.intp))
+        starts = [0, *(end + 1 for end in ends[:-1])]
+        found = []
+        for i, fails in zip(which, quick.tolist(), strict=True):
+            if i in unsure:
+                diagrams = [(phase, plant.diagram(function)) for phase, function in wanted]
+                parts = (swapped := Swapped(outlook, diagrams, plant.components[i].units)).parts
+                more = (np.add.reduceat(parts.of_units(one[parts.rows]), starts, axis=1) for one in hazards)
+                ahead_of = swapped.transition(*more)
+                fails = float(ahead_of.given_works()[0]) if ahead_of.failed < 1 else fails
+            found.append(fails)
         return found
 
-    def first(self, components: Indices) -> Indices:
+    def _failures(self, hazards: Sequence[Array], which: Sequence[int]) -> list[float]:
+        """The same of what the whole time adds to the hazard of each mode."""
+        more = [self._system.of_units(one[self._system.rows])[:, None] for one in hazards]
+        turn = max(1, _AT_ONCE // len(self._component))
+        found: list[float] = []
+        for start in range(0, len(which), turn):
+            some = which[start : start + turn]
+            found += self.given([np.repeat(one, len(some), axis=1) for one in more], some)[0].tolist()
+        return found
+
+    def first(self, components: Sequence[int]) -> list[int]:
         """The components, those first that change most, to first order, at half of the robot's life."""
         system = self._system
         median = self._outlook.remaining_life(self._diagram).median
@@ -187,13 +230,11 @@ class _Curves:
         with np.errstate(invalid="ignore", over="ignore"):
             change = np.abs(hangs[system.group_of] * np.expm1(np.minimum(self._known + old - new, 300.0)))
         change = np.bincount(self._component, np.nan_to_num(change), len(self._outlook.plant.paths))
-        result: Indices = components[np.argsort(-change[components], kind="stable")]
-        return result
+        return sorted(components, key=lambda i: -float(change[i]))
 
-    def lives(self, which: Indices) -> list[tuple[float, float]]:
-        """Median and mean, with which component new."""
-        none = np.array([-1], dtype=np.intp)
-        starts, _ = self._given(self._more(np.zeros(1)), none)
+    def lives(self, which: Sequence[int]) -> list[tuple[float, float]]:
+        """Median and mean, with which component new; −1 for none."""
+        starts, _ = self.given(self._more(np.zeros(1)), [-1])
         edges = self._edges() if starts[0] < 1 else np.empty(0)
         if len(edges) < 2:
             return [self._one(i) for i in which]
@@ -222,19 +263,19 @@ class _Curves:
             ends = course.hours[1:]
             positive = np.unique(np.append(positive, ends[(ends > positive[0]) & (ends < positive[-1])]))
         edges: Array = np.log(positive)
-        return edges
+        return edges[np.append(True, np.diff(edges) > _CLOSE)] if course.changeless else edges
 
-    def _survival(self, hours: Array, which: Indices) -> Array:
+    def _survival(self, hours: Array, which: Sequence[int]) -> Array:
         """P(survives) at all of these times, with which component new; shape (components, hours)."""
         found = np.empty((len(which), len(hours)))
         turn = max(1, _AT_ONCE // len(self._component))
         for start in range(0, len(hours), turn):
             more = self._more(hours[start : start + turn])
             for k, i in enumerate(which):
-                found[k, start : start + turn] = self._given(more, np.array([i]))[1]
+                found[k, start : start + turn] = self.given(more, [i] * more[0].shape[1])[1]
         return found
 
-    def _medians(self, times: Array, survives: Array, which: Indices) -> Array:
+    def _medians(self, times: Array, survives: Array, which: Sequence[int]) -> Array:
         """By a root in ln t each; 0 where it lies outside."""
         first = np.argmax(survives <= 0.5, axis=1)
         found = np.zeros(len(which))
@@ -243,7 +284,7 @@ class _Curves:
             return found
 
         def excess(x: Array) -> Array:
-            fails, left = self._given(self._more(np.exp(x)), which[todo])
+            fails, left = self.given(self._more(np.exp(x)), [which[int(k)] for k in todo])
             with np.errstate(divide="ignore"):
                 beyond: Array = np.clip(np.log(fails) - np.log(left), -1e300, 1e300)
             return beyond
@@ -255,3 +296,19 @@ class _Curves:
 
     def _one(self, component: int) -> tuple[float, float]:
         return _life(self._outlook if component < 0 else replaced(self._outlook, component), self._diagram)
+
+
+class _Part:
+    """What of a system shares parts with a component that may have failed unseen, the component put in new."""
+
+    def __init__(self, swapped: Swapped, row: Mapping[int, int]) -> None:
+        self._swapped = swapped
+        self._rows = np.array([row[int(unit)] for unit in swapped.parts.units])
+        self.rows = np.unique(self._rows)
+        """Its units' among the system's."""
+        nothing = np.zeros((len(self._rows), 1))
+        self.may_work = bool(swapped.transition(nothing, nothing).failed < 1)
+
+    def given(self, more: Array, instead: Array) -> tuple[Array, Array]:
+        """P(fails), P(survives), from what is added to the hazard of each of the system's units, old and new."""
+        return self._swapped.transition(more[self._rows][:, None], instead[self._rows][:, None]).given_works()
