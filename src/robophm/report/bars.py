@@ -13,7 +13,8 @@ _BAR, _GAP, _LONGEST = 9.0, 7.0, 420.0
 _MOST_LETTERS = 60
 _STYLE = (
     f".bars text{{font-size:{_SIZE:g}px;fill:var(--quiet)}}"
-    ".bars .title{font-size:13px;font-weight:600;fill:var(--ink)}.bars .name{text-anchor:end;fill:var(--ink)}.bars .c0{fill:var(--c0)}.bars .c1{fill:var(--c1)}"
+    ".bars .title{font-size:13px;font-weight:600;fill:var(--ink)}"
+    ".bars .name{text-anchor:end;fill:var(--ink)}.bars .c0{fill:var(--c0)}.bars .c1{fill:var(--c1)}"
 )
 
 
