@@ -25,7 +25,7 @@ MOST = 100
 
 _AT_ONCE = 4_000_000  # numbers that one array may hold
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
-_NOTHING = 1e-12  # of a life, below which two do not differ
+_NOTHING = 1e-12  # of a figure, below which two do not differ
 _CLOSE = 0.25  # in ln t: closer edges say nothing more
 _DOUBLINGS = 2.0 ** np.arange(-40, 7)
 
@@ -85,14 +85,14 @@ def replacements(outlook: Outlook, diagram: Block, task: Task | None, most: int 
     chosen = ahead.first(alone)[:most] if len(alone) > most else alone
     lives = ahead.lives([-1, *chosen])
     (median, mean), *new_lives = lives
-    failure = completion(outlook, task).failure if task else None
-    failures: Sequence[float | None] = ahead.failures(task, chosen) if task else [None] * len(chosen)
+    failures: Sequence[float | None] = ahead.failures(task, [-1, *chosen]) if task else [None] * (1 + len(chosen))
+    failure, *new_failures = failures
 
     def gain(i: int, new_failure: float | None, new_median: float, new_mean: float) -> Replacement:
-        gained = None if failure is None or new_failure is None else failure - new_failure
+        gained = None if failure is None or new_failure is None else -_more(new_failure, failure)
         return Replacement(plant.paths[i], gained, _more(new_median, median), _more(new_mean, mean))
 
-    found = [gain(i, q, *life) for i, q, life in zip(chosen, failures, new_lives, strict=True)]
+    found = [gain(i, q, *life) for i, q, life in zip(chosen, new_failures, new_lives, strict=True)]
     for i in dependent:
         new = replaced(outlook, i)
         found.append(gain(i, completion(new, task).failure if task else None, *_life(new, diagram)))

@@ -51,7 +51,7 @@ def _matters(found: Mapping[View, Importances], many: bool) -> Iterable[Html | s
     ahead = f"{number_text(one.hours)} h of operation"
     yield figure(
         bars_svg(shares, list(VIEWS.values()), title=f"Share of the failures within {ahead} that hang on a part"),
-        "Criticality: given that the robot fails, the part has and the robot would not without that; percentages: sensor-based",
+        "Criticality: given that the robot fails, the part has, and without that it would not; percent: sensor-based",
     )
     rows = [
         (unit.unit, unit.birnbaum, _percent(unit.criticality), _percent(unit.fussell_vesely), unit.achievement,
