@@ -176,6 +176,16 @@ def test_few_are_looked_at_where_there_are_many() -> None:
     assert some.parts[0].median == pytest.approx(every.parts[0].median, rel=1e-9)
 
 
+def test_what_has_failed_is_looked_at_first() -> None:
+    parts = {f"m{i}": part(1e-5 * (1 + i), 2000, **weibull(2)) for i in range(9)}
+    design = robot(
+        {**parts, "spare": part(1e-7)}, diagram={"series": [{"parallel": ["m0", "spare"]}, *list(parts)[1:]]}
+    )
+    view = as_designed(Plant(design), Knowledge(failed=frozenset({"spare"})))
+    found = replacements(view, design.diagram, TASK, 2)
+    assert {one.path for one in found.parts} == {"m8", "spare"}
+
+
 def test_it_is_what_a_ledger_says_after_the_part_was_replaced() -> None:
     design = robot(WORN, diagram=SERIES, usage=USAGE)
     monitor = Monitor(design, Ledger.new(design))

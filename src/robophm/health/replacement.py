@@ -89,7 +89,7 @@ def replacements(outlook: Outlook, diagram: Block, task: Task | None, most: int 
     failure, *new_failures = failures
 
     def gain(i: int, new_failure: float | None, new_median: float, new_mean: float) -> Replacement:
-        gained = None if failure is None or new_failure is None else -_more(new_failure, failure)
+        gained = None if failure is None or new_failure is None else 0.0 - _more(new_failure, failure)
         return Replacement(plant.paths[i], gained, _more(new_median, median), _more(new_mean, mean))
 
     found = [gain(i, q, *life) for i, q, life in zip(chosen, new_failures, new_lives, strict=True)]
@@ -230,6 +230,7 @@ class _Ahead:
         with np.errstate(invalid="ignore", over="ignore"):
             change = np.abs(hangs[system.group_of] * np.expm1(np.minimum(self._known + old - new, 300.0)))
         change = np.bincount(self._component, np.nan_to_num(change), len(self._outlook.plant.paths))
+        change[self._component[np.isinf(self._known)]] = math.inf  # what has failed
         return sorted(components, key=lambda i: -float(change[i]))
 
     def lives(self, which: Sequence[int]) -> list[tuple[float, float]]:
