@@ -26,6 +26,7 @@ MOST = 100
 _AT_ONCE = 4_000_000  # numbers that one array may hold
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _NOTHING = 1e-12  # of a figure, below which two do not differ
+_LIKELY = 1e-3  # P(works now, for all that is known of its parts), below which nothing is subtracted
 _CLOSE = 0.25  # in ln t: closer edges say nothing more
 _DOUBLINGS = 2.0 ** np.arange(-40, 7)
 
@@ -141,6 +142,9 @@ class _Ahead:
         course = outlook.course
         self._along = [one.along(self._system, course) for one in (outlook, fresh)]
         self._groups = outlook.groups_along(self._system, course)
+        known = self._system.of_groups(self._known)
+        self._works_now = float(self._system.structure.probability(np.exp(-known), -np.expm1(-known))[0])
+        self._row_of = {int(component): row for row, component in enumerate(self._component)}
         self._unsure = set(self._component[self._known > 0].tolist())
         self._parts: dict[int, _Part | None] = {}
 
@@ -222,7 +226,7 @@ class _Ahead:
     def first(self, components: Sequence[int]) -> list[int]:
         """The components, those first that change most, to first order, at half of the robot's life."""
         system = self._system
-        median = self._outlook.remaining_life(self._diagram).median
+        median = float(time_at(self._outlook.curve(self._diagram), [0.5], [0.5], tolerance=1e-4)[0])
         old, new = (one[:, 0] for one in self._more(np.array([median if 0 < median < math.inf else 1000.0])))
         total = system.of_groups(self._known + old)
         works = np.exp(-total)
@@ -269,12 +273,34 @@ class _Ahead:
     def _survival(self, hours: Array, which: Sequence[int]) -> Array:
         """P(survives) at all of these times, with which component new; shape (components, hours)."""
         found = np.empty((len(which), len(hours)))
+        drawn = np.bincount(self._component, minlength=len(self._outlook.plant.paths))
+        likely = self._works_now > _LIKELY
+        single = [likely and i >= 0 and drawn[i] == 1 and i not in self._unsure for i in which]
         turn = max(1, _AT_ONCE // len(self._component))
         for start in range(0, len(hours), turn):
-            more = self._more(hours[start : start + turn])
+            here = slice(start, start + turn)
+            more = self._more(hours[here])
+            found[single, here] = self._linearly(more, [i for i, one in zip(which, single, strict=True) if one])
             for k, i in enumerate(which):
-                found[k, start : start + turn] = self.given(more, [i] * more[0].shape[1])[1]
+                if not single[k]:
+                    found[k, here] = self.given(more, [i] * more[0].shape[1])[1]
         return found
+
+    def _linearly(self, more: Sequence[Array], which: Sequence[int]) -> Array:
+        """P(survives) with new components that are one unit each and known to work: R is linear in each, by one sweep.
+
+        As good as the last digit of 1: where what is near 0 must have its digits, they are ``given``.
+        """
+        system = self._system
+        total = system.of_groups(self._known[:, None] + more[0])
+        works, failed = np.exp(-total), -np.expm1(-total)
+        hangs, (survives, _) = system.structure.birnbaum(works, failed), system.structure.probability(works, failed)
+        row = [self._row_of[i] for i in which]
+        group = system.group_of[row]
+        with np.errstate(invalid="ignore"):
+            new = np.nan_to_num(np.exp(-(total[group] - more[0][row]) - more[1][row]))
+        linear: Array = np.clip((survives + hangs[group] * (new - works[group])) / self._works_now, 0.0, 1.0)
+        return linear
 
     def _medians(self, times: Array, survives: Array, which: Sequence[int]) -> Array:
         """By a root in ln t each; 0 where it lies outside."""
