@@ -595,7 +595,7 @@ def importance(
     ] = None,
     by: Annotated[str, typer.Option(help="birnbaum, criticality, fussell-vesely, raw, rrw, improvement "
                                          "or barlow-proschan")] = "criticality",
-    most: Most = 20,
+    most: Annotated[int, typer.Option(help="parts to list", min=1, max=100_000)] = 20,
     as_json: Json = False,
 ) -> None:  # fmt: skip
     """What matters most to a robot's health, and what to replace first."""

@@ -164,7 +164,7 @@ def _show_gains(found: Replacements, question: Question) -> None:
     ]  # fmt: skip
     print_table(out, table("", columns, rows, figures=range(1, len(columns))))
     if len(some) > len(rows):
-        out.print(f"{len(some) - len(rows):,} more gain less (--most)")
+        out.print(f"{len(some) - len(rows):,} more are not listed (--most)")
     losing = sum(max(one.completion or 0.0, one.median, one.mean) < 0 for one in some)
     if losing:
         out.print(f"{losing:,} would lose: young parts of theirs fail more often than old ones")
