@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
+from mpmath import mp
 
 from robophm.design.file import parse
 from robophm.design.robot import Robot
@@ -15,6 +17,7 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, as_designed, nominal_outlook
 
 L = 0.01
+Function = Callable[[mp.mpf], mp.mpf]
 
 
 def robot(diagram: str, parts: str = "{A: {rate: 0.01 /h}, B: {rate: 0.01 /h}}") -> Robot:
@@ -138,3 +141,27 @@ def test_a_group_decides_as_one() -> None:
     assert first.path == "standby of A, B"
     assert first.failure_without == pytest.approx(-math.expm1(-50e-6), rel=1e-12)
     assert second.path == "C"
+
+
+def test_the_rate_at_the_corner_between_past_and_present() -> None:
+    """A cold pair whose spare has aged less than the first part, and now ages as fast: by mpmath's quadrature."""
+    lives = (1.8, 4000), (1.5, 5000)
+    life = "life: {{distribution: weibull, shape: {}, scale: {} h}}".format
+    one = robot(COLD, f"{{A: {{{life(*lives[0])}}}, B: {{{life(*lives[1])}}}}}")
+    (first, outlives), (second, alive) = (weibull(*map(mp.mpf, life)) for life in lives)
+    outlook, ratio = nominal_outlook(Plant(one), np.array([2000.0, 700.0])), mp.mpf(700) / 2000
+
+    def over(f: Function) -> mp.mpf:
+        return mp.quad(lambda t: first(t) * f((2000 - t) * ratio), [0, 1, 10, 100, 1000, 1900, 1990, 1999, 2000])
+
+    expected = over(second) / (outlives(mp.mpf(2000)) + over(alive))
+    assert outlook.hazard_rate(one.diagram) == pytest.approx(float(expected), rel=1e-12)
+
+
+def weibull(shape: mp.mpf, scale: mp.mpf) -> tuple[Function, Function]:
+    """Density and survival."""
+
+    def survival(t: mp.mpf) -> mp.mpf:
+        return mp.exp(-((t / scale) ** shape))
+
+    return lambda t: shape / scale * (t / scale) ** (shape - 1) * survival(t), survival

@@ -9,6 +9,7 @@ system changes at exactly one unit, and c = Σᵢ cᵢ · P(i makes the differen
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections import deque
 from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
@@ -24,6 +25,9 @@ from robophm.core.errors import StructureError, nearest
 
 AT_ONCE = 200_000
 """Numbers that one array may hold, so that it stays in cache; more columns take turns."""
+
+FEW = 16
+"""Columns for which the place of an evaluation is kept for the next one: as many as a tick asks for."""
 
 
 class State(NamedTuple):
@@ -74,6 +78,7 @@ class Structure:
         self._systems: Rows | int = self._plan.systems if len(diagrams) > 1 else int(self._plan.systems[0])
         wide = (step.diagram.size for step in self._plan.steps if isinstance(step, Decision))
         self._width = max(self._plan.rows, *wide, 1)
+        self._idle: deque[_Place] = deque(maxlen=2)
 
     def state(self, works: ArrayLike, failed: ArrayLike, density: ArrayLike = 0.0) -> State:
         """State of the system, shape (...), from the states of its units, shape (units, ...).
@@ -105,7 +110,7 @@ class Structure:
         Of one diagram; of a kind, the sum over its units. One sweep back over a state; every term is positive.
         """
         columns, shape = self._columns(failed, works)
-        found = np.empty(columns.shape[1:])
+        found = np.empty(columns[0].shape)
         for turn, rows in self._turns(columns, task=False):
             found[:, turn] = self._back(rows)
         return found.reshape(self._inputs, *shape)
@@ -117,30 +122,52 @@ class Structure:
     def _evaluate(self, *units: ArrayLike, task: bool) -> Sequence[Array]:
         columns, shape = self._columns(*units)
         several = (len(self._plan.systems),) if isinstance(self._systems, np.ndarray) else ()
-        system = np.empty((len(columns), *several, columns.shape[2]))
+        system = np.empty((len(columns), *several, columns[0].shape[1]))
         for turn, rows in self._turns(columns, task):
             system[..., turn] = rows[:, self._systems]
         return system.reshape(len(columns), *several, *shape)  # type: ignore[return-value]
 
-    def _columns(self, *units: ArrayLike) -> tuple[Array, tuple[int, ...]]:
-        """The units' numbers, shape (numbers, units, columns), and the shape that the columns had."""
-        stacked = _broadcast(self._inputs, *units)
-        return stacked.reshape(*stacked.shape[:2], -1), stacked.shape[2:]
+    def _columns(self, *units: ArrayLike) -> tuple[list[Array], tuple[int, ...]]:
+        """The units' numbers, each of shape (units, columns), and the shape that the columns had."""
+        arrays = [np.asarray(array, dtype=np.float64) for array in units]
+        for array in arrays:
+            if array.ndim and len(array) != self._inputs:
+                raise StructureError(f"first axis of {array.shape}: expected the {self._inputs} units of the diagram")
+        axes = max(1, *(array.ndim for array in arrays))
+        arrays = [array.reshape(array.shape + (1,) * (axes - array.ndim)) for array in arrays]
+        shape = np.broadcast_shapes((self._inputs, *[1] * (axes - 1)), *(array.shape for array in arrays))
+        columns = [
+            (array if array.shape == shape else np.broadcast_to(array, shape)).reshape(self._inputs, -1)
+            for array in arrays
+        ]
+        return columns, shape[1:]
 
-    def _turns(self, columns: Array, task: bool) -> Iterator[tuple[slice, Array]]:
+    def _turns(self, columns: Sequence[Array], task: bool) -> Iterator[tuple[slice, Array]]:
         """Columns taking turns, and the rows of each turn; they lie in one place, so that it stays in cache."""
-        total = columns.shape[2]
+        numbers, total = len(columns), columns[0].shape[1]
         turn = max(1, min(total, AT_ONCE // self._width))
-        place = np.empty((len(columns), self._plan.rows, turn))
-        program = list(_program(self._plan, place, task))
         for start in range(0, total, turn):
-            if start + turn > total:
-                place = place[:, :, : total - start].copy()
-                program = list(_program(self._plan, place, task))
-            place[:, self._plan.place] = columns[:, self._rows, start : start + turn]
-            for call in program:
+            size = min(turn, total - start)
+            place = self._place(numbers, size, task)
+            for rows, array in zip(place.rows, columns, strict=True):
+                rows[self._plan.place] = array[self._rows, start : start + size]
+            for call in place.program:
                 call()
-            yield slice(start, start + turn), place
+            yield slice(start, start + size), place.rows
+            if size <= FEW:
+                self._idle.append(place)
+
+    def _place(self, numbers: int, columns: int, task: bool) -> _Place:
+        """Where an evaluation is done: the one of last time if it fits, of which no other thread makes use now."""
+        try:
+            place = self._idle.pop()
+        except IndexError:
+            pass
+        else:
+            if place.rows.shape[::2] == (numbers, columns) and place.task == task:
+                return place
+        rows = np.zeros((numbers, self._plan.rows, columns))
+        return _Place(rows, task, list(_program(self._plan, rows, task)))
 
     def _back(self, rows: Array) -> Array:
         """Of every unit, how much the system's chance to work grows with its own; shape (units, columns)."""
@@ -271,6 +298,15 @@ def _program(plan: Plan, rows: Array, task: bool) -> Iterator[Call]:
             yield partial(_copy, rows, step.made, step.to)
 
 
+class _Place(NamedTuple):
+    """Rows, and what makes every block from those in it there."""
+
+    rows: Array
+    """Of (failed, works[, change]), shape (2 or 3, rows, columns)."""
+    task: bool
+    program: list[Call]
+
+
 class _Merge(NamedTuple):
     """A row meets another in a pair."""
 
@@ -307,14 +343,3 @@ def _decide(step: Decision, inputs: Array, out: Array, task: bool) -> None:
     change = inputs[2] if len(inputs) > 2 else np.zeros_like(inputs[0])
     made = step.diagram.evaluate(inputs[FAILED], change, inputs[WORKS], *sides(inputs, task))
     out[...] = np.stack((made[0], made[2], made[1]))[: len(inputs)]
-
-
-def _broadcast(n: int, *arrays: ArrayLike) -> Array:
-    """The arrays stacked, shape (arrays, n, ...): first axes are the units, trailing axes broadcast."""
-    units = [np.asarray(array, dtype=np.float64) for array in arrays]
-    for array in units:
-        if array.ndim and array.shape[0] != n:
-            raise StructureError(f"first axis of {array.shape}: expected the {n} units of the diagram")
-    axes = max(1, *(array.ndim for array in units))
-    units = [array.reshape(array.shape + (1,) * (axes - array.ndim)) for array in units]
-    return np.stack(np.broadcast_arrays(*units, np.empty((n,) + (1,) * (axes - 1)))[:-1])

@@ -15,9 +15,24 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Curve = Callable[[Array], tuple[Array, Array]]
 
-_DECADES = np.concatenate((np.arange(-250, -30, 10), np.arange(-30, 30), np.arange(30, 251, 10)))
+_DECADES = np.concatenate((np.arange(-250.0, -30, 10), np.arange(-30.0, 30), np.arange(30.0, 251, 10)))
+_USUAL = np.arange(-3.0, 9.0)  # in hours, what robots last
 _MOST_PANELS = 300  # that are rough: beyond it the curve is a staircase
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
+_LEVELS = np.log(2.0) * np.array([-8.0, -5.0, -2.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
+"""Of the cumulative hazard: between them a survival is smooth."""
+
+_HALF = [
+    (0.991455371120812639206854697526329, 0.022935322010529224963732008058970, 0.0),
+    (0.949107912342758524526189684047851, 0.063092092629978553290700663189204, 0.129484966168869693270611432679082),
+    (0.864864423359769072789712788640926, 0.104790010322250183839876322541518, 0.0),
+    (0.741531185599394439863864773280788, 0.140653259715525918745189590510238, 0.279705391489276667901467771423780),
+    (0.586087235467691130294144838258730, 0.169004726639267902826583426598550, 0.0),
+    (0.405845151377397166906606412076961, 0.190350578064785409913256402421014, 0.381830050505118944950369775488975),
+    (0.207784955007898467600689403773245, 0.204432940075298892414161999234649, 0.0),
+]
+"""Nodes with their weights by the rules of Kronrod, 15 nodes, and Gauss, 7 of them. Source: QUADPACK, dqk15."""
+_CENTRE = (0.0, 0.209482141084727828012999174891714, 0.417959183673469387755102040816327)
+_NODES, _WEIGHTS, _FEWER = np.array([(-x, k, g) for x, k, g in _HALF] + [_CENTRE] + _HALF[::-1]).T
 
 
 def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike, *, tolerance: float = 4e-16) -> Array:
@@ -26,35 +41,65 @@ def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike, *, tole
     ``survives`` is 1 − ``fails`` with its own digits. Infinite where it is never reached within 1e250, 0 where it
     is passed at once. ``tolerance`` is of ln time; where rough times do, a wide one is faster.
     """
-    target_fails, target_survives = (np.atleast_1d(np.asarray(p, dtype=float)) for p in (fails, survives))
+    target = _log_hazard(*(np.ravel(np.asarray(p, dtype=float)) for p in (fails, survives)))
 
-    def excess(failed: Array, survived: Array, which: npt.NDArray[np.intp]) -> Array:
-        """How far beyond each target, on the logarithm of the smaller probability; rises with time."""
-        q, p = target_fails[which], target_survives[which]
-        with np.errstate(divide="ignore"):
-            beyond = np.where(q <= p, np.log(failed) - np.log(q), np.log(p) - np.log(survived))
-        clipped: Array = np.clip(beyond, -1e300, 1e300)
-        return clipped
+    def bracketed(decades: Array) -> tuple[Array, npt.NDArray[np.intp], Array, Array]:
+        """Where the curve passes each target, and how far it is from all of them at each time."""
+        grid = np.log(10.0) * decades
+        table = _of_curve(*curve(np.exp(grid)))[:, None] - target
+        return grid, np.argmax(table >= 0, axis=0), table, (table[0] < 0) & (table[-1] >= 0)
 
-    # One pass over decades brackets the logarithm of every time.
-    grid = np.log(10.0) * _DECADES
-    every = np.arange(len(target_fails))
-    table = np.array([excess(f, s, every) for f, s in zip(*curve(np.exp(grid)), strict=True)])
-    first = np.argmax(table >= 0, axis=0)
+    # Its logarithm against that of time, a cumulative hazard is nearly straight: a decade is near enough to start at.
+    grid, first, table, found = bracketed(_USUAL)
+    if not found.all():
+        grid, first, table, found = bracketed(_DECADES)
     result = np.where(table[0] >= 0, 0.0, math.inf)
-    todo = np.flatnonzero((table[0] < 0) & (table[-1] >= 0))
+    todo = np.flatnonzero(found)
     if len(todo):
-        low, high = first[todo] - 1, first[todo]
+        low, high, wanted = first[todo] - 1, first[todo], target[todo]
 
         def above(x: Array) -> Array:
-            return excess(*curve(np.exp(x)), todo)
+            return _of_curve(*curve(np.exp(x))) - wanted
 
-        result[todo] = np.exp(roots(above, grid[low], grid[high], table[low, todo], table[high, todo], tolerance))
+        result[todo] = np.exp(_roots(above, grid[low], grid[high], table[low, todo], table[high, todo], tolerance))
     return result.reshape(np.shape(fails))
 
 
-def roots(f: Callable[[Array], Array], a: Array, b: Array, fa: Array, fb: Array, tolerance: float) -> Array:
-    """Roots of functions side by side, each between ``a`` and ``b``. Chandrupatla, Adv. Eng. Software 28 (1997)."""
+def times_of_many(curve: Curve, fails: Array, survives: Array, *, tolerance: float = 1e-12) -> Array:
+    """The same of many, each with its own curve: ``curve`` takes a time of each and gives the probabilities of each."""
+    target = _log_hazard(fails, survives)
+    grid = low = high = below = above = np.empty(0)
+    passed = np.zeros(len(target), dtype=bool)
+    for decades in (_USUAL, _DECADES):
+        grid = np.log(10.0) * decades
+        table = np.array([_of_curve(*curve(np.full(len(target), time))) for time in np.exp(grid)]) - target
+        first, passed = np.argmax(table >= 0, axis=0), table[0] >= 0
+        found = ~passed & (table[-1] >= 0)
+        every = np.arange(len(target))
+        low, high, below, above = grid[first - 1], grid[first], table[first - 1, every], table[first, every]
+        if found.all():
+            break
+    # What is not found has a bracket of nothing, where the search ends at once.
+    low, high = np.where(found, low, 0.0), np.where(found, high, 0.0)
+    times = np.exp(_roots(lambda x: _of_curve(*curve(np.exp(x))) - target, low, high, below, above, tolerance))
+    return np.where(found, times, np.where(passed, 0.0, math.inf))
+
+
+def _log_hazard(fails: Array, survives: Array) -> Array:
+    """ln of the cumulative hazard, of the smaller probability."""
+    with np.errstate(divide="ignore"):
+        log: Array = np.log(np.where(survives < 0.5, -np.log(survives), -np.log1p(-np.minimum(fails, 0.75))))
+    return log
+
+
+def _of_curve(fails: Array, survives: Array) -> Array:
+    """The same, finite where a probability has underflowed: beyond all that a number can be asked for."""
+    log: Array = np.clip(_log_hazard(fails, survives), -800.0, 7.0)
+    return log
+
+
+def _roots(f: Callable[[Array], Array], a: Array, b: Array, fa: Array, fb: Array, tolerance: float) -> Array:
+    """Roots of many bracketed functions side by side. Chandrupatla, Adv. Eng. Software 28 (1997)."""
     c, fc, t = a, fa, np.full(a.shape, 0.5)
     for _ in range(100):
         x = a + t * (b - a)
@@ -83,47 +128,63 @@ def mean_time(curve: Curve, kinks: npt.ArrayLike = ()) -> float:
 
     ``kinks``: times at which the curve is not smooth, where it has such. Of a staircase to about 1e-6.
     """
+    # Against the logarithm of time the logarithm of the cumulative hazard is nearly straight: what lies between decades
+    # is near enough where panels begin and end.
+    grid, table = _decades(curve, _USUAL)
     for deepest in (6, 7, 8, 9):
-        # Panels between the times at which the cumulative hazard doubles: smooth, but for a curve with a kink.
-        levels = 2.0 ** np.arange(-40, deepest + 1)
-        times = time_at(curve, -np.expm1(-levels), np.exp(-levels), tolerance=1e-7)
-        if not np.isfinite(times[-1]):
-            return math.inf
-        positive = np.maximum.accumulate(times[times > 0])
-        if not len(positive):
+        levels = np.append(_LEVELS, np.log(2.0) * np.arange(6, deepest + 1))
+        if len(grid) == len(_USUAL) and not table[0] <= levels[0] < levels[-1] <= table[-1]:
+            grid, table = _decades(curve, _DECADES)
+        if table[0] > levels[-1]:
             return 0.0
-        inside = [time for time in np.ravel(kinks) if positive[0] < time < positive[-1]]
-        edges = np.log(np.sort(np.concatenate((positive, inside))))
-        total = _integral(curve, np.append(edges[0] - 40, edges))  # e⁻⁴⁰ of the first time is below every digit
-        tail = positive[-1] * float(curve(positive[-1:])[1][0])
-        if tail <= 1e-13 * total:
+        if table[-1] < levels[-1]:
+            return math.inf
+        edges = np.interp(levels, table, grid)
+        start, ends = math.exp(edges[0]), edges - edges[0]
+        inside = np.log([kink / start for kink in np.ravel(kinks) if kink > start])
+        early = [kink / start - 1 for kink in np.ravel(kinks) if 0 < kink <= start]
+        total = _integral(curve, start, np.unique([-1.0, *early, *ends, *inside[inside < ends[-1]]]))
+        last = math.exp(edges[-1])
+        if last * float(curve(np.array([last]))[1][0]) <= 1e-13 * total:
             return float(total)
     return math.inf
 
 
-def _integral(curve: Curve, edges: Array) -> float:
-    """∫ P(survives) dt over panels in x = ln t, each halved until its halves agree with it."""
+def _decades(curve: Curve, decades: Array) -> tuple[Array, Array]:
+    """The logarithms of some times and of the cumulative hazards then, which rise."""
+    grid = np.log(10.0) * decades
+    return grid, np.maximum.accumulate(_of_curve(*curve(np.exp(grid))))
 
-    def panels(low: Array, high: Array) -> Array:
-        t = np.exp(low[:, None] + (high - low)[:, None] * (_NODES + 1) / 2)
-        survives = curve(t.ravel())[1].reshape(t.shape)
-        area: Array = (high - low) * ((t * survives) @ _WEIGHTS) / 2
-        return area
+
+def _integral(curve: Curve, start: float, edges: Array) -> float:
+    """∫ P(survives) dt over panels, each halved until its two rules agree.
+
+    Panels are of v: below 0 time is start·(1 + v), where it all begins, and from there on start·exp(v).
+    """
+
+    def panels(low: Array, high: Array) -> tuple[Array, Array]:
+        half = (high - low)[:, None] / 2
+        v = low[:, None] + half * (1 + _NODES)
+        weight = start * np.where(v < 0, 1.0, np.exp(np.maximum(v, 0.0)))
+        t = np.where(v < 0, start * (1 + v), weight)
+        area = half * weight * curve(t.ravel())[1].reshape(t.shape)
+        whole = area @ _WEIGHTS
+        # How far off the better rule is, from the worse one: as QUADPACK has it.
+        off, spread = np.abs(area @ (_WEIGHTS - _FEWER)), np.abs(area - whole[:, None] / 2) @ _WEIGHTS
+        with np.errstate(divide="ignore", invalid="ignore"):
+            error = np.where(off > 0, spread * np.minimum(1.0, (200 * off / spread) ** 1.5), 0.0)
+        return whole, error
 
     low, high = edges[:-1], edges[1:]
-    whole, settled = panels(low, high), 0.0
+    settled = 0.0
     for _ in range(50):
-        middle = (low + high) / 2
-        left, right = panels(low, middle), panels(middle, high)
-        rough = np.abs(left + right - whole) > 1e-13 * (settled + float(np.sum(left + right)))
-        settled += float(np.sum((left + right)[~rough]))
-        if not rough.any():
-            break
-        if np.count_nonzero(rough) > _MOST_PANELS:  # what they are off by evens out
-            settled += float(np.sum((left + right)[rough]))
-            break
-        low, high = (np.concatenate((one[rough], two[rough])) for one, two in ((low, middle), (middle, high)))
-        whole = np.concatenate((left[rough], right[rough]))
-    else:
-        settled += float(np.sum(whole))
-    return settled
+        whole, error = panels(low, high)
+        total = settled + float(whole.sum())
+        rough = error > 1e-12 * total
+        settled += float(whole[~rough].sum())
+        count = np.count_nonzero(rough)
+        if not count or count > _MOST_PANELS:  # of so many, what they are off by evens out
+            return total
+        middle = (low + high)[rough] / 2
+        low, high = np.append(low[rough], middle), np.append(middle, high[rough])
+    return total

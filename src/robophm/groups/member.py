@@ -80,10 +80,13 @@ def working_hazard(member: Member, path: Path, since: Array, length: Array, dorm
     return total
 
 
-def log_density(member: Member, path: Path, since: Array, length: Array, dormancy: float) -> Array:
-    """ln of the failure density, per unit of s, of a member that works since then."""
+def log_density(member: Member, path: Path, since: Array, length: Array, end: Array, dormancy: float) -> Array:
+    """ln of the failure density at ``end``, per unit of s, of a member that works since ``length`` before it.
+
+    The end is told apart: at a corner of the path, rounding of the sum would put it on either piece.
+    """
     ages, gained = path.at(since), path.between(since, length)
-    piece = path.piece(since + length)
+    piece = path.piece(end)
     hazard, lived = np.zeros(np.broadcast(since, length).shape), np.zeros(np.broadcast(since, length).shape)
     for mode in member:
         age = mode.age + dormancy * ages[mode.column]

@@ -21,6 +21,7 @@ TOLERANCE = 5e-14
 
 _HALVINGS = 60
 _PANELS = 4  # to begin with
+_MOST_PANELS = 100_000  # of so many that are still rough, what they are off by evens out
 _FAINTEST = -2000.0  # a logarithm below which only its size matters
 _AT_ONCE = 400_000  # numbers that one array may hold: more take turns
 
@@ -79,7 +80,7 @@ def log_integral(log_f: LogFunction, low: Array, high: Array, breaks: Sequence[f
         enough = np.abs(one + two - before) <= TOLERANCE * estimate[of] + rounding
         if halving == 0:
             enough |= shift[of] < _FAINTEST
-        if halving == _HALVINGS - 1:
+        if halving == _HALVINGS - 1 or len(panel) > _MOST_PANELS:
             enough[:] = True
         np.add.at(total, of[enough], (one + two)[enough])
         more = ~enough

@@ -100,7 +100,7 @@ class InOrder(Solved):
     def fails(self, i: int, s: Array) -> Array:
         """That member i fails as the active one at s."""
         if i == 0:
-            found = log_density(self._members[0], self._path, np.zeros_like(s), s, self._dormancy)
+            found = log_density(self._members[0], self._path, np.zeros_like(s), s, s, self._dormancy)
             return found if self._may[0] else np.where(s >= self.now, -np.inf, found)
         return self._tables[i](s) if i in self._tables else self._fails_directly(i, s)
 
@@ -108,7 +108,7 @@ class InOrder(Solved):
         shape, s = np.shape(s), np.ravel(s)
 
         def log_f(which: Rows, since: Array, length: Array) -> Array:
-            density = log_density(self._members[i], self._path, since, length, self._dormancy)
+            density = log_density(self._members[i], self._path, since, length, s[which], self._dormancy)
             return density + self._activated_until(i, since, s[which])
 
         return log_integral(log_f, np.zeros(len(s)), s, self.breaks).reshape(shape)

@@ -22,7 +22,8 @@ from robophm.blocks.reliability import Structure
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
 from robophm.health.dependent import Held
-from robophm.life.distribution import LifeDistribution, side_by_side
+from robophm.life.distribution import LifeDistribution
+from robophm.life.side_by_side import Lives
 
 Array = npt.NDArray[np.float64]
 _Number = TypeVar("_Number", bound=np.generic)
@@ -137,22 +138,10 @@ class Modes:
     def __init__(self, plant: Plant, modes: npt.NDArray[np.intp]) -> None:
         self.modes = modes
         """Their indices among the robot's."""
-        self._share = plant.share[modes]
         self.groups = np.empty(0, dtype=np.intp)
         """Indices of the robot's groups, whose own failure modes come after these."""
-        self._lives = side_by_side([plant.robot.modes[i].life for i in modes])
-
-    def lifewise(self, name: str, *arguments: Array) -> Array:
-        """A hazard by one method of every mode's life distribution, its share; arguments of shape (modes, ...)."""
-        shape = np.broadcast_shapes(*(argument.shape for argument in arguments))
-        result = np.empty(shape)
-        arguments = tuple(one if one.shape == shape else np.broadcast_to(one, shape) for one in arguments)
-        last = (*range(1, len(shape)), 0)
-        for members, life in self._lives:
-            # The parameters lie along the modes' axis, which the methods take as the last.
-            found = getattr(life, name)(*(argument[members].transpose(last) for argument in arguments))
-            result[members] = found.transpose(-1, *range(len(shape) - 1))
-        return column(self._share, len(shape)) * result
+        self.lives = Lives([plant.robot.modes[i].life for i in modes], plant.share[modes])
+        """Their life distributions, each with its share."""
 
 
 class Parts(Modes):
@@ -186,6 +175,10 @@ class Parts(Modes):
         with np.errstate(over="ignore"):
             result: Array = np.add.reduceat(of_units, self._groups, axis=0)
         return result
+
+    def of_rows(self, of_modes: Array) -> Array:
+        """Sums over the failure modes of all units of each group; shape (groups, ...)."""
+        return self.of_groups(self.of_units(of_modes))
 
     def of_modes(self, of_units: Array) -> Array:
         """Of each failure mode, the sum over the units of its component, times their equal parts; shape (modes,)."""

@@ -91,8 +91,11 @@ class Outlook:
 
     def _lived(self, parts: Parts) -> Array:
         """Cumulative hazard of each unit since new; shape (units,)."""
-        groups = [self._since_new[group].until_now() for group in parts.groups]
-        return parts.of_units(np.append(self.cumulative_hazard[parts.modes], groups))
+        return parts.of_units(np.append(self.cumulative_hazard[parts.modes], self.groups_since_new(parts)))
+
+    def groups_since_new(self, parts: Parts) -> Array:
+        """Cumulative hazard of groups of dependent parts, of whose members nothing is known; shape (groups,)."""
+        return np.array([self._since_new[group].until_now() for group in parts.groups])
 
     @cached_property
     def _since_new(self) -> list[Standing]:
@@ -126,9 +129,9 @@ class Outlook:
         system = self.plant.system(diagram)
         known = system.of_groups(self.known(system, system.needed))
         works = np.exp(-known)
-        density = _finite(system.of_groups(system.of_units(self._mode_hazard(system)))) * works
+        density = finite(system.of_rows(self._mode_hazard(system))) * works
         state = system.structure.state(works, -np.expm1(-known), density)
-        return float(_infinite(state.density / state.works)) if state.works > 0 else math.inf
+        return float(infinite(state.density / state.works)) if state.works > 0 else math.inf
 
     def component_hazard_rates(self) -> Array:
         """Of every component [1/h of operation], the equal parts of one together; shape (components,)."""
@@ -148,12 +151,23 @@ class Outlook:
         """Of each mode, per operating hour."""
         m = parts.modes
         speed = self.factor_now * self.usage_now
-        hazard = np.where(speed[m] > 0, _finite(parts.lifewise("hazard", self.age[m])) * speed[m], 0.0)
-        groups = []
-        for i in parts.groups:
+        hazard = np.where(speed[m] > 0, finite(parts.lives.hazard(self.age[m])) * speed[m], 0.0)
+        return np.append(hazard, self.groups_rates_now(parts))
+
+    def groups_rates(self, parts: Parts) -> Array:
+        """Hazard of groups of dependent parts [1/h of operation], of whose members nothing is known; (groups,)."""
+        return self._groups_rates(parts, self._since_new)
+
+    def groups_rates_now(self, parts: Parts) -> Array:
+        """The same, with what is known of their members."""
+        return self._groups_rates(parts, self._as_known)
+
+    def _groups_rates(self, parts: Parts, standing: Sequence[Standing]) -> Array:
+        speed, found = self.factor_now * self.usage_now, []
+        for i in parts.groups.tolist():
             own = speed[self.plant.groups[i].modes]
-            groups.append(_finite(self._as_known[i].rate(np.zeros((len(own), 1)), own))[0])
-        return np.append(hazard, groups)
+            found.append(finite(standing[i].rate(np.zeros((len(own), 1)), own))[0])
+        return np.array(found)
 
     def known(self, parts: Parts, needed: npt.NDArray[np.bool_], unseen: Array | None = None) -> Array:
         """Cumulative hazard of each unit, less what is known not to have happened; infinite where it has.
@@ -213,7 +227,7 @@ class Outlook:
         if ratios is not None:
             drawn = ratios.reshape(len(m), 1, ratios.shape[1], *[1] * (aged.ndim - 3))
             age, step = drawn * age, drawn * step
-        return weight * modes.lifewise("increment", age, step)
+        return weight * modes.lives.increment(age, step)
 
     def ahead(self, diagram: Block, advance: Array, effective: Array) -> Transition:
         """What the system does while every clock advances; arguments as of ``gathered`` without steps."""
@@ -232,7 +246,9 @@ class Outlook:
         ratios = np.ones((len(modes.modes), 1)) if ratios is None else ratios
         if not len(ratios):
             return lambda hours: np.empty((0, len(hours), ratios.shape[1]))
-        weighing = ~self.plant.by_age[modes.modes] & (not future.changeless)
+        if future.changeless:
+            return self._along_steady(modes, future, ratios)
+        weighing = ~self.plant.by_age[modes.modes]
         steady, weighed = (Modes(self.plant, modes.modes[which]) for which in (~weighing, weighing))
         m, drawn = weighed.modes, _drawn_out(future)
         most = np.clip(_AT_ONCE // max(len(m) * ratios.shape[1], 1), 1, _MOST_KNOTS + 1)
@@ -253,9 +269,24 @@ class Outlook:
                 factor = np.divide(aged, step, out=np.ones_like(step), where=step > 0)
                 age = self.age[m, None] + gone[m][:, k]
                 drawn_age, drawn_step = (ratios[weighing][:, None] * one[..., None] for one in (age, step))
-                rest = weighed.lifewise("increment", drawn_age, drawn_step)
+                rest = weighed.lives.increment(drawn_age, drawn_step)
                 found[weighing] = gathered[:, k] + factor[..., None] * rest
             return found
+
+        return added
+
+    def _along_steady(self, modes: Modes, future: Future, ratios: Array) -> Callable[[Array], Array]:
+        """The same where nothing changes: a mode ages at one pace, and its stress weighs what it gathers."""
+        m = modes.modes
+        advance, effective = future.advance[m, -1] / future.hours[-1], future.effective[m, -1] / future.hours[-1]
+        by_age = self.plant.by_age[m]
+        pace = ratios * np.where(by_age, effective, advance)[:, None]
+        weight = np.divide(effective, advance, out=np.ones(len(m)), where=~by_age & (advance > 0))[:, None, None]
+        age, weighed = (ratios * self.age[m, None])[:, None], bool(np.any(weight != 1.0))
+
+        def added(hours: Array) -> Array:
+            more = modes.lives.increment(age, pace[:, None] * hours[:, None])
+            return weight * more if weighed else more
 
         return added
 
@@ -273,12 +304,18 @@ class Outlook:
         system = self.plant.system(diagram)
         known = system.of_groups(self.known(system, system.needed))[:, None]
         hazard, groups = self.along(system, future or self.course), self.groups_along(system, future or self.course)
+        failed, works = -np.expm1(-known), np.exp(-known)
 
         def some(hours: Array) -> tuple[Array, Array]:
-            added = system.of_groups(system.of_units(np.concatenate((hazard(hours)[..., 0], groups(hours)))))
-            return system.structure.transition(
-                -np.expm1(-known), np.exp(-known) * -np.expm1(-added), np.exp(-known - added)
-            ).given_works()
+            added = hazard(hours)[..., 0]
+            if len(system.groups):
+                added = np.concatenate((added, groups(hours)))
+            added = system.of_rows(added)
+            fails, survives = -np.expm1(-added), np.exp(-added)
+            if not known.any():  # all work: what fails is what fails from now on
+                works_then, failed_then = system.structure.probability(survives, fails)
+                return failed_then, works_then
+            return system.structure.transition(failed, works * fails, works * survives).given_works()
 
         turn = max(1, _IN_TURN // len(self.age))
 
@@ -310,8 +347,8 @@ class Outlook:
         lived = system.of_groups(self._lived(system))[:, None] + system.of_groups(system.of_units(more))
         works = np.exp(-lived)
         hazard = self._hazard_then(system, advance, effective, self._since_new)
-        state = system.structure.state(works, -np.expm1(-lived), _finite(system.of_groups(hazard)) * works)
-        return state._replace(density=_infinite(state.density))
+        state = system.structure.state(works, -np.expm1(-lived), finite(system.of_groups(hazard)) * works)
+        return state._replace(density=infinite(state.density))
 
     def paced(self, hours: Array) -> tuple[Array, Array]:
         """Advance and effective advance of every mode in operating hours at the future's mean pace; (modes, hours)."""
@@ -320,17 +357,17 @@ class Outlook:
 
     def hazard_then(self, parts: Parts, advance: Array, effective: Array) -> Array:
         """Hazard rate of each unit [1/h] after that at the mean pace, given what is known now; shape (units, hours)."""
-        return _finite(self._hazard_then(parts, advance, effective, self._as_known))
+        return finite(self._hazard_then(parts, advance, effective, self._as_known))
 
     def _hazard_then(self, parts: Parts, advance: Array, effective: Array, groups: Sequence[Standing]) -> Array:
         m = parts.modes
         pace = self.future.factor * self.future.usage
         age = self.age[m, None] + np.where(self.plant.by_age[m, None], effective[m], advance[m])
         speed = pace[m, None]
-        hazard = np.where(speed > 0, _finite(parts.lifewise("hazard", age)) * speed, 0.0)
+        hazard = np.where(speed > 0, finite(parts.lives.hazard(age)) * speed, 0.0)
         for i in parts.groups:
             modes = self.plant.groups[i].modes
-            hazard = np.vstack((hazard, _finite(groups[int(i)].rate(effective[modes], pace[modes]))))
+            hazard = np.vstack((hazard, finite(groups[int(i)].rate(effective[modes], pace[modes]))))
         return parts.of_units(hazard)
 
 
@@ -348,11 +385,12 @@ def _drawn_out(future: Future) -> Future:
 _HUGE = 1e300  # stands for an infinite hazard, that of infant mortality at age 0, where infinity times 0 would not
 
 
-def _finite(hazard: Array) -> Array:
+def finite(hazard: Array) -> Array:
+    """A hazard that may be multiplied: an infinite one is huge."""
     return np.minimum(hazard, _HUGE)
 
 
-def _infinite(density: Array) -> Array:
+def infinite(density: Array) -> Array:
     """Back again: what an infinite hazard reaches is infinite, what redundancy keeps it from is not."""
     return np.where(density > 1e-30 * _HUGE, math.inf, density)
 
@@ -441,4 +479,4 @@ def nominal_outlook(plant: Plant, age: Array, knowledge: Knowledge | None = None
 
 def _increment(plant: Plant, start: Array, end: Array) -> Array:
     """H(end) − H(start) of every mode. From 0 on, a part is new, whatever mass its distribution has below."""
-    return plant.parts.lifewise("increment", start, np.maximum(end - start, 0.0))
+    return plant.parts.lives.increment(start, np.maximum(end - start, 0.0))

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from robophm.blocks.diagram import Block, Series, units
 from robophm.blocks.merging import independent
-from robophm.core.waiting_time import roots, time_at
+from robophm.core.waiting_time import time_at, times_of_many
 from robophm.design.task import Knowledge, Task
 from robophm.health.mission import completion, needs, now, planned, with_new_parts
 from robophm.health.plant import Plant
@@ -249,7 +249,8 @@ class _Ahead:
         survives = self._survival(times.ravel(), which)
         means = np.exp(edges[0]) + survives @ weights  # till the first edge it works
         tail = survives[:, -1] * times.ravel()[-1]
-        medians = self._medians(times.ravel(), survives, which)
+        half = np.full(len(which), 0.5)
+        medians = times_of_many(lambda hours: self.given(self._more(hours), which), half, half)
         return [
             (float(medians[k]), float(means[k])) if tail[k] <= 1e-9 * means[k] and medians[k] > 0 else self._one(i)
             for k, i in enumerate(which)
@@ -301,25 +302,6 @@ class _Ahead:
             new = np.nan_to_num(np.exp(-(total[group] - more[0][row]) - more[1][row]))
         linear: Array = np.clip((survives + hangs[group] * (new - works[group])) / self._works_now, 0.0, 1.0)
         return linear
-
-    def _medians(self, times: Array, survives: Array, which: Sequence[int]) -> Array:
-        """By a root in ln t each; 0 where it lies outside."""
-        first = np.argmax(survives <= 0.5, axis=1)
-        found = np.zeros(len(which))
-        todo = np.flatnonzero((survives[:, 0] > 0.5) & (survives[:, -1] <= 0.5))
-        if not len(todo):
-            return found
-
-        def excess(x: Array) -> Array:
-            fails, left = self.given(self._more(np.exp(x)), [which[int(k)] for k in todo])
-            with np.errstate(divide="ignore"):
-                beyond: Array = np.clip(np.log(fails) - np.log(left), -1e300, 1e300)
-            return beyond
-
-        grid, k = np.log(times), first[todo]
-        low, high = grid[k - 1], grid[k]
-        found[todo] = np.exp(roots(excess, low, high, excess(low), excess(high), 4e-16))
-        return found
 
     def _one(self, component: int) -> tuple[float, float]:
         return _life(self._outlook if component < 0 else replaced(self._outlook, component), self._diagram)

@@ -419,11 +419,11 @@ def _past(outlook: Outlook, modes: Modes, ratios: Array) -> tuple[Array, Array]:
     """Cumulative hazard of modes under drawn rates, since new and since last seen; shape (modes, draws)."""
     m = modes.modes
     age, seen = outlook.age[m, None], outlook.seen_age[m, None]
-    lived = modes.lifewise("increment", np.zeros((1, 1)), ratios * age)
-    unseen = modes.lifewise("increment", ratios * seen, ratios * np.maximum(age - seen, 0.0))
+    lived = modes.lives.increment(np.zeros((1, 1)), ratios * age)
+    unseen = modes.lives.increment(ratios * seen, ratios * np.maximum(age - seen, 0.0))
     by_hazard = ~outlook.plant.by_age[m]
     if by_hazard.any():  # their past is a sum, which the rate scales as it would have under design stress
-        stated = modes.lifewise("increment", np.zeros((1, 1)), age)
+        stated = modes.lives.increment(np.zeros((1, 1)), age)
         scale = np.divide(lived, stated, out=ratios.copy(), where=stated > 0)
         lived[by_hazard] = (scale * outlook.cumulative_hazard[m, None])[by_hazard]
         unseen[by_hazard] = (scale * outlook.unseen_hazard[m, None])[by_hazard]

@@ -12,7 +12,7 @@ from robophm.life.distribution import LifeDistribution
 
 __all__ = ["LifeDistribution", "life_distribution", "life_distributions"]
 
-NOT_PLUGS = ("distribution",)  # the interface
+NOT_PLUGS = ("distribution", "side_by_side")  # the interface, and many at once
 
 
 def life_distributions() -> list[str]:

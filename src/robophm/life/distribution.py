@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
 from numbers import Real
 from typing import ClassVar, Self, TypeAlias
@@ -57,6 +57,10 @@ class LifeDistribution(ABC):
     def _step(self, x: Array, d: Array) -> Array:
         """H(x + d) − H(x) where H does not double: a closed form, if there is one, that does not cancel."""
         return integral(self._hazard, x, d)
+
+    def _hazards(self, x: Array) -> tuple[Array, Array]:
+        """H and h."""
+        return self._cumulative_hazard(x), self._hazard(x)
 
     def _increment(self, x: Array, d: Array) -> Array:
         """H(x + d) − H(x). Where H doubles the difference is good to two bits; else the step is."""
@@ -275,23 +279,3 @@ def _plain(values: ArrayLike) -> Array:
     """Scalars for scalars."""
     plain: Array = np.asarray(values)[()]
     return plain
-
-
-def side_by_side(lives: Sequence[LifeDistribution]) -> list[tuple[NDArray[np.intp], LifeDistribution]]:
-    """Many distributions as few: which lives, and one whose functions of age take them along the last axis.
-
-    Equal ones become one. Those of a class in closed form become one whose parameters are arrays; of it only the
-    functions of age can be asked, not ``mean``.
-    """
-    groups: dict[object, list[int]] = {}
-    for i, life in enumerate(lives):
-        groups.setdefault(type(life) if life.closed_form else life, []).append(i)
-    found = []
-    for members in groups.values():
-        together = lives[members[0]]
-        if any(lives[i] != together for i in members):
-            together = object.__new__(type(lives[members[0]]))
-            for name in together.dimensions:
-                object.__setattr__(together, name, np.array([getattr(lives[i], name) for i in members]))
-        found.append((np.array(members), together))
-    return found

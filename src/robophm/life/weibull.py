@@ -34,8 +34,18 @@ class Weibull(LifeDistribution):
         h: Array = self.shape / self.scale * (x / self.scale) ** (self.shape - 1)
         return h
 
-    def _step(self, x: Array, d: Array) -> Array:
-        return self._cumulative_hazard(x) * np.expm1(self.shape * np.log1p(d / x))
+    def _hazards(self, x: Array) -> tuple[Array, Array]:
+        H = self._cumulative_hazard(x)
+        h = self.shape * H / x
+        full = H > 1e-300  # below it H has lost digits that h still has
+        return H, h if full.all() else np.where(full, h, self._hazard(x))
+
+    def _increment(self, x: Array, d: Array) -> Array:
+        before, grown = self._cumulative_hazard(x), np.expm1(self.shape * np.log1p(d / x))
+        if np.all(grown < 1) and np.all(before < np.inf):
+            return before * grown
+        after = self._cumulative_hazard(x + d)
+        return np.where(np.isposinf(after), np.inf, np.where(grown < 1, before * grown, after - before))
 
     def _age_at(self, H: Array) -> Array:
         age: Array = self.scale * H ** (1 / self.shape)

@@ -1,0 +1,221 @@
+"""Robots of one design side by side: the health of all of them in a few passes over arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.blocks.diagram import Block
+from robophm.blocks.reliability import State
+from robophm.core.errors import DesignError
+from robophm.core.waiting_time import Curve, time_at, times_of_many
+from robophm.health.plant import Plant, System
+from robophm.health.prognosis import Outlook, finite, infinite, nominal_outlook
+
+Array = npt.NDArray[np.float64]
+_Number = TypeVar("_Number", bound=np.generic)
+Robots = slice | npt.NDArray[np.intp]
+
+AT_ONCE = 60_000
+"""Numbers that an array of failure modes and robots may hold, so that it stays in cache: more robots take turns."""
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """Where robots of one design stand, and how they go on; arrays have shape (modes, robots), or (modes, 1) of all.
+
+    Each robot is what an Outlook is, with a steady future. Answers have shape (robots,); beyond them no memory is
+    taken but for a block of robots that stays in cache. Groups of dependent parts are asked robot by robot.
+    """
+
+    plant: Plant = field(repr=False)
+    robot: Callable[[int], Outlook] = field(repr=False)
+    """Each alone."""
+    age: Array
+    """Effective age of each mode [unit of its clock]; shape (modes, robots)."""
+    cumulative_hazard: Array
+    """Since new; empty: that of the age."""
+    unseen_hazard: Array
+    """Since each part was last known to work; empty: since new."""
+    working: npt.NDArray[np.bool_]
+    """Whether each unit is known to work; shape (units, robots) or (units, 1)."""
+    failed: npt.NDArray[np.bool_]
+    """Whether it is known to have failed."""
+    speed: Array
+    """How fast each mode ages in an hour of operation now, stress included."""
+    advance: Array
+    """How far its clock goes in an hour of calendar time to come."""
+    effective: Array
+    """The same times its stress factor."""
+
+    @classmethod
+    def designed(cls, plant: Plant, age: Array) -> Fleet:
+        """Robots of these ages, shape (modes, robots), at design stress; nothing is known but what is monitored."""
+        pace = np.where(plant.calendar, 1.0, plant.robot.usage.operating * plant.usage)[:, None]
+        none, monitored = np.empty((0, 0)), plant.monitored[:, None]
+        return cls(
+            plant, lambda i: nominal_outlook(plant, age[:, i]), age, none, none, monitored, np.zeros_like(monitored),
+            plant.usage[:, None], pace, pace,
+        )  # fmt: skip
+
+    @classmethod
+    def of(cls, outlooks: Sequence[Outlook]) -> Fleet:
+        """Robots as they stand: of one plant, each as its outlook has it, along its future.
+
+        Raises DesignError where they are of several plants, or a future is not steady.
+        """
+        plant = outlooks[0].plant
+        if any(one.plant is not plant for one in outlooks):
+            raise DesignError("a fleet has robots of one design; expected one Plant for all of them")
+        if not all(one.course.changeless for one in outlooks):
+            raise DesignError("a fleet goes on steadily; expected futures without a plan of tasks")
+        failed = np.zeros((len(plant.units), len(outlooks)), dtype=bool)
+        for robot, one in enumerate(outlooks):
+            failed[[plant.place[unit] for unit in one.knowledge.failed], robot] = True
+        return cls(
+            plant,
+            outlooks.__getitem__,
+            np.stack([one.age for one in outlooks], axis=1),
+            np.stack([one.cumulative_hazard for one in outlooks], axis=1),
+            np.stack([one.unseen_hazard for one in outlooks], axis=1),
+            np.stack([plant.working(one.knowledge) for one in outlooks], axis=1),
+            failed,
+            np.stack([one.factor_now * one.usage_now for one in outlooks], axis=1),
+            np.stack([one.course.advance[:, -1] / one.course.hours[-1] for one in outlooks], axis=1),
+            np.stack([one.course.effective[:, -1] / one.course.hours[-1] for one in outlooks], axis=1),
+        )
+
+    def __len__(self) -> int:
+        return int(self.age.shape[1])
+
+    def since_new(self, diagram: Block) -> State:
+        """Of the system since new, its density [1/h of operation]: nothing is known but the exposure."""
+        system = self.plant.system(diagram)
+        found = np.empty((3, len(self)))
+        for turn in self._turns(system):
+            hazard, lived = self._hazards(system, turn)
+            hazard = self._and_groups(hazard, system, turn, lambda one: one.groups_rates(system))
+            lived = self._and_groups(lived, system, turn, lambda one: one.groups_since_new(system))
+            lived = system.of_rows(lived)
+            works = np.exp(-lived)
+            found[:, turn] = system.structure.state(works, -np.expm1(-lived), finite(system.of_rows(hazard)) * works)
+        return State(found[0], found[1], infinite(found[2]))
+
+    def hazard_rate(self, diagram: Block) -> Array:
+        """Now, given what is known now [1/h of operation]; infinite where the system has failed."""
+        system = self.plant.system(diagram)
+        found = np.empty(len(self))
+        for turn in self._turns(system):
+            known = system.of_groups(self._known(system, turn))
+            works = np.exp(-known)
+            hazard = self._hazards(system, turn)[0]
+            hazard = self._and_groups(hazard, system, turn, lambda one: one.groups_rates_now(system))
+            hazard = finite(system.of_rows(hazard))
+            state = system.structure.state(works, -np.expm1(-known), hazard * works)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                found[turn] = np.where(state.works > 0, infinite(state.density / state.works), np.inf)
+        return found
+
+    def ahead(self, diagram: Block, hours: Array | float) -> tuple[Array, Array]:
+        """P(fails within so many hours of calendar time), and P(survives them), given that the system works now.
+
+        ``hours`` of all, or of each robot, shape (robots,).
+        """
+        system = self.plant.system(diagram)
+        hours = np.broadcast_to(np.asarray(hours, dtype=float), (len(self),))
+        found = np.empty((2, len(self)))
+        if len(system.groups):
+            for i in range(len(self)):
+                found[:, i : i + 1] = self.robot(i).curve(diagram)(hours[i : i + 1])
+            return found[0], found[1]
+        for turn in self._turns(system):
+            found[:, turn] = self._curve(system, turn)(hours[turn])
+        return found[0], found[1]
+
+    def remaining_life(self, diagram: Block, survives: Sequence[float] = (0.95, 0.5, 0.05)) -> Array:
+        """Calendar hours [h] until so large a share of robots in each state still works; shape (levels, robots)."""
+        system = self.plant.system(diagram)
+        levels = np.array(survives)
+        found = np.empty((len(levels), len(self)))
+        if len(system.groups):
+            for i in range(len(self)):
+                found[:, i] = time_at(self.robot(i).curve(diagram), 1 - levels, levels)
+            return found
+        for turn in self._turns(system, len(levels)):
+            curve = self._curve(system, np.tile(np.arange(len(self))[turn], len(levels)))
+            size = turn.stop - turn.start
+            times = times_of_many(curve, np.repeat(1 - levels, size), np.repeat(levels, size))
+            found[:, turn] = times.reshape(len(levels), size)
+        return found
+
+    def _turns(self, system: System, columns: int = 1) -> Iterator[slice]:
+        size = max(1, AT_ONCE // (max(len(system.modes), 1) * columns))
+        for start in range(0, len(self), size):
+            yield slice(start, min(start + size, len(self)))
+
+    def _and_groups(self, modes: Array, system: System, turn: Robots, ask: Callable[[Outlook], Array]) -> Array:
+        """Below the failure modes what the groups of dependent parts of each robot say, one by one."""
+        if not len(system.groups):
+            return modes
+        groups = [ask(self.robot(i)) for i in np.arange(len(self))[turn].tolist()]
+        return np.concatenate((np.broadcast_to(modes, (len(modes), len(groups))), np.stack(groups, axis=1)))
+
+    def _hazards(self, system: System, turn: slice) -> tuple[Array, Array]:
+        """Of each mode: its hazard now [1/h of operation], and its cumulative hazard since new."""
+        m = system.modes
+        speed, age = _of(self.speed, m, turn), _of(self.age, m, turn)
+        if self.cumulative_hazard.size:
+            lived, hazard = _of(self.cumulative_hazard, m, turn), system.lives.hazard(age)
+        else:
+            lived, hazard = system.lives.hazards(age)
+        return np.where(speed > 0, finite(hazard) * speed, 0.0), lived
+
+    def _known(self, system: System, turn: Robots) -> Array:
+        """Cumulative hazard of each unit, less what is known not to have happened; infinite where it has."""
+        if len(system.groups):
+            every = np.arange(len(self))[turn].tolist()
+            return np.stack([self.robot(i).known(system, system.needed) for i in every], axis=1)
+        works = system.needed[:, None] | _of(self.working, system.units, turn)
+        failed = _of(self.failed, system.units, turn)
+        if works.all() and not failed.any():
+            return np.zeros((len(system.units), 1))
+        unseen = self.unseen_hazard if self.unseen_hazard.size else self.cumulative_hazard
+        if unseen.size:
+            modes = _of(unseen, system.modes, turn)
+        else:
+            age = _of(self.age, system.modes, turn)
+            modes = system.lives.increment(np.zeros_like(age), age)
+        return np.where(failed, np.inf, np.where(works, 0.0, system.of_units(modes)))
+
+    def _curve(self, system: System, turn: Robots) -> Curve:
+        """P(fails within hours), and P(survives them), each robot its own; given that the system works now."""
+        m, by_age = system.modes, self.plant.by_age[system.modes][:, None]
+        known = system.of_groups(self._known(system, turn))
+        age, advance, effective = (_of(one, m, turn) for one in (self.age, self.advance, self.effective))
+        pace, weight = np.where(by_age, effective, advance), None
+        if not by_age.all():
+            weight = np.divide(effective, advance, out=np.ones_like(advance), where=~by_age & (advance > 0))
+        failed, works, fresh = -np.expm1(-known), np.exp(-known), not known.any()
+
+        def curve(hours: Array) -> tuple[Array, Array]:
+            more = system.lives.increment(age, pace * hours)
+            if weight is not None:
+                more = weight * more
+            more = system.of_rows(more)
+            fails, survives = -np.expm1(-more), np.exp(-more)
+            if fresh:  # all work: what fails is what fails from now on
+                works_then, failed_then = system.structure.probability(survives, fails)
+                return failed_then, works_then
+            return system.structure.transition(failed, works * fails, works * survives).given_works()
+
+        return curve
+
+
+def _of(array: npt.NDArray[_Number], rows: npt.NDArray[np.intp], turn: Robots) -> npt.NDArray[_Number]:
+    """Some rows of a block of robots; of what all have in common, the one column."""
+    found: npt.NDArray[_Number] = array[rows] if array.shape[1] == 1 else array[:, turn][rows]
+    return found
