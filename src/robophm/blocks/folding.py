@@ -67,30 +67,54 @@ _FEW = 8
 """So many inputs are counted one by one, all gates and columns at once; more by products of their polynomials."""
 
 
-def at_least(k: int, inputs: Array, out: Array, task: bool) -> None:
+def counting(k: int, inputs: Array, out: Array, task: bool) -> Iterator[Call]:
     """k of n independent inputs, shape (numbers, n, columns), into ``out``, shape (numbers, columns)."""
-    if inputs.shape[1] <= _FEW:
-        _decide(k, _counted(inputs, task), out)
+    numbers, n, columns = inputs.shape
+    if n > _FEW:
+        yield partial(_by_products, k, inputs, out, task)
         return
+    failed, works = inputs[FAILED], inputs[WORKS]
+    held, lost = works, failed  # now, and at the end
+    if task:
+        held, lost = np.empty((2, n, columns))
+        yield partial(np.add, works, inputs[CHANGE], held)
+        yield partial(np.add, failed, inputs[CHANGE], lost)
+    # P(j of the inputs so far work), and P(j others work and one changes), those before it now, those after at the end
+    counts = np.zeros((numbers - 1, n + 1, columns))
+    end, changing = counts[0], counts[1:]
+    now = np.zeros_like(end) if task else end
+    more, changed = np.empty_like(counts), np.empty_like(changing)
+    for whole in (counts, now) if task else (counts,):
+        yield partial(whole.fill, 0.0)
+    for count, value in ((end[0], lost), (end[1], works), (now[0], failed), (now[1], held))[: 4 if task else 2]:
+        yield partial(np.copyto, count, value[0])
+    yield partial(np.copyto, changing[:, 0], inputs[CHANGE:, 0])
+    for i in range(1, n):
+        known, one_more = slice(i + 1), slice(1, i + 2)
+        yield partial(np.multiply, counts[:, known], works[i], more[:, known])
+        if len(changing):
+            yield partial(np.multiply, now[known], inputs[CHANGE, i], changed[:, known])
+        yield partial(np.multiply, counts[:, known], lost[i], counts[:, known])
+        yield partial(np.add, counts[:, one_more], more[:, known], counts[:, one_more])
+        if len(changing):
+            yield partial(np.add, changing[:, known], changed[:, known], changing[:, known])
+        if task:
+            yield partial(np.multiply, now[known], held[i], more[0, known])
+            yield partial(np.multiply, now[known], failed[i], now[known])
+            yield partial(np.add, now[one_more], more[0, known], now[one_more])
+    for number, terms in ((FAILED, now[:k]), (WORKS, end[k:])):
+        yield partial(np.copyto, out[number], terms[0])
+        for term in terms[1:]:  # one by one: the order of a sum's additions depends on the number of columns
+            yield partial(np.add, out[number], term, out[number])
+    yield partial(np.copyto, out[CHANGE:], changing[:, k - 1])
+
+
+def _by_products(k: int, inputs: Array, out: Array, task: bool) -> None:
     for column in range(inputs.shape[2]):
-        _decide(k, _multiplied(_in_few(inputs[:, :, column]), task), out[:, column])
-
-
-def _decide(k: int, counts: tuple[Array, Array, Array], out: Array) -> None:
-    now, end, change = counts
-    out[FAILED] = _total(now[:k])
-    out[WORKS] = _total(end[k:])
-    if len(out) > CHANGE:
-        out[CHANGE] = change[k - 1]
-
-
-def _total(terms: Array) -> Array:
-    total: Array = terms.sum() if terms.ndim == 1 else terms[0]
-    if terms.ndim == 1:
-        return total
-    for term in terms[1:]:  # not sum(): the order of its additions depends on the number of columns
-        total = total + term
-    return total
+        now, end, change = _multiplied(_in_few(inputs[:, :, column]), task)
+        out[FAILED, column], out[WORKS, column] = now[:k].sum(), end[k:].sum()
+        if len(out) > CHANGE:
+            out[CHANGE, column] = change[k - 1]
 
 
 def _counted(inputs: Array, task: bool) -> tuple[Array, Array, Array]:

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from robophm.blocks.decision_diagram import Array
 from robophm.blocks.diagram import Block
-from robophm.blocks.folding import FAILED, WORKS, Call, at_least, exactly, merging, sides
+from robophm.blocks.folding import FAILED, WORKS, Call, counting, exactly, merging, sides
 from robophm.blocks.plan import Decision, Fold, Plan, Rows
 from robophm.core.errors import StructureError, nearest
 
@@ -293,7 +293,7 @@ def _program(plan: Plan, rows: Array, task: bool) -> Iterator[Call]:
                 yield from merging(one, other, out, scratch[:size], lost, held, task)
         else:
             by_gate = inputs.reshape(len(rows), step.n, -1)
-            yield partial(at_least, step.k, by_gate, made.reshape(len(rows), -1), task)
+            yield from counting(step.k, by_gate, made.reshape(len(rows), -1), task)
         if len(step.to):
             yield partial(_copy, rows, step.made, step.to)
 
@@ -330,7 +330,8 @@ class _Solve(NamedTuple):
         if isinstance(self.step, Decision):
             _decide(self.step, inputs, made, task=False)
         else:
-            at_least(self.step.k, inputs, made, task=False)
+            for call in counting(self.step.k, inputs, made, task=False):
+                call()
         failed, works, density = made[:, 0].tolist()
         return failed, works, density
 
