@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 
-from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
+from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit, units
 from robophm.blocks.graph import ALL, ANY, UNIT, Gate, graph
 
 
@@ -50,6 +50,33 @@ def merge_series(*diagrams: Block) -> tuple[list[Block], dict[str, tuple[str, ..
         block[node] = kept[0] if len(kept) == 1 else _block(gates[node], kept)
     merged = {name[first]: tuple(name[i] for i in members) for first, members in stands_for.items()}
     return [block[top] for top in tops], merged
+
+
+def independent(diagram: Block) -> list[Block]:
+    """The blocks in series that a diagram is, those together that share parts: it works while all of them do."""
+    inner, todo = [], [diagram]
+    while todo:
+        block = todo.pop()
+        if isinstance(block, Series):
+            todo += reversed(block.blocks)
+        else:
+            inner.append(block)
+    leader = list(range(len(inner)))
+
+    def lead(i: int) -> int:
+        while leader[i] != i:
+            leader[i] = leader[leader[i]]
+            i = leader[i]
+        return i
+
+    user: dict[str, int] = {}
+    for i, block in enumerate(inner):
+        for unit in units(block):
+            leader[lead(i)] = lead(user.setdefault(unit, i))
+    together: dict[int, list[Block]] = defaultdict(list)
+    for i, block in enumerate(inner):
+        together[lead(i)].append(block)
+    return [blocks[0] if len(blocks) == 1 else Series(*blocks) for blocks in together.values()]
 
 
 def _drawn(tops: list[int], inputs: list[list[int]]) -> list[int]:

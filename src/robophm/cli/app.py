@@ -582,6 +582,43 @@ def fault_tree(
 
 
 @app.command()
+def importance(
+    design: Annotated[Path, typer.Argument(help="the robot's design, or an Open-PSA model", metavar="ROBOT.YAML")],
+    tasks: Annotated[Path | None, typer.Argument(help="tasks.yaml or .csv; default: the design's task")] = None,
+    store: Store_ = None,
+    failed: Failed = None,
+    working: Working = None,
+    future: Future_ = "recent",
+    function: Annotated[str | None, typer.Option(help="of the robot; default the whole robot")] = None,
+    after: Annotated[
+        str | None, typer.Option(help="time of operation ahead, e.g. '50 h'; default 1000 h, or half its life if less")
+    ] = None,
+    by: Annotated[str, typer.Option(help="birnbaum, criticality, fussell-vesely, raw, rrw, improvement "
+                                         "or barlow-proschan")] = "criticality",
+    most: Annotated[int, typer.Option(help="parts to list", min=1, max=100_000)] = 20,
+    as_json: Json = False,
+) -> None:  # fmt: skip
+    """What matters most to a robot's health, and what to replace first."""
+    from robophm.cli.importance import Question, hours_ahead, measure, run, run_model
+    from robophm.cli.task import with_knowledge
+    from robophm.design.file import load
+    from robophm.design.task import Plan
+    from robophm.design.task_file import load_plan
+    from robophm.health.ledger import Ledger
+
+    hours, ranked = hours_ahead(after) if after is not None else None, measure(by)
+    if design.suffix.lower() == ".xml":
+        run_model(design, hours, ranked, most, as_json=as_json)
+        return
+    robot = load(design)
+    plan = load_plan(tasks, robot) if tasks else Plan((robot.task,) if robot.task else ())
+    plan = with_knowledge(plan, robot, failed or (), working or ())
+    chosen: Any = future
+    ledger = _kept(store, robot, Ledger) if store else None
+    run(robot, ledger, Question(plan, chosen, function, hours, ranked, most), as_json=as_json)
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON Schema of the design file."""
     from robophm.design.schema import json_schema

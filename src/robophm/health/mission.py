@@ -223,6 +223,27 @@ def deciding(outlook: Outlook, task: Task) -> list[Deciding]:
     return sorted(found, key=lambda one: -one.share)
 
 
+def with_new_parts(outlook: Outlook, new: Outlook, task: Task, parts: npt.NDArray[np.intp]) -> tuple[Array, Array]:
+    """P(the task fails) and P(it is completed) if one component after the other were put in new; shape (components,).
+
+    ``parts`` are indices of components, none of which is in a group of dependent parts; ``new`` is the outlook of a
+    robot whose parts are all new.
+    """
+    plant = outlook.plant
+    if not task.legs:
+        return np.zeros(len(parts)), np.ones(len(parts))
+    wanted, ends = needs(task)
+    mission = plant.mission(now(wanted), wanted)
+    steps = planned(outlook, task)
+    hazard, instead = (one.increments(plant.everything, *steps) for one in (outlook, new))
+    found = np.empty((2, len(parts)))
+    turn = max(1, _AT_ONCE // (len(mission.units) * (len(ends) + 1)))
+    for start in range(0, len(parts), turn):
+        some = parts[start : start + turn]
+        found[:, start : start + turn] = _transition(outlook, mission, hazard, ends, some, instead).given_works()
+    return found[0], found[1]
+
+
 def now(wanted: Sequence[Need]) -> tuple[Need, ...]:
     """The same functions, at the start."""
     return tuple(sorted({(0, function) for _, function in wanted}))
@@ -235,11 +256,12 @@ def _given(found: Transition) -> Completion:
 
 def _transition(
     outlook: Outlook, mission: Mission, hazard: Array, ends: Sequence[int],
-    without: npt.NDArray[np.intp] | None = None,
+    without: npt.NDArray[np.intp] | None = None, instead: Array | None = None,
 ) -> Transition:  # fmt: skip
     """What becomes of a mission, from what each leg adds to every mode; ``ends`` are the last legs of its phases.
 
-    ``without`` the failures of one component after the other, shape (components,).
+    ``without`` the failures of one component after the other, shape (components,); or, of that one, with what each leg
+    adds ``instead`` to every mode.
     """
     starts = [0, *(end + 1 for end in ends[:-1])]
     more = mission.of_units(np.add.reduceat(hazard[mission.rows], starts, axis=1))
@@ -247,7 +269,8 @@ def _transition(
     if without is not None:
         others = outlook.plant.component_of[mission.units][:, None] != without
         known = np.where(others, known[:, None], 0.0)
-        more = np.where(others[:, None], more[..., None], 0.0)
+        other = 0.0 if instead is None else mission.of_units(np.add.reduceat(instead[mission.rows], starts, axis=1))
+        more = np.where(others[:, None], more[..., None], np.asarray(other)[..., None])
     return mission.phases.transition(mission.of_groups(known), np.moveaxis(mission.of_groups(more), 1, 0))
 
 

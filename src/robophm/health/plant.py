@@ -191,6 +191,12 @@ class Parts(Modes):
         result: Array = np.repeat(sums, np.diff(np.append(self._starts, len(self.rows))))
         return result
 
+    @property
+    def group_of(self) -> npt.NDArray[np.intp]:
+        """Of each unit."""
+        sizes = np.diff(np.append(self._groups, len(self.units)))
+        return np.repeat(np.arange(len(sizes)), sizes)
+
     @cached_property
     def weights(self) -> csr_array:
         """How often each failure mode counts in each group: ``of_groups(of_units(x))`` is weights @ x."""

@@ -363,23 +363,35 @@ class Outlook:
     def survival_curve(self, diagram: Block, hours: Array) -> State:
         """Survival since new after so many more operating hours at the mean pace of the future; shape of ``hours``."""
         system = self.plant.system(diagram)
-        m = system.modes
-        usage, factor = self.future.usage, self.future.factor
-        advance = usage[:, None] * hours
-        effective = factor[:, None] * advance
+        advance, effective = self.paced(hours)
         more = self._increments(system, advance[:, None], effective[:, None])[:, 0]
-        age = self.age[m, None] + np.where(self.plant.by_age[m, None], effective[m], advance[m])
-        speed = (factor * usage)[m, None]
-        hazard = np.where(speed > 0, finite(system.lives.hazard(age)) * speed, 0.0)
         for i in system.groups:
-            one, modes = self._since_new[i], self.plant.groups[i].modes
-            ahead = finite(one.rate(effective[modes], (factor * usage)[modes]))
-            more, hazard = np.vstack((more, one.to(effective[modes]))), np.vstack((hazard, ahead))
-        lived = system.of_groups(self._lived(system))[:, None] + system.of_rows(more)
+            more = np.vstack((more, self._since_new[i].to(effective[self.plant.groups[i].modes])))
+        lived = system.of_groups(self._lived(system))[:, None] + system.of_groups(system.of_units(more))
         works = np.exp(-lived)
-        density = finite(system.of_rows(hazard)) * works
-        state = system.structure.state(works, -np.expm1(-lived), density)
+        hazard = self._hazard_then(system, advance, effective, self._since_new)
+        state = system.structure.state(works, -np.expm1(-lived), finite(system.of_groups(hazard)) * works)
         return state._replace(density=infinite(state.density))
+
+    def paced(self, hours: Array) -> tuple[Array, Array]:
+        """Advance and effective advance of every mode in operating hours at the future's mean pace; (modes, hours)."""
+        advance = self.future.usage[:, None] * hours
+        return advance, self.future.factor[:, None] * advance
+
+    def hazard_then(self, parts: Parts, advance: Array, effective: Array) -> Array:
+        """Hazard rate of each unit [1/h] after that at the mean pace, given what is known now; shape (units, hours)."""
+        return finite(self._hazard_then(parts, advance, effective, self._as_known))
+
+    def _hazard_then(self, parts: Parts, advance: Array, effective: Array, groups: Sequence[Standing]) -> Array:
+        m = parts.modes
+        pace = self.future.factor * self.future.usage
+        age = self.age[m, None] + np.where(self.plant.by_age[m, None], effective[m], advance[m])
+        speed = pace[m, None]
+        hazard = np.where(speed > 0, finite(parts.lives.hazard(age)) * speed, 0.0)
+        for i in parts.groups:
+            modes = self.plant.groups[i].modes
+            hazard = np.vstack((hazard, finite(groups[int(i)].rate(effective[modes], pace[modes]))))
+        return parts.of_units(hazard)
 
 
 _IN_CACHE = 100_000  # the same, where they pass once and need not be many

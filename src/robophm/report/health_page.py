@@ -16,6 +16,7 @@ from robophm.health.report import Figures, HealthReport, Subject
 from robophm.report.curve import Line, curve_svg
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
+from robophm.report.importance import matters, replace_first
 from robophm.report.labels import part_labels
 from robophm.report.markup import Html
 from robophm.report.outline import Label
@@ -45,6 +46,9 @@ def _sections(robot: Robot, report: HealthReport, history: list[Mapping[str, Any
     yield section("Curves", side_by_side(*_history_curves(report.robot, history), *_outlook_curves(robot, report)))
     yield section("Modules", _subject_table(report.subjects))
     yield section("What contributes most", _contributors(report))
+    life = report.system.sensor_based.remaining_life
+    yield section("What matters most", *matters(robot, report.outlooks, life.median if life else 0.0))
+    yield section("What to replace first", *replace_first(robot, report.outlooks, report.task))
     yield section("Sensors and data", *(report.notes or ("Every sample was taken, and every signal was there.",)))
     yield section("Assumptions", *_assumptions(robot, report))
 

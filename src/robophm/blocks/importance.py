@@ -1,0 +1,152 @@
+"""How much each unit matters to a system: over a time that begins while it works, and over its whole life.
+
+All of it follows from one sweep back over the system, because R is linear in what becomes of each unit: whether a unit
+survives changes P(the system works) by Iᵢ = ∂R/∂pᵢ, its Birnbaum importance. Given that the system works now, the
+system's chance to survive is linear in the unit's chance to survive from now on, by (c + s)ᵢ·Iᵢ / P(works now): what is
+stated here is that. For a new system, which surely works, it is Birnbaum's own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robophm.blocks.reliability import Structure, Transition
+from robophm.core.waiting_time import Curve, time_at
+
+Array = NDArray[np.float64]
+
+AT_ONCE = 2_000_000
+"""Numbers that one array may hold; more columns take turns."""
+
+TOLERANCE = 1e-10
+"""Of a Barlow–Proschan importance, of what all of them add up to."""
+
+
+class Importance(NamedTuple):
+    """Of each unit over a time, given that the system works when it begins; arrays of shape (units, ...).
+
+    Not a number where it says nothing: of a system that has failed, or shares of a failure that cannot come.
+    """
+
+    birnbaum: Array
+    """By how much the system's chance to survive grows with the unit's: P(it hangs on the unit)."""
+    criticality: Array
+    """P(the unit fails, and the system would work if it did not | the system fails)."""
+    achievement: Array
+    """RAW: how many times as likely the system is to fail where the unit surely does."""
+    reduction: Array
+    """RRW: how many times as likely the system is to fail as where the unit cannot; infinite where all hangs on it."""
+    improvement: Array
+    """Potential: what the probability of failure would lose if the unit could not fail."""
+
+
+def importance(structure: Structure, before: ArrayLike, during: ArrayLike, after: ArrayLike) -> Importance:
+    """What each unit's part in a failure is, shape (units, ...); arguments as of ``Structure.transition``.
+
+    Units fail ``before`` the time begins, ``during`` it, or ``after`` it if at all; without a past, ``before`` is 0.
+    Rausand and Høyland, System Reliability Theory (2nd ed.), chapter 5. Raises StructureError as ``transition``.
+    """
+    b, c, s = np.broadcast_arrays(*(np.asarray(one, dtype=float) for one in (before, during, after)))
+    system = structure.transition(b, c, s)
+    hangs = structure.birnbaum(s, b + c)
+    works = np.asarray(system.fails + system.survives)
+    fails = np.asarray(system.fails)
+    caused = c * hangs
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return Importance(
+            birnbaum=(c + s) * hangs / works,
+            criticality=caused / fails,
+            achievement=(fails + s * hangs) / fails,
+            reduction=fails / _without(structure, (b, c, s), system, caused),
+            improvement=caused / works,
+        )
+
+
+def _without(structure: Structure, units: tuple[Array, ...], system: Transition, caused: Array) -> Array:
+    """P(the system fails) if one unit did not; solved anew for each unit that most of it hangs on, as digits ask."""
+    found = np.asarray(system.fails - caused)
+    flat = found.reshape(len(found), -1)
+    b, c, s = (one.reshape(flat.shape) for one in units)
+    most = np.argwhere(caused.reshape(flat.shape) > np.ravel(system.fails) / 2)
+    turn = max(1, AT_ONCE // len(flat))
+    for start in range(0, len(most), turn):
+        unit, column = most[start : start + turn].T
+        here = unit, np.arange(len(unit))
+        before, during, after = b[:, column], c[:, column], s[:, column]
+        after[here] += during[here]
+        during[here] = 0.0
+        flat[unit, column] = structure.transition(before, during, after).fails
+    return found
+
+
+def intensity(structure: Structure, works: ArrayLike, failed: ArrayLike, density: ArrayLike) -> Array:
+    """Iᵢ·fᵢ [1/h]: how often each unit's failure is the one that fails the system, shape (units, ...).
+
+    Arguments as of ``Structure.state``. Over all units it adds up to the system's failure density.
+    """
+    result: Array = structure.birnbaum(works, failed) * np.asarray(density, dtype=float)
+    return result
+
+
+def barlow_proschan(intensity: Callable[[Array], Array], curve: Curve, until: float = math.inf) -> Array:
+    """P(it is this unit's failure that fails the system, by a time), shape (units,): ∫ Iᵢ fᵢ dt, to TOLERANCE.
+
+    ``intensity`` takes times, shape (n,), and gives Iᵢ·fᵢ, shape (units, n); ``curve`` is the system's. Over all units
+    it adds up to P(the system fails by then). Barlow and Proschan, Stoch. Proc. Appl. 3 (1975).
+    """
+    edges = _edges(curve, until)
+    if not len(edges):
+        return np.zeros(len(intensity(np.ones(1))))
+    low, high = edges[:-1], edges[1:]
+    whole = _panels(intensity, low, high)
+    settled = np.zeros(len(whole))
+    for _ in range(_DEEPEST):
+        middle = (low + high) / 2
+        left, right = _panels(intensity, low, middle), _panels(intensity, middle, high)
+        both = left + right
+        rough = np.max(np.abs(both - whole), axis=0) > TOLERANCE / 100 * (settled.sum() + both.sum())
+        settled += both[:, ~rough].sum(axis=1)
+        if not rough.any():
+            return settled
+        low, high = (np.concatenate((one[rough], two[rough])) for one, two in ((low, middle), (middle, high)))
+        whole = np.concatenate((left[:, rough], right[:, rough]), axis=1)
+    settled += whole.sum(axis=1)
+    return settled
+
+
+_DEEPEST = 30
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
+_LONGEST = 1e250  # a time beyond which nothing is asked
+
+
+def _edges(curve: Curve, until: float) -> Array:
+    """ln of times, each with four times the system's cumulative hazard of the one before: smooth between them."""
+    end = min(until, _LONGEST)
+    (fails,), (survives,) = curve(np.array([end]))
+    if not fails > 0:
+        return np.empty(0)
+    most = -math.log1p(-fails) if fails < 0.5 else -math.log(max(survives, 1e-300))
+    levels = min(most, 64.0) * 4.0 ** np.arange(-22, 1)
+    if until == math.inf and most < 64.0:  # what may never fail gets there only at the end
+        levels = np.sort(np.append(levels, most * (1 - 2.0 ** -np.arange(2.0, 44.0))))
+    times = time_at(curve, -np.expm1(-levels), np.exp(-levels), tolerance=1e-7)
+    times = np.unique(np.maximum.accumulate(times[(times > 0) & (times < end)]))
+    if until < math.inf and most <= 64.0:
+        times = np.append(times, end)
+    if not len(times):
+        return np.empty(0)
+    edges = np.log(times)
+    return np.append(edges[0] - 40, edges)  # e⁻⁴⁰ of the first time is below every digit
+
+
+def _panels(intensity: Callable[[Array], Array], low: Array, high: Array) -> Array:
+    """∫ over panels in x = ln t, shape (units, panels)."""
+    times = np.exp(low[:, None] + (high - low)[:, None] * (_NODES + 1) / 2)
+    found = [(intensity(some) * some) @ _WEIGHTS for some in times]
+    area: Array = np.stack(found, axis=1) * (high - low) / 2
+    return area

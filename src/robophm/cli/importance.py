@@ -1,0 +1,180 @@
+"""``robophm importance``: what matters most to a robot, and what to replace first"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from robophm.cli.fault_tree import of_model
+from robophm.cli.output import console, print_json, print_table, table
+from robophm.core.errors import RobophmError, nearest
+from robophm.core.units import quantity
+from robophm.design.robot import Robot
+from robophm.design.task import Plan, Task
+from robophm.health.importance import Drawn, Importances, importances, of_tree, usual_hours
+from robophm.health.ledger import Ledger
+from robophm.health.prognosis import FutureName, View, outlooks
+from robophm.health.replacement import Replacements, replacements
+from robophm.health.report import VIEWS, plain
+from robophm.monitor import Monitor
+from robophm.report.words import duration_text, number_text, percent_text, probability_text
+
+MEASURES = {
+    "birnbaum": "birnbaum",
+    "criticality": "criticality",
+    "fussell-vesely": "fussell_vesely",
+    "raw": "achievement",
+    "rrw": "reduction",
+    "improvement": "improvement",
+    "barlow-proschan": "barlow_proschan",
+}
+"""What parts may be ranked by, and what it is called inside."""
+
+LONGEST = 1e9
+"""Hours ahead that may be asked about."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """What was asked."""
+
+    plan: Plan
+    future: FutureName
+    function: str | None
+    hours: float | None
+    """Of operation ahead; None: the usual."""
+    by: str
+    most: int
+
+
+def hours_ahead(text: str) -> float:
+    """A time ahead in hours. Raises RobophmError."""
+    hours = quantity(text, "h")
+    if not 0 < hours <= LONGEST:
+        raise RobophmError(f"--after {text}: expected above zero, at most {LONGEST:g} h")
+    return hours
+
+
+def measure(name: str) -> str:
+    """What a measure is called inside. Raises RobophmError."""
+    if name not in MEASURES:
+        raise RobophmError(f"--by {name}: no such importance{nearest(name, MEASURES)}")
+    return MEASURES[name]
+
+
+def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: bool) -> None:
+    """Answer on stdout, of a robot."""
+    if question.function is not None and question.function not in robot.functions:
+        raise RobophmError(f"no function '{question.function}'{nearest(question.function, robot.functions)}")
+    monitor = Monitor(robot, ledger)
+    settled = monitor.exposure.settled(monitor.ledger)
+    plan = question.plan
+    views = outlooks(monitor.plant, monitor.exposure, settled, future=question.future, knowledge=plan.knowledge)
+    wanted: Sequence[View] = VIEWS if ledger else ("sensor_based",)  # without a past both are one
+    diagram = robot.functions[question.function] if question.function else robot.diagram
+    task = Task(tuple(chain.from_iterable(one.legs for one in plan.tasks))) if plan.tasks else None
+    drawn = Drawn(monitor.plant, diagram)
+    gains = {view: replacements(views[view], diagram, task) for view in wanted}
+    hours = question.hours or usual_hours(views["sensor_based"], gains["sensor_based"].median)
+    found = {view: importances(views[view], drawn, hours) for view in wanted}
+    name = f"{robot.name}: {question.function}" if question.function else robot.name
+    if as_json:
+        print_json({
+            "system": name,
+            "importance": {view: _json(one, question) for view, one in found.items()},
+            "replacement": {view: plain({**asdict(one), "parts": [asdict(part) for part in one.parts[: question.most]]})
+                            for view, one in gains.items()},
+        })  # fmt: skip
+        return
+    seen = "sensor-based, given what is known now" if ledger else "new and as designed"
+    _show(f"{name}, {seen}", found["sensor_based"], question, found.get("nominal"))
+    _show_gains(gains["sensor_based"], question)
+
+
+def run_model(path: Path, hours: float | None, by: str, most: int, *, as_json: bool) -> None:
+    """Answer on stdout, of a coherent fault tree in the Open-PSA format."""
+    system = of_model(path, hours, None)
+    found = of_tree(system.tree, system.occurred, system.not_yet, math.nan if hours is None else hours)
+    question = Question(Plan(()), "nominal", None, hours, by, most)
+    if as_json:
+        print_json({"system": system.name, "importance": {"as_given": _json(found, question)}})
+    else:
+        _show(f"{system.name}, {system.when}", found, question)
+
+
+def _json(found: Importances, question: Question) -> Any:
+    units = [asdict(one) for one in found.ranked(question.by)[: question.most]]
+    return plain({**asdict(found), "by": question.by, "count": len(found.units), "units": units})
+
+
+def _show(title: str, found: Importances, question: Question, nominal: Importances | None = None) -> None:
+    out = console()
+    if math.isnan(found.units[0].birnbaum):
+        out.print(f"{title}: has failed; no part matters more than another", markup=False, soft_wrap=True)
+        return
+    ahead = f"within {number_text(found.hours)} h of operation " if not math.isnan(found.ever) else ""
+    out.print(f"{title}: fails {ahead}with {number_text(100 * found.failure)} %", markup=False, soft_wrap=True)
+    columns = ["most important first", "Birnbaum", "criticality", "F–V", "RAW", "RRW", "improvement"]
+    lifelong = not math.isnan(found.ever)
+    columns += [*(["causes"] if lifelong else []), *(["crit. nominal"] if nominal else [])]
+    designed = {one.unit: one for one in nominal.units} if nominal else {}
+    rows = []
+    for one in found.ranked(question.by)[: question.most]:
+        row = [one.unit, number_text(one.birnbaum), _share(one.criticality), _share(one.fussell_vesely)]
+        row += [number_text(one.achievement), number_text(one.reduction), number_text(one.improvement)]
+        row += [_share(one.barlow_proschan)] if lifelong else []
+        rows.append(row + ([_share(designed[one.unit].criticality)] if nominal else []))
+    print_table(out, table("", columns, rows, figures=range(1, len(columns))))
+    if len(rows) < len(found.units):
+        out.print(f"{len(found.units) - len(rows):,} more are not listed (--most); --by ranks by another importance")
+    if lifelong:
+        ever = "" if found.ever > 1 - 1e-6 else f", which comes with {percent_text(found.ever)}"
+        out.print(f"causes: share of all failures to come that its own failure brings about (Barlow–Proschan){ever}")
+    if found.refused:
+        out.print(f"No F–V: {found.refused}", style="yellow", markup=False)
+
+
+def _share(value: float) -> str:
+    return "–" if math.isnan(value) else f"{number_text(100 * value, 3)} %"
+
+
+def _show_gains(found: Replacements, question: Question) -> None:
+    out = console()
+    life = f"median remaining life {duration_text(found.median)}, mean {duration_text(found.mean)}"
+    task = ""
+    if found.completion_failure is not None:
+        task = (
+            f"; the task is completed with {probability_text(1 - found.completion_failure, found.completion_failure)}"
+        )
+    out.print(f"\nWhat to replace first. As it is: {life}{task}", markup=False, soft_wrap=True)
+    some = [one for one in found.parts if one.completion or one.median or one.mean]
+    if not some:
+        out.print("Nothing gains by being replaced: no part has aged, and no redundancy is lost.")
+        return
+    with_task = found.completion_failure is not None
+    columns = ["replaced now by a new one", *(["PoTC"] if with_task else []), "median life", "mean life"]
+    rows = [
+        [one.path, *([_signed(one.completion or 0.0, number_text)] if with_task else []),
+         _signed(one.median, duration_text), _signed(one.mean, duration_text)]
+        for one in some[: question.most]
+    ]  # fmt: skip
+    print_table(out, table("", columns, rows, figures=range(1, len(columns))))
+    if len(some) > len(rows):
+        out.print(f"{len(some) - len(rows):,} more are not listed (--most)")
+    losing = sum(max(one.completion or 0.0, one.median, one.mean) < 0 for one in some)
+    if losing:
+        out.print(f"{losing:,} would lose: young parts of theirs fail more often than old ones")
+    if len(some) < len(found.parts):
+        out.print(f"{len(found.parts) - len(some):,} more would change nothing")
+    if found.others:
+        out.print(f"{found.others:,} parts that matter less were not looked at")
+
+
+def _signed(value: float, text: Callable[[float], str]) -> str:
+    if math.isnan(value) or value == 0:
+        return "–" if math.isnan(value) else "0"
+    return ("+" if value > 0 else "-") + text(abs(value))

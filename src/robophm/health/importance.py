@@ -1,0 +1,161 @@
+"""What a robot's future hangs on: how much each unit matters, in the time ahead and in all of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.blocks.diagram import Block
+from robophm.blocks.fault_tree import FaultTree
+from robophm.blocks.fussell_vesely import fussell_vesely
+from robophm.blocks.importance import barlow_proschan, importance, intensity
+from robophm.blocks.merging import single_points_of_failure
+from robophm.blocks.reliability import Structure
+from robophm.core.errors import StructureError
+from robophm.health.plant import Parts, Plant
+from robophm.health.prognosis import Outlook
+
+Array = npt.NDArray[np.float64]
+
+
+USUAL = 1000.0
+"""Hours of operation."""
+
+
+@dataclass(frozen=True)
+class UnitImportance:
+    """How much one unit of a diagram matters, given what is known now; not a number where that says nothing.
+
+    The measures are those of ``blocks.importance``.
+    """
+
+    unit: str
+    birnbaum: float
+    criticality: float
+    fussell_vesely: float
+    """P(a minimal cut set with the unit in it has failed | the system fails)."""
+    achievement: float
+    reduction: float
+    improvement: float
+    barlow_proschan: float
+    """P(its failure is the one that fails the system | it ever fails)."""
+
+
+@dataclass(frozen=True)
+class Importances:
+    """Of all units of a diagram, in drawing order."""
+
+    hours: float
+    """Of operation from now on, to which all but the Barlow–Proschan importances are."""
+    failure: float
+    """P(the system fails within them | what is known now)."""
+    ever: float
+    """P(it ever fails)."""
+    units: tuple[UnitImportance, ...]
+    refused: str = ""
+    """Why there are no Fussell–Vesely importances, where there are none."""
+
+    def ranked(self, by: str = "criticality") -> list[UnitImportance]:
+        """The most important first; those of which it is not known last."""
+
+        def rank(one: UnitImportance) -> float:
+            value = getattr(one, by)
+            return math.inf if math.isnan(value) else -value
+
+        return sorted(self.units, key=rank)
+
+
+def usual_hours(outlook: Outlook, median: float) -> float:
+    """Of operation ahead to ask about if nothing is said: USUAL, or half a life, of that median [h], if shorter."""
+    half = median * outlook.plant.robot.usage.operating
+    return min(half, USUAL) if half > 0 else USUAL
+
+
+class Drawn(Parts):
+    """A diagram prepared with every unit by itself, to be asked about each."""
+
+    def __init__(self, plant: Plant, diagram: Block) -> None:
+        self.diagram, self.structure = diagram, Structure(diagram)
+        super().__init__(plant, [(name,) for name in self.structure.names])
+        fatal = single_points_of_failure(diagram)
+        self.needed = np.array([name in fatal for name in self.structure.names])
+        """Whether the system works only while a unit does."""
+
+
+def importances(outlook: Outlook, drawn: Drawn, hours: float, *, lifelong: bool = True) -> Importances:
+    """How much each unit matters within so many operating hours, at the mean pace of the future, given what is known.
+
+    Barlow–Proschan importances are of all time ahead, and take most of the work: they are left out if not ``lifelong``.
+    """
+    known = outlook.known(drawn, drawn.needed)
+    more = _added(outlook, drawn, np.array([hours]))[:, 0]
+    chances = -np.expm1(-known), np.exp(-known) * -np.expm1(-more), np.exp(-known - more)
+    system = drawn.structure.transition(*chances)
+    works = float(system.fails + system.survives)
+    caused = np.full(len(known), math.nan)
+    if works > 0 and lifelong:
+        caused = _caused(outlook, drawn, known) / works
+    ever = float(caused.sum()) if works > 0 else 1.0
+    share = caused / ever if ever > 0 else caused
+    failure = float(system.fails) / works if works > 0 else 1.0
+    return _stated(drawn.diagram, drawn.structure, chances, share, hours, failure, ever)
+
+
+def of_tree(tree: FaultTree, occurred: Array, not_yet: Array, hours: float = math.nan) -> Importances:
+    """Of a coherent fault tree, from the probabilities of its events, shape (events,); ``occurred`` + ``not_yet`` = 1.
+
+    Raises StructureError for one with "not" or "xor", where what fails may be for the better.
+    """
+    tree.must_be_coherent("has events whose importance would be negative, which is not stated")
+    diagram = tree.diagram()
+    structure = Structure(diagram)
+    place = {name: i for i, name in enumerate(tree.names)}
+    order = [place[name] for name in structure.names]
+    failed, works = occurred[order], not_yet[order]
+    failure = float(structure.probability(works, failed)[1])
+    nothing = np.full(len(order), math.nan)
+    return _stated(diagram, structure, (np.zeros(len(order)), failed, works), nothing, hours, failure, math.nan)
+
+
+def _stated(
+    diagram: Block, structure: Structure, chances: tuple[Array, Array, Array], share: Array,
+    hours: float, failure: float, ever: float,
+) -> Importances:  # fmt: skip
+    measures = importance(structure, *chances)
+    refused, by_cut_sets = "", np.full(len(share), math.nan)
+    try:
+        by_cut_sets = fussell_vesely(diagram, *chances)
+    except StructureError as error:
+        refused = str(error)
+    columns = (measures.birnbaum, measures.criticality, by_cut_sets, *measures[2:], share)
+    units = zip(structure.names, *columns, strict=True)
+    return Importances(
+        hours, failure, ever, tuple(UnitImportance(name, *map(float, values)) for name, *values in units), refused
+    )
+
+
+def _caused(outlook: Outlook, drawn: Drawn, known: Array) -> Array:
+    """P(the system works now, and it is this unit that fails it, ever)."""
+
+    def rates(hours: Array) -> Array:
+        total = known[:, None] + _added(outlook, drawn, hours)
+        works = np.exp(-total)
+        hazard = outlook.hazard_then(drawn, *outlook.paced(hours))
+        return intensity(drawn.structure, works, -np.expm1(-total), hazard * works)
+
+    def curve(hours: Array) -> tuple[Array, Array]:
+        more, before = _added(outlook, drawn, hours), known[:, None]
+        return drawn.structure.transition(
+            -np.expm1(-before), np.exp(-before) * -np.expm1(-more), np.exp(-before - more)
+        ).given_works()
+
+    return barlow_proschan(rates, curve)
+
+
+def _added(outlook: Outlook, drawn: Drawn, hours: Array) -> Array:
+    """What operating hours add to the cumulative hazard of each unit; shape (units, hours)."""
+    advance, effective = outlook.paced(hours)
+    return outlook.gathered(drawn, advance[:, None], effective[:, None])[:, 0]
