@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from itertools import islice, takewhile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from robophm.blocks.cut_sets import MinimalSet, MinimalSets
+from robophm.blocks.cut_sets import MinimalSets
 from robophm.blocks.diagram import Block, Unit
 from robophm.blocks.fault_tree import FaultTree
 from robophm.cli.output import console, print_json, print_table, table, write
@@ -21,10 +20,12 @@ from robophm.design.open_psa.writing import document
 from robophm.design.robot import Robot
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
+from robophm.health.report import plain
 from robophm.life.exponential import Exponential
+from robophm.report.minimal_sets import Listed
 from robophm.report.words import number_text, probability_text
 
-_ORDERS = 10  # of which the numbers of sets are stated
+_MOST_WRITTEN = 10**4000  # Python writes no number of more than 4,300 digits
 
 
 @dataclass(frozen=True)
@@ -81,24 +82,24 @@ def cut_sets(system: System, *, paths: bool, order: int | None, most: int, as_js
     if paths and system.diagram is not None:
         sets = MinimalSets.paths(system.diagram)
         place = {name: i for i, name in enumerate(system.tree.names)}
-        listed = _Listed(sets, system.not_yet[[place[name] for name in sets.names]], order, most)
+        listed = Listed(sets, system.not_yet[[place[name] for name in sets.names]], most, order)
         share_of = 1.0 - probability
     else:
-        listed, share_of = _Listed(MinimalSets(system.tree), system.occurred, order, most), probability
+        listed, share_of = Listed(MinimalSets(system.tree), system.occurred, most, order), probability
     kind = "path" if paths else "cut"
     if as_json:
         print_json({"system": system.name, "when": system.when, "unreliability": probability,
-                    f"{kind}_sets": listed.to_json(share_of)})  # fmt: skip
+                    f"{kind}_sets": _json(listed, share_of)})  # fmt: skip
         return
     out = console()
     out.print(f"{system.name}, {system.when}: has failed with {probability_text(probability)}", markup=False)
-    listed.show(kind, share_of)
+    _show(listed, kind, share_of)
 
 
 def tree(system: System, *, order: int | None, most: int, to: Path | None, as_json: bool) -> None:
     """State the probability of the top event, list the cut sets of a coherent tree, and write it where wanted."""
     probability = float(system.tree.probability(system.occurred, system.not_yet))
-    listed = _Listed(MinimalSets(system.tree), system.occurred, order, most) if system.tree.coherent else None
+    listed = Listed(MinimalSets(system.tree), system.occurred, most, order) if system.tree.coherent else None
     if to:
         write(to, document(system.name, system.tree, list(map(float, system.occurred)), system.rates))
     size = {"basic_events": len(system.tree.names), "gates": len(system.tree.gates) - len(system.tree.names)}
@@ -106,7 +107,7 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
         print_json({
             "top_event": system.name, "when": system.when, "probability": probability, **size,
             "modules": len(system.tree.modular.parts), "nodes": system.tree.modular.size,
-            "coherent": system.tree.coherent, "cut_sets": listed.to_json(probability) if listed else None,
+            "coherent": system.tree.coherent, "cut_sets": _json(listed, probability) if listed else None,
         })  # fmt: skip
         return
     out = console()
@@ -114,7 +115,7 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
     out.print(f"{size['basic_events']} basic events, {size['gates']} gates; solved as {len(system.tree.modular.parts)} "
               f"modules by {system.tree.modular.size} nodes", markup=False)  # fmt: skip
     if listed:
-        listed.show("cut", probability)
+        _show(listed, "cut", probability)
     else:
         out.print(
             "It has 'not' or 'xor' gates: no minimal cut sets are listed, the probability is exact.", markup=False
@@ -123,52 +124,32 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
         out.print(f"Written: {to}", markup=False)
 
 
-class _Listed:
-    """Minimal sets, some of them listed."""
+def _json(listed: Listed, whole: float) -> dict[str, Any]:
+    """For machines; shares are of the ``whole``. What is beyond the numbers of JSON or Python's words is null."""
+    counts = [n if n < _MOST_WRITTEN else None for n in (listed.count, *listed.by_order)]
+    found = {
+        "count": counts[0],
+        "count_by_order": {str(i): n for i, n in enumerate(counts[1:], 1)},
+        "sum_of_probabilities": listed.mass,
+        "sum_of_those_not_listed": listed.neglected,
+        "listed": [
+            {"parts": list(one.names), "probability": one.probability,
+             "share": one.probability / whole if whole > 0 else None}
+            for one in listed.sets
+        ],
+    }  # fmt: skip
+    return {key: plain(value) for key, value in found.items()}
 
-    def __init__(self, sets: MinimalSets, probability: npt.NDArray[np.float64], order: int | None, most: int) -> None:
-        self.count, self.by_order = sets.count(), sets.count_by_order(_ORDERS)
-        self.mass = sets.mass(probability)
-        if order is None:
-            found = sets.likeliest(probability)
-        else:
-            found = takewhile(lambda one: len(one.names) <= order, sets.smallest(probability))
-        self.sets: list[MinimalSet] = list(islice(found, most))
-        self.neglected = max(self.mass - math.fsum(one.probability for one in self.sets), 0.0)
-        if len(self.sets) == self.count:
-            self.neglected = 0.0
 
-    def to_json(self, whole: float) -> dict[str, Any]:
-        """For machines; shares are of the ``whole``."""
-        return {
-            "count": self.count,
-            "count_by_order": {str(i): n for i, n in enumerate(self.by_order, 1)},
-            "sum_of_probabilities": self.mass,
-            "sum_of_those_not_listed": self.neglected,
-            "listed": [
-                {"parts": list(one.names), "probability": one.probability,
-                 "share": one.probability / whole if whole > 0 else None}
-                for one in self.sets
-            ],
-        }  # fmt: skip
-
-    def show(self, kind: str, whole: float) -> None:
-        """For people."""
-        out = console()
-        by_order = ", ".join(f"{n:,} of {i}" for i, n in enumerate(self.by_order, 1) if n)
-        rest = self.count - sum(self.by_order)
-        more = f", {rest:,} of more than {_ORDERS}" if rest and by_order else ""
-        out.print(
-            f"{self.count:,} minimal {kind} sets: {by_order or f'all of more than {_ORDERS}'}{more}", markup=False
-        )
-        rows = [
-            (str(len(one.names)), f"{one.probability:.4g}",
-             f"{100 * one.probability / whole:.3g} %" if whole > 0 else "–", ", ".join(one.names))
-            for one in self.sets
-        ]  # fmt: skip
-        print_table(out, table("", ("parts", "probability", "share", f"minimal {kind} set"), rows, figures=(0, 1, 2)))
-        if len(self.sets) < self.count:
-            out.print(
-                f"{self.count - len(self.sets):,} more are not listed; their probabilities add up to "
-                f"{self.neglected:.3g}, of all {self.mass:.4g}.", markup=False
-            )  # fmt: skip
+def _show(listed: Listed, kind: str, whole: float) -> None:
+    """For people."""
+    out = console()
+    out.print(listed.counted(kind), markup=False)
+    rows = [
+        (str(len(one.names)), f"{one.probability:.4g}",
+         f"{100 * one.probability / whole:.3g} %" if whole > 0 else "–", ", ".join(one.names))
+        for one in listed.sets
+    ]  # fmt: skip
+    print_table(out, table("", ("parts", "probability", "share", f"minimal {kind} set"), rows, figures=(0, 1, 2)))
+    if listed.left_out():
+        out.print(listed.left_out(), markup=False)
