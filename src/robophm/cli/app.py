@@ -562,15 +562,15 @@ def fault_tree(
     time: Annotated[float | None, typer.Option(help="mission time, or of a new robot [h of operation]", min=0)] = None,
     order: Order = None,
     most: Most = 20,
-    to: Annotated[Path | None, typer.Option(help="write the tree as an Open-PSA model")] = None,
+    to: Annotated[Path | None, typer.Option(help="write the tree: as a model, .xml, or a design, .yaml")] = None,
     as_json: Json = False,
 ) -> None:
     """The probability of a fault tree's top event, and its minimal cut sets; of a robot, also its fault tree."""
-    from robophm.cli.fault_tree import of_model, of_robot, tree
+    from robophm.cli.fault_tree import is_design, of_model, of_robot, tree
     from robophm.design.file import load
 
     may_write(to, source)
-    if source.suffix.lower() in (".yaml", ".yml"):
+    if is_design(source):
         if top is not None:
             raise RobophmError("--top is of a model; of a robot it is --function")
         system = of_robot(load(source), function, 1000.0 if time is None else time)

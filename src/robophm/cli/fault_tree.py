@@ -15,7 +15,8 @@ from robophm.blocks.diagram import Block, Unit
 from robophm.blocks.fault_tree import FaultTree
 from robophm.cli.output import console, print_json, print_table, table, write
 from robophm.core.errors import RobophmError, StructureError, nearest
-from robophm.design.open_psa import load
+from robophm.design.open_psa import Model, load
+from robophm.design.open_psa.as_design import as_design
 from robophm.design.open_psa.writing import document
 from robophm.design.robot import Robot
 from robophm.health.plant import Plant
@@ -40,6 +41,10 @@ class System:
     diagram: Block | None = None
     rates: dict[str, float] = field(default_factory=dict)
     """Of events that fail at a constant rate [1/h]."""
+    model: Model | None = None
+    """What it was read from, unless it is of a robot."""
+    source: str = ""
+    time: float | None = None
 
 
 def of_robot(robot: Robot, function: str | None, hours: float) -> System:
@@ -73,7 +78,7 @@ def of_model(path: Path, time: float | None, top: str | None) -> System:
         says = "always occurs" if model.certain else "never occurs"
         raise StructureError(f"{path}: '{model.name}' {says}: constants and house events decide it")
     when = f"at {number_text(time)} h" if time is not None else "as given"
-    return System(model.name, when, model.tree, model.occurred, model.not_yet)
+    return System(model.name, when, model.tree, model.occurred, model.not_yet, model=model, source=path.name, time=time)
 
 
 def cut_sets(system: System, *, paths: bool, order: int | None, most: int, as_json: bool) -> None:
@@ -97,11 +102,15 @@ def cut_sets(system: System, *, paths: bool, order: int | None, most: int, as_js
 
 
 def tree(system: System, *, order: int | None, most: int, to: Path | None, as_json: bool) -> None:
-    """State the probability of the top event, list the cut sets of a coherent tree, and write it where wanted."""
+    """State the probability of the top event, list the cut sets of a coherent tree, and write it where wanted.
+
+    What is written is a model in the Open-PSA format, or where its name ends as a design's does, a design.
+    """
+    text = _design(system, to) if to and is_design(to) else ""
     probability = float(system.tree.probability(system.occurred, system.not_yet))
     listed = Listed(MinimalSets(system.tree), system.occurred, most, order) if system.tree.coherent else None
     if to:
-        write(to, document(system.name, system.tree, list(map(float, system.occurred)), system.rates))
+        write(to, text or document(system.name, system.tree, list(map(float, system.occurred)), system.rates))
     size = {"basic_events": len(system.tree.names), "gates": len(system.tree.gates) - len(system.tree.names)}
     if as_json:
         print_json({
@@ -122,6 +131,19 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
         )
     if to:
         out.print(f"Written: {to}", markup=False)
+
+
+def is_design(path: Path) -> bool:
+    """Whether a file is a design by its name."""
+    return path.suffix.lower() in (".yaml", ".yml")
+
+
+def _design(system: System, to: Path) -> str:
+    if system.model is None:
+        raise RobophmError(f"{to}: of a robot its fault tree is written; expected a name that ends in .xml")
+    if to.exists():
+        raise RobophmError(f"{to}: exists already; expected the name of a new design")
+    return as_design(system.model, system.source, system.time)
 
 
 def _json(listed: Listed, whole: float) -> dict[str, Any]:

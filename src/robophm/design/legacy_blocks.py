@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
 from robophm.design.legacy import parallel_rate, series_rate
-
-LONGEST_NAME = 180
-"""In the design."""
+from robophm.design.naming import LONGEST_NAME, design_names, printable
 
 Kind = Literal[
     "double use",  # of one part; the 2020 tool counts it as often as it is used
@@ -102,30 +99,14 @@ class Block:
 
 def rename(members: Mapping[str, Block]) -> None:
     """Give members names that a design may have, each another."""
-    taken = {name for name in members if design_name(name) == name}
-    tried: Counter[str] = Counter()
-    for name, member in members.items():
-        member.name = new = design_name(name)
-        while new != name and member.name in taken:
-            tried[new] += 1
-            member.name = f"{new} {tried[new] + 1}"
-        taken.add(member.name)
+    for name, new in design_names(members).items():
+        members[name].name = new
         if new != name:
-            text = f"is '{member.name}' in the design, whose names hold no / [ ] and at most {LONGEST_NAME} letters"
-            member.note("renamed", text)
-
-
-def design_name(text: str) -> str:
-    """A name as near to a text as a design allows."""
-    return printable(text).translate(str.maketrans("/[]", "-()")).strip()[:LONGEST_NAME].strip() or "unnamed"
+            text = f"is '{new}' in the design, whose names hold no / [ ] and at most {LONGEST_NAME} letters"
+            members[name].note("renamed", text)
 
 
 def several(names: list[str]) -> str:
     """Names for people; of many the first five."""
     more = f" and {len(names) - 5} more" if len(names) > 5 else ""
     return ", ".join(f"'{name}'" for name in names[:5]) + more
-
-
-def printable(text: str) -> str:
-    """One line that can be written."""
-    return "".join(letter if letter.isprintable() else " " for letter in text)

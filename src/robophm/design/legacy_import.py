@@ -17,8 +17,9 @@ from typing import Any, Literal, NoReturn
 
 from robophm.core.errors import DesignError
 from robophm.design.file import Lines, parse, read, values
-from robophm.design.legacy_blocks import Block, Drawing, Finding, Group, design_name, printable, rename, several
+from robophm.design.legacy_blocks import Block, Drawing, Finding, Group, rename, several
 from robophm.design.legacy_writing import design_lines
+from robophm.design.naming import design_name, printable
 from robophm.design.robot import Robot
 
 MAX_CHARACTERS = 500_000

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 
-from robophm.design.legacy_blocks import Block, Drawing, printable
+from robophm.design.legacy_blocks import Block, Drawing
+from robophm.design.naming import printable, quoted
 
 
 def design_lines(system: Block, source: str) -> Iterator[str]:
@@ -14,7 +14,7 @@ def design_lines(system: Block, source: str) -> Iterator[str]:
     yield "# and so are the rates: per hour, already multiplied by quantity."
     yield from _remarks(system, "")
     yield "schema_version: 1"
-    yield f"name: {_quoted(system.name)}"
+    yield f"name: {quoted(system.name)}"
     yield ""
     yield "# What the 2020 tool does with temperature: twice the rate for every 10 K above 25 °C. Bind it by"
     yield "# signals: {temperature: {topic: /power/temperature, field: temperature, unit: degC, range: [-40, 125]}}"
@@ -30,7 +30,7 @@ def _members(level: Block, pad: str) -> Iterator[str]:
     if modules:
         yield f"{pad}modules:"
     for module in modules:
-        yield f"{pad}  {_quoted(module.name)}:  # line {module.line}"
+        yield f"{pad}  {quoted(module.name)}:  # line {module.line}"
         yield from _remarks(module, f"{pad}    ")
         yield from _members(module, f"{pad}    ")
     if components:
@@ -38,7 +38,7 @@ def _members(level: Block, pad: str) -> Iterator[str]:
     for component in components:
         yield from _remarks(component, f"{pad}  ")
         by = f", by the formula {component.formula:.100} (not evaluated)" if component.formula else ""
-        yield f"{pad}  {_quoted(component.name)}: {{rate: {component.stored!r} /h}}  # line {component.line}{by}"
+        yield f"{pad}  {quoted(component.name)}: {{rate: {component.stored!r} /h}}  # line {component.line}{by}"
     for member in level.members.values():
         if not member.fails:
             yield f"{pad}# Left out: {printable(member.place)}, line {member.line}"
@@ -58,15 +58,8 @@ def _diagram(drawing: Drawing, names: Mapping[str, str], pad: str) -> Iterator[s
     yield f"{pad}{drawing.kind}:"
     for block in drawing.blocks:
         if isinstance(block, str):
-            yield f"{pad}  - {_quoted(names[block])}"
+            yield f"{pad}  - {quoted(names[block])}"
         else:
             lines = list(_diagram(block, names, f"{pad}    "))
             yield f"{pad}  - {lines[0].strip()}"
             yield from lines[1:]
-
-
-def _quoted(name: str) -> str:
-    """A name as YAML writes it, in quotes where it might be taken for something else."""
-    if re.fullmatch(r"[A-Za-z][\w .()+-]*", name, re.ASCII) and name.lower() not in ("true", "false", "null"):
-        return name
-    return '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'

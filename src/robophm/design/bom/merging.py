@@ -24,13 +24,13 @@ from robophm.design.bom.component import (
     line,
     lines,
     origin,
-    quoted,
     short,
     stamp,
 )
 from robophm.design.bom.edits import EditedText, plain, scalars
 from robophm.design.bom.models import Rating
 from robophm.design.bom.references import compressed
+from robophm.design.naming import quoted
 
 State = Literal["added", "changed", "unchanged", "kept", "removed", "needs a rate"]
 
