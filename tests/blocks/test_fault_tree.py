@@ -179,7 +179,10 @@ def test_a_tree_too_large_is_refused_in_words():
         FaultTree([f"e{i}" for i in range(60)], gates, 2000).probability(np.full(60, 0.1))
 
 
-QUICK = ["baobab1", "baobab3", "chinese", "das9202", "das9205", "das9209", "edf9201", "isp9603", "isp9604", "isp9606"]
+QUICK = [
+    "baobab1", "baobab3", "chinese", "das9202", "das9205", "das9209", "edf9201", "edf9202", "edfpa15r", "elf9601",
+    "isp9603", "isp9604", "isp9606",
+]  # fmt: skip
 
 
 def aralia(system: dict) -> tuple[FaultTree, np.ndarray]:
