@@ -45,8 +45,8 @@ def _sections(robot: Robot, report: HealthReport, history: list[Mapping[str, Any
     yield section("How it is wired", *chain.from_iterable(wiring))
     yield section("Curves", side_by_side(*_history_curves(report.robot, history), *_outlook_curves(robot, report)))
     yield section("Modules", _subject_table(report.subjects))
-    yield section("What contributes most", _contributors(report))
     yield section("What it takes to fail", *what_it_takes_to_fail(robot, report))
+    yield section("What contributes most", _contributors(report))
     yield section("Sensors and data", *(report.notes or ("Every sample was taken, and every signal was there.",)))
     yield section("Assumptions", *_assumptions(robot, report))
 
