@@ -1,16 +1,22 @@
 """The Aralia fault trees, side by side with RePyability, each in a process of its own with 60 s and 8 GB.
 
-Needs shared/cases beside the project. Usage: python -m benchmarks.fault_trees [--peer] [NAME ...]
+A line for each tree as it is solved: answer and seconds of both, how far each is off SCRAM's answer (where there is
+one) and off each other; then the totals. Exits with 1 where answers differ. Needs shared/cases beside the project.
+Usage: python -m benchmarks.fault_trees [--peer] [NAME ...]
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import resource
 import subprocess
 import sys
 import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +24,7 @@ import numpy as np
 
 CASES = Path(__file__).resolve().parents[2] / "shared" / "cases" / "aralia_top_event.json"
 SECONDS, BYTES = 60, 8 << 30
+CLOSE = 1e-9
 
 
 def ours(system: dict[str, Any]) -> float:
@@ -67,58 +74,112 @@ def peer(system: dict[str, Any]) -> float:
     return float(np.squeeze(repyability.FaultTree(gates, chances).top_event_probability()))
 
 
+SOLVERS = {"ours": ours, "peer": peer}
+
+
 def one(solver: str, name: str) -> None:
-    """In a process of its own: print the answer."""
-    resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))
+    """In a process of its own: print the answer, and the seconds without the start of Python and its packages."""
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    bound = BYTES if hard == resource.RLIM_INFINITY else min(BYTES, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (bound, bound))
     sys.setrecursionlimit(100_000)
-    cases = {case["name"]: case["system"] for case in json.loads(CASES.read_text())["cases"]}
-    print(repr({"ours": ours, "peer": peer}[solver](cases[name])))
+    import_module("repyability" if solver == "peer" else "robophm.blocks.fault_tree")
+    system = next(case["system"] for case in json.loads(CASES.read_text())["cases"] if case["name"] == f"aralia/{name}")
+    begun = time.perf_counter()
+    answer = SOLVERS[solver](system)
+    print(repr(answer), time.perf_counter() - begun)
 
 
-def timed(solver: str, name: str) -> tuple[float | str, float]:
-    """The answer, or why there is none, and the seconds."""
+@dataclass(frozen=True)
+class Outcome:
+    """Of one solver for one tree."""
+
+    answer: float | None
+    seconds: float
+    """To the answer, or until there was none."""
+    why_not: str = ""
+
+    def __str__(self) -> str:
+        if self.answer is None:
+            return f"{self.why_not}, {self.seconds:.1f} s"
+        return f"{self.answer:.13g}, {self.seconds:.2f} s"
+
+
+def solved(solver: str, name: str) -> Outcome:
+    """In a process of its own, ended after SECONDS."""
     words = [sys.executable, "-m", "benchmarks.fault_trees", "--one", solver, name]
     begun = time.perf_counter()
     try:
         done = subprocess.run(words, capture_output=True, text=True, timeout=SECONDS, check=False)
     except subprocess.TimeoutExpired:
-        return "no answer in time", time.perf_counter() - begun
-    taken = time.perf_counter() - begun
+        return Outcome(None, time.perf_counter() - begun, "no answer in time")
     if done.returncode == 0:
-        return float(done.stdout), taken
-    return (done.stderr.strip().rpartition("\n")[2] or f"ended with {done.returncode}")[-70:], taken
+        answer, seconds = map(float, done.stdout.split())
+        return Outcome(answer, seconds)
+    said = done.stderr.strip().rpartition("\n")[2] or f"ended with {done.returncode}"
+    return Outcome(None, time.perf_counter() - begun, said.partition(": ")[2][:40] or said[:40])
 
 
-def main() -> None:
+def off(one: Outcome, other: float | None) -> str:
+    if one.answer is None or not other:
+        return "–"
+    return f"{abs(one.answer / other - 1):.0e}"
+
+
+def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("names", nargs="*")
+    parser.add_argument("names", nargs="*", help="e.g. baobab1; default all")
     parser.add_argument("--peer", action="store_true", help="beside RePyability")
-    parser.add_argument("--one", choices=("ours", "peer"), help=argparse.SUPPRESS)
+    parser.add_argument("--one", choices=tuple(SOLVERS), help=argparse.SUPPRESS)
     said = parser.parse_args()
     if said.one:
         one(said.one, said.names[0])
-        return
-    solvers = ["ours", "peer"] if said.peer else ["ours"]
-    solved, seconds = dict.fromkeys(solvers, 0), dict.fromkeys(solvers, 0.0)
+        return 0
     if not CASES.exists():
         print("fault trees: no shared/ folder beside the project")
-        return
-    cases = json.loads(CASES.read_text())["cases"]
-    for case in cases:
-        if said.names and case["name"].partition("/")[2] not in said.names:
-            continue
-        line = f"{case['name']:18}"
-        for solver in solvers:
-            answer, taken = timed(solver, case["name"])
-            known = case.get("peer_check", {}).get("top_event_probability")
-            off = f" off by {abs(answer / known - 1):.0e}" if isinstance(answer, float) and known else ""
-            line += f"  {solver} {answer if isinstance(answer, str) else f'{answer:.15g}'} in {taken:.1f} s{off}"
-            solved[solver] += isinstance(answer, float)
-            seconds[solver] += taken if isinstance(answer, float) else 0.0
-        print(line, flush=True)
+        return 0
+    cases = {case["name"].partition("/")[2]: case for case in json.loads(CASES.read_text())["cases"]}
+    if unknown := [name for name in said.names if name not in cases]:
+        parser.error(f"no tree {unknown[0]!r}; expected {', '.join(cases)}")
+    solvers = tuple(SOLVERS) if said.peer else ("ours",)
+    columns = ["ours", "off SCRAM", *(["RePyability", "off SCRAM", "ours off it"] if said.peer else [])]
+    _row("tree", columns)
+    found: dict[str, list[Outcome]] = {solver: [] for solver in solvers}
+    differing: list[str] = []
+    for name in said.names or cases:
+        known = cases[name].get("peer_check", {}).get("top_event_probability")
+        mine = solved("ours", name)
+        found["ours"].append(mine)
+        cells, others = [str(mine), off(mine, known)], [known]
+        if said.peer:
+            theirs = solved("peer", name)
+            found["peer"].append(theirs)
+            cells += [str(theirs), off(theirs, known), off(mine, theirs.answer)]
+            others.append(theirs.answer)
+        _row(name, cells)
+        if mine.answer is not None and any(other and abs(mine.answer / other - 1) > CLOSE for other in others):
+            differing.append(name)
     for solver in solvers:
-        print(f"{solver}: {solved[solver]} solved within {SECONDS} s each, {seconds[solver]:.0f} s in all")
+        answers = [one for one in found[solver] if one.answer is not None]
+        print(f"{solver}: {len(answers)} of {len(found[solver])} solved, these in {_sum(answers):.1f} s")
+    if said.peer:
+        both = [(a, b) for a, b in zip(found["ours"], found["peer"], strict=True) if None not in (a.answer, b.answer)]
+        mine_too, theirs_too = (_sum(one) for one in zip(*both, strict=True)) if both else (0.0, 0.0)
+        print(f"both: {len(both)}, ours in {mine_too:.1f} s, RePyability in {theirs_too:.1f} s")
+    for name in differing:
+        print(f"answers differ by more than {CLOSE:g}: {name}")
+    return 1 if differing else 0
+
+
+def _sum(outcomes: Iterable[Outcome]) -> float:
+    return math.fsum(one.seconds for one in outcomes)
+
+
+def _row(name: str, cells: Sequence[str]) -> None:
+    """Printed at once: what is interrupted has shown what it did."""
+    widths = (38, 9) * 2 + (11,)
+    print(f"{name:10}", *(cell.ljust(width) for cell, width in zip(cells, widths, strict=False)), flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

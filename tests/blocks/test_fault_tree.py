@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robophm.blocks import modular
 from robophm.blocks.cut_sets import MinimalSets
 from robophm.blocks.diagram import KOutOfN, Link, Network, Parallel, Series
 from robophm.blocks.fault_tree import FaultTree, dual
@@ -172,16 +171,18 @@ def test_what_is_not_coherent_has_no_cut_sets_and_no_diagram():
         tree.diagram()
 
 
-def test_a_tree_too_large_is_refused_in_words(monkeypatch):
-    monkeypatch.setattr(modular, "LIMIT", 2000)
+def test_a_tree_too_large_is_refused_in_words():
     rng = random.Random(3)
     gates = [Gate(UNIT, ())] * 60 + [Gate(ANY, tuple(rng.sample(range(60), 6))) for _ in range(40)]
     gates.append(Gate(20, tuple(range(60, 100))))
     with pytest.raises(StructureError, match=r"too many to solve exactly.*Monte Carlo"):
-        FaultTree([f"e{i}" for i in range(60)], gates).probability(np.full(60, 0.1))
+        FaultTree([f"e{i}" for i in range(60)], gates, 2000).probability(np.full(60, 0.1))
 
 
-QUICK = ["baobab1", "baobab3", "chinese", "das9202", "das9205", "das9209", "edf9201", "isp9603", "isp9604", "isp9606"]
+QUICK = [
+    "baobab1", "baobab3", "chinese", "das9202", "das9205", "das9209", "edf9201", "edf9202", "edfpa15r", "elf9601",
+    "isp9603", "isp9604", "isp9606",
+]  # fmt: skip
 
 
 def aralia(system: dict) -> tuple[FaultTree, np.ndarray]:

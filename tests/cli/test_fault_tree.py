@@ -60,8 +60,28 @@ def test_a_robots_tree_is_written_and_says_the_same(run, robot, tmp_path):
     assert first["probability"] == pytest.approx(shown["modules"][0]["unreliability"], rel=1e-12)
 
 
+def test_a_robots_tree_becomes_a_design_again(run, robot, tmp_path):
+    """Design, model, design: the same number, that of the closed form."""
+    run("fault-tree", robot, "--time", 500, "--to", "tree.xml")
+    done = run("fault-tree", "tree.xml", "--time", 500, "--to", "again.yaml")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "Written: again.yaml" in done.stdout
+    ((_, shown),) = (
+        (one["path"], one) for one in json.loads(run("show", "again.yaml", "--hours", 500, "--json").stdout)["modules"]
+    )
+    lamp = -math.expm1(-((math.gamma(1.5) * 5e-6 * 500) ** 2))  # Weibull of mean 200,000 h
+    expected = 1 - (1 - failed(10, 500)) * (1 - failed(50, 500) ** 2) * (1 - lamp)
+    assert shown["unreliability"] == pytest.approx(expected, rel=1e-10)
+    assert "motor_1: {rate: 5e-05 /h}" in (tmp_path / "again.yaml").read_text()
+    assert run("check", "again.yaml").returncode == 0
+
+
 def test_mistakes_are_one_line(run, robot, tmp_path):
     (tmp_path / "bad.xml").write_text("<opsa-mef>\n<define-fault-tree name='x'>\n")
+    (tmp_path / "half.xml").write_text(
+        '<opsa-mef><define-fault-tree name="t"><define-gate name="g"><or><basic-event name="a"/></or></define-gate>'
+        '<define-basic-event name="a"><float value="0.5"/></define-basic-event></define-fault-tree></opsa-mef>'
+    )
     (tmp_path / "sure.xml").write_text(
         '<opsa-mef><define-fault-tree name="t"><define-gate name="g"><constant value="true"/></define-gate>'
         "</define-fault-tree></opsa-mef>"
@@ -74,6 +94,15 @@ def test_mistakes_are_one_line(run, robot, tmp_path):
         (("fault-tree", robot, "--top", "x"), "--top is of a model"),
         (("fault-tree", "bad.xml", "--function", "x"), "--function is of a robot"),
         (("fault-tree", robot, "--to", "no/tree.xml"), "no such folder"),
+        (
+            ("fault-tree", robot, "--to", "again.yaml"),
+            "again.yaml: of a robot its fault tree is written; expected a name",
+        ),
+        (("fault-tree", "half.xml", "--to", "again.yaml"), "half.xml: 'a' has a probability and no rate"),
+        (
+            ("fault-tree", "half.xml", "--time", 9, "--to", robot),
+            "robot.yaml: exists already; expected the name of a new",
+        ),
         (("cutsets", robot, "--at", "inf"), "expected a finite number"),
     ):
         done = run(*words)
@@ -81,6 +110,8 @@ def test_mistakes_are_one_line(run, robot, tmp_path):
         assert says in done.stderr
         assert done.stderr.count("\n") == 1
         assert done.stdout == ""
+    assert robot.read_text() == ROBOT
+    assert not (tmp_path / "again.yaml").exists()
 
 
 def test_a_tree_with_not_has_a_probability_and_no_cut_sets(run, tmp_path):

@@ -235,6 +235,47 @@ def test_what_would_count_is_not_left_unheard():
     assert signals(modes(other % "")["Chip"]) == {}
 
 
+TWO_RESISTORS = """
+environment: GM
+signals: {temperature: {topic: /t, field: data}}
+components:
+  A: {hazard: {model: mil_hdbk_217f.resistor, inputs: {style: RM, power: 9 mW, rated_power: 1 W, temperature: 40 degC}}}
+  B: {hazard: {model: mil_hdbk_217f.resistor, inputs: {style: RM, power: 9 mW, rated_power: 1 W, temperature: %s}}%s}
+"""
+
+
+@pytest.mark.parametrize(
+    ("temperature", "more", "rates", "heard"),
+    [  # 217F §9.1: πE of RM is 1 in GB, 16 in GM
+        ("40 degC", "", 1, ("/t.data", 0)),
+        ("313.15 K", "", 1, ("/t.data", 0)),
+        ("40 degC", ", offsets: {temperature: 5 K}", 1, ("/t.data", 5)),
+        ("40 degC", ", signals: {temperature: {topic: /b, field: data}}", 1, ("/b.data", 0)),
+        ("40 degC", ", environment: GB", 16, ("/t.data", 0)),
+    ],
+)
+def test_parts_that_are_nearly_equal_keep_what_is_their_own(temperature, more, rates, heard):
+    found = modes(TWO_RESISTORS % (temperature, more))
+    assert found["A"].rate / found["B"].rate == pytest.approx(rates, rel=1e-12)
+    channels = [found[name].stresses[0].channels["temperature"] for name in "AB"]
+    assert [(channel.signal, channel.offset) for channel in channels] == [("/t.data", 0), heard]
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "message"),
+    [
+        ("40 degC", "40 W", "mil_hdbk_217f.resistor: temperature: unit 'W' does not measure what 'degC' does"),
+        ("1", "true", "expected a quantity with its unit, e.g. '12 FIT', or a word where the input is a choice"),
+        ("1", "[1]", "expected a quantity with its unit, e.g. '12 FIT', or a word where the input is a choice"),
+    ],
+)
+def test_the_error_of_a_second_part_is_its_own(first, second, message):
+    text = TWO_RESISTORS.replace("40 degC", first) % (second, "")
+    with pytest.raises(DesignError) as refused:
+        robot(text)
+    assert str(refused.value) == f"design:8: components/B/hazard/inputs/temperature: {message}"
+
+
 @pytest.mark.parametrize(
     ("life", "survival"),
     [

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from robophm.blocks.diagram import Block
 from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.graph import Gate, graph
-from robophm.blocks.modular import LIMIT, Part, below
+from robophm.blocks.modular import Part, below
 from robophm.blocks.nodes import FALSE, TRUE, Table, too_large
 from robophm.core.errors import StructureError
 
@@ -62,7 +62,7 @@ class MinimalSets:
         tree.must_be_coherent("has prime implicants in place of minimal cut sets, which are not listed")
         self.names = tree.names
         self._modular = tree.modular
-        self._parts = [_minimal(part) for part in self._modular.parts]
+        self._parts = [_minimal(part, tree.limit) for part in self._modular.parts]
 
     @classmethod
     def cuts(cls, diagram: Block) -> MinimalSets:
@@ -178,9 +178,9 @@ class MinimalSets:
                 )
 
 
-def _minimal(part: Part) -> Part:
+def _minimal(part: Part, limit: int) -> Part:
     """A part whose diagram holds the minimal sets: a node's sets are those with its variable, and those without."""
-    function, table = part.table, Table(len(part.rows), LIMIT)
+    function, table = part.table, Table(len(part.rows), limit)
 
     def node(x: int, high: int, low: int) -> int:
         if high == FALSE:
@@ -218,8 +218,8 @@ def _minimal(part: Part) -> Part:
             found = [result for result in results if result is not None]
             without[pair] = found[0] if x > y else node(x, found[0], found[1])
             todo.pop()
-            if len(without) > LIMIT:
-                raise too_large(LIMIT)
+            if len(without) > limit:
+                raise too_large(limit)
         result = known(family, g)
         return FALSE if result is None else result
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
 from robophm.blocks.graph import ALL, ANY, NOT, ODD, UNIT, Gate, graph
-from robophm.blocks.modular import Modular
+from robophm.blocks.modular import LIMIT, Modular
 from robophm.core.errors import StructureError
 
 Array = NDArray[np.float64]
@@ -21,20 +21,21 @@ class FaultTree:
 
     ``gates`` come inputs first; those of UNIT are the events in the order of ``names``, the last one is the top.
     ``k`` is how many inputs must have occurred (ALL, ANY or a number), or NOT or ODD. What the top does not hang on
-    does not count.
+    does not count. Beyond ``limit`` steps for a module (modular.LIMIT) it is too large to be solved.
     """
 
-    def __init__(self, names: Sequence[str], gates: Sequence[Gate]) -> None:
+    def __init__(self, names: Sequence[str], gates: Sequence[Gate], limit: int = LIMIT) -> None:
         self.names = tuple(names)
         self.gates = tuple(gates)
+        self.limit = limit
         if sum(gate.k == UNIT for gate in gates) != len(self.names):
             raise StructureError(f"fault tree: {len(self.names)} names of {sum(g.k == UNIT for g in gates)} events")
 
     @classmethod
-    def of(cls, diagram: Block) -> FaultTree:
+    def of(cls, diagram: Block, limit: int = LIMIT) -> FaultTree:
         """The fault tree of a block diagram: its top event is that the diagram fails, its events that units have."""
         names, gates, _ = graph(diagram)
-        return cls(names, dual(gates))
+        return cls(names, dual(gates), limit)
 
     @property
     def coherent(self) -> bool:
@@ -63,8 +64,8 @@ class FaultTree:
 
     @cached_property
     def modular(self) -> Modular:
-        """Solved. Raises StructureError where it is too large to solve exactly (modular.LIMIT)."""
-        return Modular(self.gates)
+        """Solved. Raises StructureError where it is too large to solve exactly."""
+        return Modular(self.gates, self.limit)
 
     def probability(self, occurred: ArrayLike, not_yet: ArrayLike | None = None) -> Array:
         """Of the top event, shape (...), from those of the events, shape (events, ...); ``not_yet`` = 1 − ``occurred``.

@@ -20,7 +20,8 @@ from robophm.blocks.reduction import reduced
 Array = NDArray[np.float64]
 
 LIMIT = 3_000_000
-"""Largest number of steps to build the decision diagram of one module; of its minimal sets, likewise."""
+"""Largest number of steps to build the decision diagram of one module; of its minimal sets, likewise. Where less is
+said, less time is taken."""
 
 AT_ONCE = 2_000_000
 """Numbers that one array may hold; more columns take turns."""
@@ -37,12 +38,12 @@ class Part(NamedTuple):
 
 
 class Modular:
-    """Gates of ``graph.Gate``, whose last is the top, solved. Raises StructureError beyond LIMIT.
+    """Gates of ``graph.Gate``, whose last is the top, solved. Raises StructureError beyond ``limit`` steps of a module.
 
     Rows 0 … ``events`` − 1 are the units in their order, row ``events`` + i is part i, and the last is the top.
     """
 
-    def __init__(self, gates: Sequence[Gate]) -> None:
+    def __init__(self, gates: Sequence[Gate], limit: int = LIMIT) -> None:
         net = reduced(gates)
         self.events = sum(not gate.inputs for gate in net)
         self.parts: list[Part] = []
@@ -50,13 +51,13 @@ class Modular:
         row = {node: node for node in range(self.events)}
         for node in range(self.events, len(net)):
             if module[node]:
-                self.parts.append(self._part(net, node, row))
+                self.parts.append(self._part(net, node, row, limit))
                 row[node] = self.events + len(self.parts) - 1
         self.size = sum(len(part.nodes) for part in self.parts)
         """Number of nodes of all parts."""
 
     @staticmethod
-    def _part(net: Sequence[Gate], top: int, row: dict[int, int]) -> Part:
+    def _part(net: Sequence[Gate], top: int, row: dict[int, int], limit: int) -> Part:
         variables: dict[int, None] = {}
         inside: set[int] = set()
         todo = [top]
@@ -69,7 +70,7 @@ class Modular:
                 todo += reversed(net[node].inputs)
         place = {node: i for i, node in enumerate([*variables, *sorted(inside)])}
         gates = [(net[node].k, [place[i] for i in net[node].inputs]) for node in sorted(inside)]
-        table, order, function = compiled(len(variables), gates, LIMIT)
+        table, order, function = compiled(len(variables), gates, limit)
         rows = [row[node] for node in variables]
         return Part([rows[x] for x in order], table, function[-1], below(table, function[-1]))
 

@@ -6,14 +6,16 @@ from pathlib import Path
 
 from rich.console import Console
 
-from robophm.calibration.fleet import CONTROLS, predict_fleet
+from robophm.calibration.fleet import CONTROLS, files, predict_fleet
 from robophm.calibration.fleet import OURS as OURS_OF_FLEET
 from robophm.calibration.lives import LifeScore, Prognosis
-from robophm.calibration.predictions import Predictions
-from robophm.calibration.score import Calibration
+from robophm.calibration.predictions import Predictions, read_predictions
+from robophm.calibration.score import Calibration, score
 from robophm.calibration.tasks import TaskScore
-from robophm.cli.output import print_table, progress_console, table
+from robophm.cli.output import console, may_write, print_json, print_table, progress_console, table, write
 from robophm.cli.progress import counted
+from robophm.core.errors import RobophmError
+from robophm.report.calibration_page import calibration_page
 from robophm.report.words import duration_text, number_text
 
 OURS = "robophm"
@@ -67,3 +69,25 @@ def _life_row(model: str, score: LifeScore) -> list[str]:
 def _prognosis_row(model: str, found: Prognosis) -> list[str]:
     shares = [f"{number_text(100 * share, 3)} %" for share in (found.horizon, found.half_way)]
     return [model, f"{found.lives:,}", *shares, number_text(found.relative_accuracy), duration_text(found.convergence)]
+
+
+def run(predictions: Path, report: Path | None, *, controls: bool, jobs: int, as_json: bool) -> bool:
+    """Score a file or a fleet; whether our own model is rejected."""
+    if predictions.is_dir():
+        may_write(report, *files(predictions))
+        said = of_fleet(predictions, controls=controls, jobs=jobs)
+    else:
+        if controls:
+            raise RobophmError("--controls is of a fleet's folder; a file has the models that it has")
+        may_write(report, predictions)
+        said = read_predictions(predictions)
+    calibration = score(said)
+    if report:
+        write(report, calibration_page(calibration, predictions.name))
+    if as_json:
+        print_json(calibration.to_json())
+    else:
+        print_calibration(console(), calibration)
+        if report:
+            console().print(f"Report: {report}", markup=False)
+    return breached(calibration)

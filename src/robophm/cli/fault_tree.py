@@ -4,27 +4,29 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from itertools import islice, takewhile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from robophm.blocks.cut_sets import MinimalSet, MinimalSets
+from robophm.blocks.cut_sets import MinimalSets
 from robophm.blocks.diagram import Block, Unit
 from robophm.blocks.fault_tree import FaultTree
 from robophm.cli.output import console, print_json, print_table, table, write
 from robophm.core.errors import RobophmError, StructureError, nearest
-from robophm.design.open_psa import load
+from robophm.design.open_psa import Model, load
+from robophm.design.open_psa.as_design import as_design
 from robophm.design.open_psa.writing import document
 from robophm.design.robot import Robot
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
+from robophm.health.report import plain
 from robophm.life.exponential import Exponential
+from robophm.report.minimal_sets import Listed
 from robophm.report.words import number_text, probability_text
 
-_ORDERS = 10  # of which the numbers of sets are stated
+_MOST_WRITTEN = 10**4000  # Python writes no number of more than 4,300 digits
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,10 @@ class System:
     diagram: Block | None = None
     rates: dict[str, float] = field(default_factory=dict)
     """Of events that fail at a constant rate [1/h]."""
+    model: Model | None = None
+    """What it was read from, unless it is of a robot."""
+    source: str = ""
+    time: float | None = None
 
 
 def of_robot(robot: Robot, function: str | None, hours: float) -> System:
@@ -72,7 +78,7 @@ def of_model(path: Path, time: float | None, top: str | None) -> System:
         says = "always occurs" if model.certain else "never occurs"
         raise StructureError(f"{path}: '{model.name}' {says}: constants and house events decide it")
     when = f"at {number_text(time)} h" if time is not None else "as given"
-    return System(model.name, when, model.tree, model.occurred, model.not_yet)
+    return System(model.name, when, model.tree, model.occurred, model.not_yet, model=model, source=path.name, time=time)
 
 
 def cut_sets(system: System, *, paths: bool, order: int | None, most: int, as_json: bool) -> None:
@@ -81,32 +87,36 @@ def cut_sets(system: System, *, paths: bool, order: int | None, most: int, as_js
     if paths and system.diagram is not None:
         sets = MinimalSets.paths(system.diagram)
         place = {name: i for i, name in enumerate(system.tree.names)}
-        listed = _Listed(sets, system.not_yet[[place[name] for name in sets.names]], order, most)
+        listed = Listed(sets, system.not_yet[[place[name] for name in sets.names]], most, order)
         share_of = 1.0 - probability
     else:
-        listed, share_of = _Listed(MinimalSets(system.tree), system.occurred, order, most), probability
+        listed, share_of = Listed(MinimalSets(system.tree), system.occurred, most, order), probability
     kind = "path" if paths else "cut"
     if as_json:
         print_json({"system": system.name, "when": system.when, "unreliability": probability,
-                    f"{kind}_sets": listed.to_json(share_of)})  # fmt: skip
+                    f"{kind}_sets": _json(listed, share_of)})  # fmt: skip
         return
     out = console()
     out.print(f"{system.name}, {system.when}: has failed with {probability_text(probability)}", markup=False)
-    listed.show(kind, share_of)
+    _show(listed, kind, share_of)
 
 
 def tree(system: System, *, order: int | None, most: int, to: Path | None, as_json: bool) -> None:
-    """State the probability of the top event, list the cut sets of a coherent tree, and write it where wanted."""
+    """State the probability of the top event, list the cut sets of a coherent tree, and write it where wanted.
+
+    What is written is a model in the Open-PSA format, or where its name ends as a design's does, a design.
+    """
+    text = _design(system, to) if to and is_design(to) else ""
     probability = float(system.tree.probability(system.occurred, system.not_yet))
-    listed = _Listed(MinimalSets(system.tree), system.occurred, order, most) if system.tree.coherent else None
+    listed = Listed(MinimalSets(system.tree), system.occurred, most, order) if system.tree.coherent else None
     if to:
-        write(to, document(system.name, system.tree, list(map(float, system.occurred)), system.rates))
+        write(to, text or document(system.name, system.tree, list(map(float, system.occurred)), system.rates))
     size = {"basic_events": len(system.tree.names), "gates": len(system.tree.gates) - len(system.tree.names)}
     if as_json:
         print_json({
             "top_event": system.name, "when": system.when, "probability": probability, **size,
             "modules": len(system.tree.modular.parts), "nodes": system.tree.modular.size,
-            "coherent": system.tree.coherent, "cut_sets": listed.to_json(probability) if listed else None,
+            "coherent": system.tree.coherent, "cut_sets": _json(listed, probability) if listed else None,
         })  # fmt: skip
         return
     out = console()
@@ -114,7 +124,7 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
     out.print(f"{size['basic_events']} basic events, {size['gates']} gates; solved as {len(system.tree.modular.parts)} "
               f"modules by {system.tree.modular.size} nodes", markup=False)  # fmt: skip
     if listed:
-        listed.show("cut", probability)
+        _show(listed, "cut", probability)
     else:
         out.print(
             "It has 'not' or 'xor' gates: no minimal cut sets are listed, the probability is exact.", markup=False
@@ -123,52 +133,45 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
         out.print(f"Written: {to}", markup=False)
 
 
-class _Listed:
-    """Minimal sets, some of them listed."""
+def is_design(path: Path) -> bool:
+    """Whether a file is a design by its name."""
+    return path.suffix.lower() in (".yaml", ".yml")
 
-    def __init__(self, sets: MinimalSets, probability: npt.NDArray[np.float64], order: int | None, most: int) -> None:
-        self.count, self.by_order = sets.count(), sets.count_by_order(_ORDERS)
-        self.mass = sets.mass(probability)
-        if order is None:
-            found = sets.likeliest(probability)
-        else:
-            found = takewhile(lambda one: len(one.names) <= order, sets.smallest(probability))
-        self.sets: list[MinimalSet] = list(islice(found, most))
-        self.neglected = max(self.mass - math.fsum(one.probability for one in self.sets), 0.0)
-        if len(self.sets) == self.count:
-            self.neglected = 0.0
 
-    def to_json(self, whole: float) -> dict[str, Any]:
-        """For machines; shares are of the ``whole``."""
-        return {
-            "count": self.count,
-            "count_by_order": {str(i): n for i, n in enumerate(self.by_order, 1)},
-            "sum_of_probabilities": self.mass,
-            "sum_of_those_not_listed": self.neglected,
-            "listed": [
-                {"parts": list(one.names), "probability": one.probability,
-                 "share": one.probability / whole if whole > 0 else None}
-                for one in self.sets
-            ],
-        }  # fmt: skip
+def _design(system: System, to: Path) -> str:
+    if system.model is None:
+        raise RobophmError(f"{to}: of a robot its fault tree is written; expected a name that ends in .xml")
+    if to.exists():
+        raise RobophmError(f"{to}: exists already; expected the name of a new design")
+    return as_design(system.model, system.source, system.time)
 
-    def show(self, kind: str, whole: float) -> None:
-        """For people."""
-        out = console()
-        by_order = ", ".join(f"{n:,} of {i}" for i, n in enumerate(self.by_order, 1) if n)
-        rest = self.count - sum(self.by_order)
-        more = f", {rest:,} of more than {_ORDERS}" if rest and by_order else ""
-        out.print(
-            f"{self.count:,} minimal {kind} sets: {by_order or f'all of more than {_ORDERS}'}{more}", markup=False
-        )
-        rows = [
-            (str(len(one.names)), f"{one.probability:.4g}",
-             f"{100 * one.probability / whole:.3g} %" if whole > 0 else "–", ", ".join(one.names))
-            for one in self.sets
-        ]  # fmt: skip
-        print_table(out, table("", ("parts", "probability", "share", f"minimal {kind} set"), rows, figures=(0, 1, 2)))
-        if len(self.sets) < self.count:
-            out.print(
-                f"{self.count - len(self.sets):,} more are not listed; their probabilities add up to "
-                f"{self.neglected:.3g}, of all {self.mass:.4g}.", markup=False
-            )  # fmt: skip
+
+def _json(listed: Listed, whole: float) -> dict[str, Any]:
+    """For machines; shares are of the ``whole``. What is beyond the numbers of JSON or Python's words is null."""
+    counts = [n if n < _MOST_WRITTEN else None for n in (listed.count, *listed.by_order)]
+    found = {
+        "count": counts[0],
+        "count_by_order": {str(i): n for i, n in enumerate(counts[1:], 1)},
+        "sum_of_probabilities": listed.mass,
+        "sum_of_those_not_listed": listed.neglected,
+        "listed": [
+            {"parts": list(one.names), "probability": one.probability,
+             "share": one.probability / whole if whole > 0 else None}
+            for one in listed.sets
+        ],
+    }  # fmt: skip
+    return {key: plain(value) for key, value in found.items()}
+
+
+def _show(listed: Listed, kind: str, whole: float) -> None:
+    """For people."""
+    out = console()
+    out.print(listed.counted(kind), markup=False)
+    rows = [
+        (str(len(one.names)), f"{one.probability:.4g}",
+         f"{100 * one.probability / whole:.3g} %" if whole > 0 else "–", ", ".join(one.names))
+        for one in listed.sets
+    ]  # fmt: skip
+    print_table(out, table("", ("parts", "probability", "share", f"minimal {kind} set"), rows, figures=(0, 1, 2)))
+    if listed.left_out():
+        out.print(listed.left_out(), markup=False)

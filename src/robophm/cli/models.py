@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import typer
+
+from robophm.cli.output import console, print_json, print_table, table
 from robophm.core.errors import PlugError, nearest
 from robophm.core.table import Table
 from robophm.hazard.acceleration import ACCELERATIONS
@@ -91,3 +94,24 @@ def _options(key: str, entry: Input) -> Iterator[str]:
 
 def _cell(text: str) -> str:
     return " ".join(text.split()).replace("|", "\\|")
+
+
+def print_reference() -> None:
+    """The page on stdout."""
+    typer.echo("\n".join(reference()))
+
+
+def run(kind: str | None, *, as_json: bool) -> None:
+    """List the models of a kind of part. Raises PlugError."""
+    found = find(kind)
+    if as_json:
+        print_json({
+            "models": [
+                {"name": name, "formula": model.formula, "unit": model.unit, "description": model.description,
+                 "source": str(model.source), "status": model.source.status}
+                for name, model in found.items()
+            ]
+        })  # fmt: skip
+        return
+    rows = [(name, model.formula, f"{model.source} ({model.source.status})") for name, model in found.items()]
+    print_table(console(), table("Hazard models and accelerations", ("model", "formula", "source"), rows))

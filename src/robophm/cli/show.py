@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from robophm.cli.output import table
+from robophm.cli.output import console, may_write, print_json, print_table, table, write
+from robophm.core.errors import UnitError
+from robophm.design.file import load
 from robophm.design.legacy import legacy_rate, legacy_reliability
 from robophm.design.robot import Module, Robot
 from robophm.groups.monte_carlo import Estimate, Wear, simulate
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
+from robophm.health.report import plain
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
 from robophm.report.diagram_text import diagram_text
@@ -115,3 +119,38 @@ def _labels(robot: Robot, unit: str) -> Callable[[str], Label]:
     rates = {path: new.hazard_rate(module.diagram) for path, module in levels(robot)}
     components = zip(robot.all_components(), new.component_hazard_rates(), strict=True)
     return part_labels(robot, rates | {part.path: float(rate) for part, rate in components}, unit)
+
+
+def estimated(design: Path, hours: float, robots: int, seed: int, svg: Path | None, *, as_json: bool) -> None:
+    """Say what so many simulated robots did in place of what the diagram gives. Raises RobophmError."""
+    robot = _asked(design, hours, svg)
+    by_chance = estimate(robot, hours, robots, seed)
+    if as_json:
+        print_json({"robot": robot.name, "hours": hours, "seed": seed, **asdict(by_chance)})
+        return
+    low, high = (f"{one:.6g}" for one in (by_chance.low, by_chance.high))
+    console().print(
+        f"{robot.name}, new, nominal: R({hours:g} h) = {by_chance.probability:.6g}, with 95 % confidence "
+        f"between {low} and {high} ({by_chance.samples:,} simulated)", markup=False, soft_wrap=True
+    )  # fmt: skip
+
+
+def shown(design: Path, hours: float, unit: str, svg: Path | None, *, legacy: bool, as_json: bool) -> None:
+    """Draw, and tabulate what is promised. Raises RobophmError."""
+    robot = _asked(design, hours, svg)
+    found = promises(robot, hours, legacy=legacy)
+    if svg:
+        write(svg, svg_diagram(robot, unit))
+    if as_json:
+        print_json({"robot": robot.name, "hours": hours, "modules": [plain(asdict(one)) for one in found]})
+        return
+    out = console()
+    draw(out, robot, unit)
+    print_table(out, promises_table(robot, found, hours, unit))
+
+
+def _asked(design: Path, hours: float, svg: Path | None) -> Robot:
+    if not 0 <= hours < float("inf"):
+        raise UnitError(f"--hours {hours:g}: expected a number of at least 0")
+    may_write(svg, design)
+    return load(design)

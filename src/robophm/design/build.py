@@ -94,6 +94,7 @@ class _Builder:
         self.places: dict[str, Path] = {}
         self.depends_on: dict[str, Any] = {}
         self.used_signals: dict[Path, None] = {}  # in the order of the design
+        self.stresses: dict[str, Stress] = {}
         self.told_apart = {
             name.partition("[")[0].rpartition("/")[2] for name in told_apart(design)
         }  # last steps of names drawn as 'motor[2]', of members of a group, and of those that may fail together
@@ -301,7 +302,12 @@ class _Builder:
         inputs: dict[str, object] = dict(hazard.inputs)
         if "environment" in model.inputs and scope.environment and "environment" not in inputs:
             inputs["environment"] = scope.environment
-        return self._stress((*place, "inputs"), model, inputs, part, scope)
+        # a board has hundreds of equal parts: what is stated and measured alike is one stress; as it is written,
+        # since 1 and True are equal and the second is no number
+        key = repr((model.name, inputs, [at for at, _ in scope.signals.values()], part.offsets))
+        if key not in self.stresses:
+            self.stresses[key] = self._stress((*place, "inputs"), model, inputs, part, scope)
+        return self.stresses[key]
 
     @staticmethod
     def _formula(place: Path, hazard: schema.Hazard, clock_unit: str) -> Model:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from robophm.core.errors import DesignError, nearest
 from robophm.core.files import write_atomically
-from robophm.design.nodes import MAX_DEPTH, MAX_VALUES, compose
+from robophm.design.nodes import MAX_DEPTH, MAX_VALUES, compose, uncollected
 from robophm.design.robot import Robot
 
 if TYPE_CHECKING:
@@ -160,7 +160,8 @@ def values(text: str, name: str) -> tuple[Any, Lines]:
     except RecursionError:
         raise DesignError(f"{name}: is nested too deeply; expected at most {MAX_DEPTH} levels") from None
     reader = _Reader(name)
-    return (None if root is None else reader.value(root, ())), reader.lines
+    with uncollected():
+        return (None if root is None else reader.value(root, ())), reader.lines
 
 
 class _Reader:

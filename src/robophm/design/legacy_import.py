@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import math
 import os
-import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, NoReturn
 
 from robophm.core.errors import DesignError
 from robophm.design.file import Lines, parse, read, values
-from robophm.design.legacy import parallel_rate, series_rate
+from robophm.design.legacy_blocks import Block, Drawing, Finding, Group, rename, several
+from robophm.design.legacy_writing import design_lines
+from robophm.design.naming import design_name, printable
 from robophm.design.robot import Robot
 
 MAX_CHARACTERS = 500_000
@@ -33,41 +34,11 @@ MAX_DRAWN = 100_000
 HIGHEST_RATE = 1e6
 """[1/h]"""
 
-LONGEST_NAME = 180
-"""In the design."""
-
 _LEVEL_KEYS = frozenset({"Configurations", "Failure Rate", "Final Configuration", "Reliability"})
 _COMPONENT_KEYS = frozenset({"Elements", "Failure Rate", "Final Configuration", "Formula"})
 _GROUP_KEYS = frozenset({"Configuration Count", "Depth Level"})
 _RESERVED = _LEVEL_KEYS | _COMPONENT_KEYS | _GROUP_KEYS
 _KINDS = ("the system", "a module", "a sub-module", "a component")
-
-Kind = Literal[
-    "double use",  # of one part; the 2020 tool counts it as often as it is used
-    "unused",  # by what counts: no failure of it does
-    "no rate",  # or zero: left out (ADR 0010)
-    "unknown name",  # in a group, or as what counts
-    "other rate",  # than the roll-up of the rates below
-    "candidates",  # several groups that could be what counts
-    "not wired",  # nothing is said to count
-    "renamed",
-    "ignored",
-]
-
-
-@dataclass(frozen=True)
-class Finding:
-    """Something odd in a file of the 2020 tool, and what the design makes of it."""
-
-    kind: Kind
-    place: str
-    """Names from the system down, as that file has them."""
-    line: int
-    text: str
-
-    def __str__(self) -> str:
-        """For people."""
-        return f"line {self.line}: {self.place}: {self.text}"
 
 
 @dataclass(frozen=True)
@@ -101,7 +72,7 @@ def import_legacy(path: str | os.PathLike[str]) -> Imported:
     path = Path(path)
     root, lines = _document(path)
     if not isinstance(root, dict) or "System" not in root:
-        found = f"; it has {_several(list(root))}" if isinstance(root, dict) else ""
+        found = f"; it has {several(list(root))}" if isinstance(root, dict) else ""
         raise DesignError(f"{path}: has no 'System'; expected a file that the 2020 tool saved{found}")
     reader = _Reader(str(path), lines)
     system = reader.level(("System",), root["System"], 0)
@@ -109,8 +80,8 @@ def import_legacy(path: str | os.PathLike[str]) -> Imported:
         system.note("ignored", f"the file's '{key}' is not the system")
     if system.drawing is None:
         raise DesignError(f"{path}: holds no part with a rate that counts; expected at least one")
-    system.name = _name(path.stem)
-    text = "\n".join(_design(system, _printable(path.name))) + "\n"
+    system.name = design_name(path.stem)
+    text = "\n".join(design_lines(system, printable(path.name))) + "\n"
     figures = [LegacyFigure("", system.stored, system.rolled_up)]
     figures += [LegacyFigure(module.name, module.stored, module.rolled_up) for module in system.members.values()]
     return Imported(text, tuple(system.all_findings()), tuple(figures), parse(text, f"{path}, as a design"))
@@ -134,63 +105,6 @@ def _document(path: Path) -> tuple[Any, Lines]:
     return values(text, str(path))
 
 
-@dataclass
-class _Group:
-    """s1, p1 …"""
-
-    name: str
-    serial: bool
-    items: list[str]
-    stored: float | None
-    line: int
-
-    def roll_up(self, rates: Iterable[float]) -> float:
-        return series_rate(rates) if self.serial else parallel_rate(list(rates))
-
-
-@dataclass
-class _Drawing:
-    """Members in series or in parallel; a member by its name in the file."""
-
-    kind: Literal["series", "parallel"]
-    blocks: list[str | _Drawing]
-
-    def parts(self) -> int:
-        """How many of its blocks are members themselves."""
-        return sum(isinstance(block, str) for block in self.blocks)
-
-
-@dataclass
-class _Block:
-    """The system, a module, a sub-module or a component."""
-
-    place: str
-    line: int
-    name: str
-    """In the design."""
-    stored: float | None = None
-    rolled_up: float = 0.0
-    formula: str = ""
-    members: dict[str, _Block] = field(default_factory=dict)
-    drawing: _Drawing | None = None
-    """Of its members that have a rate."""
-    drawn_from: str = ""
-    findings: list[Finding] = field(default_factory=list)
-
-    @property
-    def fails(self) -> bool:
-        """Whether it has a place in the design: as a level that is drawn, or as a component with a rate."""
-        return self.drawing is not None or bool(self.stored)
-
-    def note(self, kind: Kind, text: str, line: int | None = None) -> None:
-        self.findings.append(Finding(kind, self.place, line or self.line, _printable(text)))
-
-    def all_findings(self) -> Iterator[Finding]:
-        yield from self.findings
-        for member in self.members.values():
-            yield from member.all_findings()
-
-
 class _Reader:
     """From the values of a file to blocks."""
 
@@ -203,7 +117,7 @@ class _Reader:
         known = next(place[:n] for n in range(len(place), -1, -1) if place[:n] in self.lines)
         raise DesignError(f"{self.file}:{self.lines[known]}: {'/'.join(place)}: {message}")
 
-    def level(self, place: tuple[str, ...], value: object, depth: int) -> _Block:
+    def level(self, place: tuple[str, ...], value: object, depth: int) -> Block:
         """What a mapping of the file describes, with all below it."""
         data = self.mapping(place, value, f"{_KINDS[depth]} with its 'Failure Rate'")
         for key in sorted(data.keys() & _RESERVED) if depth < 3 else ():
@@ -211,16 +125,16 @@ class _Reader:
                 self.fail(
                     (*place, key), f"a part named '{key}', which is a key of the 2020 tool; expected another name"
                 )
-        block = _Block("/".join(_printable(step) for step in place[1:]) or "System", self.lines[place], "")
+        block = Block("/".join(printable(step) for step in place[1:]) or "System", self.lines[place], "")
         block.stored = self.rate((*place, "Failure Rate"), data.get("Failure Rate"))
         names = [key for key in data if key not in _RESERVED]
         if depth == 3:
-            block.formula = _printable(str(data.get("Formula") or ""))
+            block.formula = printable(str(data.get("Formula") or ""))
             for name in names:
                 block.note("ignored", f"'{name}' is below a component", self.lines[(*place, name)])
         else:
             block.members = {name: self.level((*place, name), data[name], depth + 1) for name in names}
-            _rename(block.members)
+            rename(block.members)
             self.wire(block, place, data)
         if not block.members:
             block.rolled_up = block.stored or 0.0
@@ -251,7 +165,7 @@ class _Reader:
             self.fail(place, f"{value!r:.60} is not a rate per hour; expected a number from 0 to {HIGHEST_RATE:g}")
         return number
 
-    def groups(self, place: tuple[str, ...], value: object) -> dict[str, _Group]:
+    def groups(self, place: tuple[str, ...], value: object) -> dict[str, Group]:
         """The groups of a level by name."""
         groups = {}
         for name, given in self.mapping(place, value or {}, "the groups of a level").items():
@@ -265,10 +179,10 @@ class _Reader:
             if not isinstance(items, list) or any(isinstance(item, dict | list) for item in items):
                 self.fail((*at, "Components"), "expected a list of names")
             rate = self.rate((*at, "Failure Rate"), data.get("Failure Rate"))
-            groups[name] = _Group(name, kind == "Serial", [str(item) for item in items], rate, self.lines[at])
+            groups[name] = Group(name, kind == "Serial", [str(item) for item in items], rate, self.lines[at])
         return groups
 
-    def wire(self, block: _Block, place: tuple[str, ...], data: Mapping[str, Any]) -> None:
+    def wire(self, block: Block, place: tuple[str, ...], data: Mapping[str, Any]) -> None:
         """Draw a level as its file says, and compare the rates that it says."""
         groups = self.groups((*place, "Configurations"), data.get("Configurations"))
         wiring = _Wiring(self, place, block, groups)
@@ -284,7 +198,7 @@ class _Reader:
         if counts:
             others = [name for name in outermost if name != chosen]
             if others:
-                block.note("candidates", f"{chosen} counts and is drawn; {_several(others)} could be what counts too")
+                block.note("candidates", f"{chosen} counts and is drawn; {several(others)} could be what counts too")
             block.rolled_up = rates[chosen] if chosen in groups else block.members[chosen].rolled_up
             self.compare(block, chosen, groups)
         else:
@@ -295,12 +209,12 @@ class _Reader:
             drawn = f"{chosen}, its only outermost group, is drawn" if chosen else "all its members are drawn in series"
             said = f"so the 2020 tool counts {block.rolled_up:g} /h"
             if len(outermost) > 1:
-                block.note("candidates", f"none of {_several(outermost)} is chosen, {said}; {drawn}")
+                block.note("candidates", f"none of {several(outermost)} is chosen, {said}; {drawn}")
             elif block.members:
                 block.note("not wired", f"nothing in it is chosen, {said}; {drawn}")
         wiring.draw(chosen)
 
-    def compare(self, block: _Block, chosen: str, groups: Mapping[str, _Group]) -> None:
+    def compare(self, block: Block, chosen: str, groups: Mapping[str, Group]) -> None:
         """Say where a rate in the file is not what its rates below give."""
         stored = {name: member.stored for name, member in block.members.items()}
         stored |= {name: group.stored for name, group in groups.items()}
@@ -309,7 +223,7 @@ class _Reader:
             self.differ(block, group.name, group.stored, group.roll_up(rates), group.line)
         self.differ(block, "it", block.stored, stored[chosen], block.line)
 
-    def differ(self, block: _Block, what: str, said: float | None, below: float | None, line: int) -> None:
+    def differ(self, block: Block, what: str, said: float | None, below: float | None, line: int) -> None:
         if said is not None and below is not None and not math.isclose(said, below, rel_tol=1e-9):
             block.note("other rate", f"{what} has {said:g} /h in the file, what is below it gives {below:g} /h", line)
 
@@ -317,7 +231,7 @@ class _Reader:
 class _Wiring:
     """The groups of one level."""
 
-    def __init__(self, reader: _Reader, place: tuple[str, ...], block: _Block, groups: Mapping[str, _Group]) -> None:
+    def __init__(self, reader: _Reader, place: tuple[str, ...], block: Block, groups: Mapping[str, Group]) -> None:
         self.reader = reader
         self.place = place
         self.block = block
@@ -336,12 +250,12 @@ class _Wiring:
             known = [name for name in counts if name in groups or name in members]
             unknown = counts.keys() - set(known)
             if unknown:
-                block.note("unknown name", f"{group.name} names {_several(sorted(unknown))}, left out here", group.line)
+                block.note("unknown name", f"{group.name} names {several(sorted(unknown))}, left out here", group.line)
             doubled = [name for name in known if counts[name] > 1]
             if doubled:
                 often = group.roll_up([self.rolled_up(name) for name in counts.elements() if name not in unknown])
                 once = group.roll_up(map(self.rolled_up, known))
-                text = f"{group.name} names {_several(doubled)} more than once; it is one part, drawn once"
+                text = f"{group.name} names {several(doubled)} more than once; it is one part, drawn once"
                 said = f"the 2020 tool makes {often:.5g} /h of it instead of {once:.5g} /h"
                 block.note("double use", f"{text}, but {said}", group.line)
         for name in sorted(groups.keys() & members.keys()):
@@ -375,12 +289,12 @@ class _Wiring:
                 if name not in used or name in self.groups:
                     member.note("unused", f"is not in {chosen}, which is drawn; its failures count for nothing")
             drawing = self.drawing(chosen)
-            block.drawing = _Drawing("series", [drawing]) if isinstance(drawing, str) else drawing
+            block.drawing = Drawing("series", [drawing]) if isinstance(drawing, str) else drawing
             group = self.groups.get(chosen)
             block.drawn_from = f"{chosen}, line {group.line}" if group else f"{chosen} alone"
         else:
-            parts: list[str | _Drawing] = [name for name, member in block.members.items() if member.fails]
-            block.drawing = _Drawing("series", parts) if parts else None
+            parts: list[str | Drawing] = [name for name, member in block.members.items() if member.fails]
+            block.drawing = Drawing("series", parts) if parts else None
         for (name, item), line in self.lost.items():
             block.note("no rate", f"{name}: '{item}' has no rate; left out, and with it the redundancy it gave", line)
         for name, count in self.uses.items():
@@ -396,7 +310,7 @@ class _Wiring:
                 self.used(item, found)
         return found
 
-    def drawing(self, name: str) -> str | _Drawing | None:
+    def drawing(self, name: str) -> str | Drawing | None:
         """A group or member without what has no rate; series within series are one."""
         self.reader.drawn += 1
         if self.reader.drawn > MAX_DRAWN:
@@ -407,7 +321,7 @@ class _Wiring:
                 return None
             self.uses[name] += 1
             return name
-        blocks: list[str | _Drawing] = []
+        blocks: list[str | Drawing] = []
         drawn: set[str] = set()
         for item in dict.fromkeys(group.items):
             inner = self.drawing(item)
@@ -415,107 +329,11 @@ class _Wiring:
                 if not group.serial and (item in self.groups or item in self.block.members):
                     self.lost[name, item] = group.line
                 continue
-            merged = (
-                inner.blocks if group.serial and isinstance(inner, _Drawing) and inner.kind == "series" else [inner]
-            )
+            merged = inner.blocks if group.serial and isinstance(inner, Drawing) and inner.kind == "series" else [inner]
             blocks += [block for block in merged if not isinstance(block, str) or block not in drawn]
             drawn.update(block for block in merged if isinstance(block, str))
         return _joined("series" if group.serial else "parallel", blocks)
 
 
-def _joined(kind: Literal["series", "parallel"], blocks: list[str | _Drawing]) -> str | _Drawing | None:
-    return _Drawing(kind, blocks) if len(blocks) > 1 else blocks[0] if blocks else None
-
-
-def _rename(members: Mapping[str, _Block]) -> None:
-    """Give members names that a design may have, each another."""
-    taken = {name for name in members if _name(name) == name}
-    tried: Counter[str] = Counter()
-    for name, member in members.items():
-        member.name = new = _name(name)
-        while new != name and member.name in taken:
-            tried[new] += 1
-            member.name = f"{new} {tried[new] + 1}"
-        taken.add(member.name)
-        if new != name:
-            text = f"is '{member.name}' in the design, whose names hold no / [ ] and at most {LONGEST_NAME} letters"
-            member.note("renamed", text)
-
-
-def _name(text: str) -> str:
-    """A name as near to a text as a design allows."""
-    return _printable(text).translate(str.maketrans("/[]", "-()")).strip()[:LONGEST_NAME].strip() or "unnamed"
-
-
-def _several(names: list[str]) -> str:
-    more = f" and {len(names) - 5} more" if len(names) > 5 else ""
-    return ", ".join(f"'{name}'" for name in names[:5]) + more
-
-
-def _printable(text: str) -> str:
-    """One line that can be written."""
-    return "".join(letter if letter.isprintable() else " " for letter in text)
-
-
-def _design(system: _Block, source: str) -> Iterator[str]:
-    """The lines of the design file."""
-    yield f"# Made of {source:.80} by `robophm import-legacy`; lines named below are that file's,"
-    yield "# and so are the rates: per hour, already multiplied by quantity."
-    yield from _remarks(system, "")
-    yield "schema_version: 1"
-    yield f"name: {_quoted(system.name)}"
-    yield ""
-    yield "# What the 2020 tool does with temperature: twice the rate for every 10 K above 25 °C. Bind it by"
-    yield "# signals: {temperature: {topic: /power/temperature, field: temperature, unit: degC, range: [-40, 125]}}"
-    yield "acceleration: {model: q10, reference_temperature: 25 degC, q: 2}"
-    yield ""
-    yield from _members(system, "")
-
-
-def _members(level: _Block, pad: str) -> Iterator[str]:
-    kept = [member for member in level.members.values() if member.fails]
-    modules = [member for member in kept if member.drawing is not None]
-    components = [member for member in kept if member.drawing is None]
-    if modules:
-        yield f"{pad}modules:"
-    for module in modules:
-        yield f"{pad}  {_quoted(module.name)}:  # line {module.line}"
-        yield from _remarks(module, f"{pad}    ")
-        yield from _members(module, f"{pad}    ")
-    if components:
-        yield f"{pad}components:"
-    for component in components:
-        yield from _remarks(component, f"{pad}  ")
-        by = f", by the formula {component.formula:.100} (not evaluated)" if component.formula else ""
-        yield f"{pad}  {_quoted(component.name)}: {{rate: {component.stored!r} /h}}  # line {component.line}{by}"
-    for member in level.members.values():
-        if not member.fails:
-            yield f"{pad}# Left out: {_printable(member.place)}, line {member.line}"
-            yield from _remarks(member, pad)
-    drawing = level.drawing
-    if drawing and not (drawing.kind == "series" and drawing.parts() == len(drawing.blocks) == len(kept)):
-        names = {name: member.name for name, member in level.members.items()}
-        yield f"{pad}diagram:" + (f"  # {_printable(level.drawn_from)}" if level.drawn_from else "")
-        yield from _diagram(drawing, names, f"{pad}  ")
-
-
-def _remarks(block: _Block, pad: str) -> Iterator[str]:
-    yield from (f"{pad}# {finding.text}" for finding in block.findings)
-
-
-def _diagram(drawing: _Drawing, names: Mapping[str, str], pad: str) -> Iterator[str]:
-    yield f"{pad}{drawing.kind}:"
-    for block in drawing.blocks:
-        if isinstance(block, str):
-            yield f"{pad}  - {_quoted(names[block])}"
-        else:
-            lines = list(_diagram(block, names, f"{pad}    "))
-            yield f"{pad}  - {lines[0].strip()}"
-            yield from lines[1:]
-
-
-def _quoted(name: str) -> str:
-    """A name as YAML writes it, in quotes where it might be taken for something else."""
-    if re.fullmatch(r"[A-Za-z][\w .()+-]*", name, re.ASCII) and name.lower() not in ("true", "false", "null"):
-        return name
-    return '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'
+def _joined(kind: Literal["series", "parallel"], blocks: list[str | Drawing]) -> str | Drawing | None:
+    return Drawing(kind, blocks) if len(blocks) > 1 else blocks[0] if blocks else None

@@ -6,8 +6,11 @@ the same on every machine.
 
 from __future__ import annotations
 
+import gc
 import io
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache, lru_cache
 from typing import Any
 
@@ -37,6 +40,20 @@ class Node:
             self.value = list(zip(self.value[::2], self.value[1::2], strict=False))
 
 
+@contextmanager
+def uncollected() -> Iterator[None]:
+    """While many objects are made of which none is garbage: looking through them again and again takes the time."""
+    collecting = gc.isenabled()
+    if collecting:  # by none but its opener is it closed: another thread may be in here too
+        gc.disable()
+    try:
+        yield
+    finally:
+        if collecting:
+            gc.enable()
+
+
+@uncollected()
 def compose(text: str) -> Any:
     """The root node of a text, None where it is empty. Raises ruamel.yaml's YAMLError, ValueError, RecursionError."""
     from ruamel.yaml import YAML

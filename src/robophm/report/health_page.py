@@ -19,6 +19,7 @@ from robophm.report.diagram_svg import diagram_svg
 from robophm.report.importance import matters, replace_first
 from robophm.report.labels import part_labels
 from robophm.report.markup import Html
+from robophm.report.minimal_sets import what_it_takes_to_fail
 from robophm.report.outline import Label
 from robophm.report.page import figure, page, section, side_by_side, table_html, tile, tiles
 from robophm.report.style import Tone
@@ -45,6 +46,7 @@ def _sections(robot: Robot, report: HealthReport, history: list[Mapping[str, Any
     yield section("How it is wired", *chain.from_iterable(wiring))
     yield section("Curves", side_by_side(*_history_curves(report.robot, history), *_outlook_curves(robot, report)))
     yield section("Modules", _subject_table(report.subjects))
+    yield section("What it takes to fail", *what_it_takes_to_fail(robot, report))
     yield section("What contributes most", _contributors(report))
     life = report.system.sensor_based.remaining_life
     yield section("What matters most", *matters(robot, report.outlooks, life.median if life else 0.0))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
 
 from robophm.core.errors import UnitError, nearest
 
@@ -31,6 +32,14 @@ def number_text(value: float, digits: int = 4) -> str:
         return text.rstrip("0").rstrip(".") if "." in text else text
     mantissa, exponent = f"{rounded:.{digits - 1}e}".split("e")
     return f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}"
+
+
+def count_text(count: int) -> str:
+    """A whole number of any size: "12,345"; from 10¹⁵ on three digits of it, "1.23e45"."""
+    if count < 10**15:
+        return f"{count:,}"
+    digits, power = f"{Decimal(count):.2e}".split("e+")
+    return f"{digits.rstrip('0').rstrip('.')}e{power}"
 
 
 def percent_text(p: float, failure: float | None = None) -> str:

@@ -14,11 +14,12 @@ from robophm.core.errors import DesignError
 from robophm.core.units import quantity
 from robophm.design.bom.assumptions import Assumptions, TooLittle
 from robophm.design.bom.columns import ColumnMapping
-from robophm.design.bom.component import LONGEST_DESCRIPTION, Wanted, quoted
+from robophm.design.bom.component import LONGEST_DESCRIPTION, LONGEST_NAME, Wanted
 from robophm.design.bom.merging import Level, Outcome
 from robophm.design.bom.models import Rater, Rating, rates
-from robophm.design.bom.reading import Part, PartsList, component_name, printable, read_parts
+from robophm.design.bom.reading import Part, PartsList, read_parts
 from robophm.design.file import parse, read
+from robophm.design.naming import design_name, printable, quoted
 from robophm.design.robot import Robot
 
 
@@ -78,7 +79,7 @@ def import_bom(
         raise DesignError(f"stress {assumed.stress:g}; expected a share of the rated one, 0 to 1")
     found = read_parts(source, mapping)
     there = design.exists()
-    text = read(design) if there else f"schema_version: 1\nname: {quoted(component_name(design.stem))}\n"
+    text = read(design) if there else f"schema_version: 1\nname: {quoted(design_name(design.stem, LONGEST_NAME))}\n"
     if there:
         parse(text, str(design))
     level = Level(text, str(design), module)

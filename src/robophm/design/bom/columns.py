@@ -296,7 +296,7 @@ def parse_mapping(path: Path) -> ColumnMapping:
 
 def mapping_text(table: PartsTable) -> str:
     """A mapping file that reads this list as it was read."""
-    from robophm.design.bom.component import quoted
+    from robophm.design.naming import quoted
 
     lines = [
         "# What the columns of a parts list mean; robophm import-bom reads it with --mapping.",

@@ -11,6 +11,7 @@ from typing import Any
 
 from robophm.design.bom.models import Rating
 from robophm.design.bom.references import ReferencesError, compressed, expand
+from robophm.design.naming import printable, quoted
 
 LONGEST_NAME = 80
 LONGEST_DESCRIPTION = 300
@@ -97,7 +98,7 @@ def lines(name: str, part: Wanted, file: str, pad: str) -> Iterator[str]:
             yield f"{pad}  {text}\n"
         return
     said = f"description: {quoted(part.description)}, quantity: {part.quantity}, source: {quoted(_source(part, file))}"
-    why = "".join(letter if letter.isprintable() else " " for letter in part.needs)
+    why = printable(part.needs)
     yield f'{pad}# {quoted(name)}: {{rate: "? FIT", {said}}}{NEEDS}{why}\n'
 
 
@@ -123,19 +124,6 @@ def inputs_text(rating: Rating, pad: str) -> str:
     if not rating.inputs:
         return "inputs: {}"
     return "\n".join(("inputs:", *(f"{pad}  {hazard_line(rating, name)}" for name in rating.inputs)))
-
-
-def quoted(text: str) -> str:
-    """A text as YAML writes it, in quotes where it might be taken for something else."""
-    if _PLAIN.fullmatch(text) and text.lower() not in _WORDS:
-        return text
-    return json.dumps("".join(letter if letter.isprintable() else " " for letter in text), ensure_ascii=False)
-
-
-_PLAIN = re.compile(
-    r"[A-Za-z][A-Za-z0-9_.()+-]*( [A-Za-z0-9_.()+-]+)*|\d[\d.e-]* [A-Za-z%][A-Za-z/%]*"  # the latter as 4.7 uF
-)
-_WORDS = {"true", "false", "null", "yes", "no", "on", "off", "y", "n", "nan", "inf"}
 
 
 def differ(one: object, other: object) -> bool:

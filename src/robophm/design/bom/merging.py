@@ -24,13 +24,13 @@ from robophm.design.bom.component import (
     line,
     lines,
     origin,
-    quoted,
     short,
     stamp,
 )
 from robophm.design.bom.edits import EditedText, plain, scalars
 from robophm.design.bom.models import Rating
 from robophm.design.bom.references import compressed
+from robophm.design.naming import quoted
 
 State = Literal["added", "changed", "unchanged", "kept", "removed", "needs a rate"]
 
@@ -294,9 +294,8 @@ def _matches(parts: Sequence[Wanted], there: Mapping[str, _There]) -> list[_Ther
 
 
 def _free(part: Wanted, taken: set[str]) -> str:
-    name = part.name
-    for more in (f"row {part.row}", *(f"row {part.row}, {i}" for i in range(2, len(taken) + 3))):
-        if name not in taken:
-            break
-        name = f"{part.name} ({more})"
+    name, more = part.name, 1
+    while name in taken:
+        name = f"{part.name} (row {part.row}, {more})" if more > 1 else f"{part.name} (row {part.row})"
+        more += 1
     return name

@@ -30,14 +30,14 @@ class Rating:
 
 
 class Rater:
-    """Rates parts under the same assumptions; equal parts are rated once.
+    """Rates parts under the same assumptions; equal inputs are settled once.
 
     Raises ModelError where the environment or the quality is none that any model knows.
     """
 
     def __init__(self, assumed: Assumptions) -> None:
         self.assumed = assumed
-        self.found: dict[tuple[Any, ...], Rating | TooLittle] = {}
+        self.settled: dict[tuple[str, ...], dict[str, str | float]] = {}
         if assumed.environment not in ENVIRONMENTS:
             hint = nearest(assumed.environment, ENVIRONMENTS)
             raise ModelError(f"environment '{assumed.environment}' is no symbol of Table 3-2{hint}")
@@ -49,18 +49,6 @@ class Rater:
 
     def rating(self, part: Recognised) -> Rating:
         """The model of a part with its inputs. Raises TooLittle where there is none, or it needs more."""
-        key = part.kind, *sorted(part.facts.items()), *sorted(part.concluded.items())
-        if key not in self.found:
-            try:
-                self.found[key] = self._rating(part)
-            except TooLittle as reason:
-                self.found[key] = reason
-        found = self.found[key]
-        if isinstance(found, TooLittle):
-            raise found
-        return found
-
-    def _rating(self, part: Recognised) -> Rating:
         if not part.kind:
             raise TooLittle("what kind of part it is, is not clear from its reference and words")
         if part.kind not in RULES:
@@ -78,7 +66,10 @@ class Rater:
             given: dict[str, Any] = dict(inputs)
             if "environment" in model.inputs:
                 given["environment"] = self.assumed.environment
-            return Rating(rule.model, inputs, assumed, model.settle(given))
+            key = (rule.model, *(f"{name}={text}" for name, text in given.items()))
+            if key not in self.settled:
+                self.settled[key] = model.settle(given)
+            return Rating(rule.model, inputs, assumed, self.settled[key])
         except (ModelError, UnitError) as error:
             raise TooLittle(str(error)) from None
 

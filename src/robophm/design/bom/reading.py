@@ -15,6 +15,7 @@ from robophm.design.bom.kinds import NO_PARTS
 from robophm.design.bom.parts import Described, Recognised, recognise, with_points
 from robophm.design.bom.references import ReferencesError, compressed, expand
 from robophm.design.bom.tables import Row
+from robophm.design.naming import design_name
 
 MOST_PARTS = 100_000
 """Of one row: what a component's quantity may be."""
@@ -166,7 +167,14 @@ class _List:
             self.left_out.append(Note(row.number, f"{reference or name} is no electrical part"))
             return
         self.parts.append(
-            Part(row.number, references, number, component_name(name or f"row {row.number}"), described, recognised)
+            Part(
+                row.number,
+                references,
+                number,
+                design_name(name or f"row {row.number}", LONGEST_NAME),
+                described,
+                recognised,
+            )
         )
 
     def plain(self, row: int, field: str, cell: str) -> str:
@@ -225,13 +233,3 @@ def _short_references(references: tuple[str, ...]) -> str:
     if len(text) <= 24:
         return text
     return f"{references[0]} … {references[-1]}"
-
-
-def printable(text: str) -> str:
-    """One line that can be written."""
-    return "".join(letter if letter.isprintable() else " " for letter in text)
-
-
-def component_name(text: str) -> str:
-    """A name as near to a text as a design allows."""
-    return printable(text).translate(str.maketrans("/[]", "-()")).strip()[:LONGEST_NAME].strip() or "unnamed"

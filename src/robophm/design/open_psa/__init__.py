@@ -18,7 +18,7 @@ import numpy.typing as npt
 from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.graph import ALL, ANY, NOT, ODD, UNIT, Gate
 from robophm.core.errors import DesignError, nearest
-from robophm.design.open_psa.expressions import Expressions
+from robophm.design.open_psa.expressions import Expressions, Life
 from robophm.design.open_psa.markup import Element, Markup
 
 Array = npt.NDArray[np.float64]
@@ -44,6 +44,8 @@ class Model:
     not_yet: Array
     certain: bool = False
     """Whether the top event always occurs, where there is no tree."""
+    lives: tuple[Life | None, ...] = ()
+    """Of each basic event, where it fails as a part does; None where only its probability is known."""
 
     def probability(self) -> float:
         """Of the top event. Raises StructureError where it is too large to solve exactly."""
@@ -124,7 +126,8 @@ class _Reader:
         if whole < len(gates) - 1:  # the last one is the top
             gates.append(Gate(ANY, (whole,)))
         p, q = np.array(chances).T
-        return Model(order[-1], FaultTree(names, gates), p, q)
+        lives = tuple(expressions.life(self.defined[name]) for name in names)
+        return Model(order[-1], FaultTree(names, gates), p, q, lives=lives)
 
     def _top(self, wanted: str | None) -> str:
         tops = [name for name, kind in self.kind.items() if kind == "gate"]

@@ -31,6 +31,9 @@ _FUNCTIONS: Mapping[str, tuple[int, int, Callable[..., float]]] = {
     "lognormal-deviate": (3, 3, lambda mean, factor, level: mean),
 }
 _TIMED = ("exponential", "GLM", "Weibull")
+Life = Mapping[str, float]
+"""Of a part: its rate [1/h], or scale [h], shape and location [h] of a Weibull distribution."""
+
 _UNITS = ("bool", "int", "float", "hours", "hours-1", "demands")
 
 
@@ -57,6 +60,23 @@ class Expressions:
         if not 0 <= p <= 1:
             raise self.file.fault(said.line, f"'{name}' has the probability {p:g}; expected 0 … 1")
         return p, 1.0 - p
+
+    def life(self, event: Element) -> Life | None:
+        """Of a basic event that fails as a part of constant or Weibull rate does, until the mission time; else None."""
+        said = next(iter(event.inside()), None)
+        if said is None or said.tag not in ("exponential", "Weibull"):
+            return None
+        *parameters, time = said.inside()
+        if not self._is_mission_time(time):
+            return None
+        names = ("rate",) if said.tag == "exponential" else ("scale", "shape", "location")
+        found = {name: self.value(one) for name, one in zip(names, parameters, strict=True)}
+        return found if found.get("location", 0.0) >= 0 else None
+
+    def _is_mission_time(self, said: Element) -> bool:
+        while said.tag == "parameter":
+            said = next(iter(self.parameters[said.attributes["name"].rpartition(".")[2]].inside()))
+        return said.tag == "system-mission-time"
 
     def value(self, said: Element) -> float:
         """What an expression is worth."""

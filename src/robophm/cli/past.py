@@ -1,0 +1,32 @@
+"""What commands about a robot with a past share: its ledger from a store, and how many draws can be paid for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from robophm.core.errors import RobophmError, StoreError
+from robophm.design.robot import Robot
+from robophm.health.ledger import Ledger
+
+MOST_DRAWN = 30_000_000
+"""Rates that are drawn in all: ten arrays of so many numbers are 2.4 GB."""
+
+
+def affordable(draws: int, robot: Robot) -> None:
+    """Raises RobophmError where so many draws of the robot's rates would be too many."""
+    most = MOST_DRAWN // max(sum(mode.uncertainty is not None for mode in robot.modes), 1)
+    if draws > most:
+        raise RobophmError(f"--draws {draws}: too many for so many uncertain rates; expected at most {most}")
+
+
+def kept(path: Path, robot: Robot) -> Ledger:
+    """A robot's past from its store. Raises StoreError where there is none."""
+    from robophm.stores.sqlite import SqliteStore
+
+    if not path.exists():
+        raise StoreError(f"{path}: no such store; `robophm replay --store` makes it")
+    with SqliteStore(path) as store:
+        data = store.ledger(robot.name)
+    if data is None:
+        raise StoreError(f"{path}: knows no robot '{robot.name}'")
+    return Ledger.of(robot, data)

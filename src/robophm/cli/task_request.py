@@ -1,0 +1,82 @@
+"""What ``robophm task`` is asked: of a list of tasks, or of a recording of them; what does not go together is said."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from robophm.cli import task_recording
+from robophm.cli.past import affordable, kept
+from robophm.cli.task import Question, with_knowledge
+from robophm.cli.task import run as of_plan
+from robophm.core.errors import RobophmError, UnitError, nearest
+from robophm.core.units import quantity
+from robophm.design.file import load
+from robophm.design.task import Plan
+from robophm.design.task_file import load_plan
+from robophm.transports.recording import SUFFIXES, Recording
+
+
+@dataclass(frozen=True)
+class Request:
+    """As it was written on the command line."""
+
+    tasks: Path | None
+    store: Path | None
+    failed: tuple[str, ...]
+    working: tuple[str, ...]
+    future: str
+    repeat: int
+    threshold: float | None
+    draws: int
+    seed: int
+    topic: tuple[str, ...]
+    speed: str | None
+    function: tuple[str, ...]
+    skip_missing: bool
+    legacy: bool
+    as_json: bool
+
+
+def run(design: Path, asked: Request) -> bool:
+    """Answer; whether a threshold is breached."""
+    robot, tasks = load(design), asked.tasks
+    affordable(asked.draws, robot)
+    chosen: Any = asked.future
+    if unknown := [name for name in asked.function if name not in robot.functions]:
+        raise RobophmError(f"no function '{unknown[0]}'{nearest(unknown[0], robot.functions)}")
+    ledger = kept(asked.store, robot) if asked.store else None
+    if tasks is not None and (tasks.is_dir() or tasks.suffix.lower() in SUFFIXES):
+        listed = {
+            "--repeat": asked.repeat != 1,
+            "--threshold": asked.threshold is not None,
+            "--future": asked.future != "recent",
+        }
+        if given := [name for name, stated in listed.items() if stated]:
+            raise RobophmError(f"{given[0]} is of a list of tasks; {tasks} is a recording")
+        knowledge = with_knowledge(Plan(()), robot, asked.failed, asked.working).knowledge
+        at = quantity(asked.speed, "m/s") if asked.speed is not None else None
+        if at is not None and not at > 0:
+            raise UnitError(f"--speed {asked.speed}: expected above zero")
+        with Recording(tasks) as source:
+            breached = task_recording.run(
+                robot, ledger, source, asked.topic, speed=at, functions=asked.function, knowledge=knowledge,
+                skip_missing=asked.skip_missing, legacy=asked.legacy, as_json=asked.as_json,
+            )  # fmt: skip
+    else:
+        if tasks is None and robot.task is None:
+            raise RobophmError(f"{design}: has no task; expected one in it, or a tasks file")
+        if given := [
+            name
+            for name, value in (("--topic", asked.topic), ("--speed", asked.speed), ("--function", asked.function))
+            if value
+        ]:
+            raise RobophmError(f"{given[0]} is of a recording; expected a .bag, .db3 or .mcap with it")
+        if asked.threshold is not None and asked.repeat == 1:
+            raise RobophmError("--threshold is of --repeat; of single tasks it is the design's")
+        plan = load_plan(tasks, robot) if tasks else Plan((robot.task,) if robot.task else ())
+        plan = with_knowledge(plan, robot, asked.failed, asked.working)
+        question = Question(plan, chosen, asked.repeat, asked.threshold, asked.draws, asked.seed, asked.legacy)
+        breached = of_plan(robot, ledger, question, as_json=asked.as_json)
+    return breached
