@@ -1,7 +1,7 @@
 """Where samples come from. A plug is a file with one class that is a SignalSource.
 
-``source.py`` holds the interface, ``message_units.py`` the units of well-known messages and ``tasks.py`` what robots
-say of their tasks; every other file is one transport, imported when it is first used: recording, csv, journal,
+``source.py`` holds the interface, ``message_type.py`` how messages decode, ``message_units.py`` the units of
+well-known ones and ``tasks.py`` what robots say of their tasks; every other file is one transport, imported when it is first used: recording, csv, journal,
 synthetic.
 """
 

@@ -7,26 +7,22 @@ Read through rosbags; an MCAP file without the ROS 2 profile, as foxglove-sdk wr
 from __future__ import annotations
 
 import hashlib
-import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
-from functools import lru_cache, partial
 from heapq import merge
-from keyword import iskeyword
-from operator import attrgetter, itemgetter
+from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import SECOND, Sample, split_signal
+from robophm.transports.message_type import field_getter, message_type, numeric_fields
 from robophm.transports.source import SignalSource, TopicInfo, existing, reading
 
 if TYPE_CHECKING:
-    from rosbags.interfaces import Connection, MessageDefinition
-    from rosbags.interfaces.typing import Typesdict
-    from rosbags.typesys.store import Typestore
+    from rosbags.interfaces import Connection
 
 STAMP_LIMIT = 10 * SECOND
 """How far [ns] a header stamp may be from receipt and still be believed."""
@@ -34,12 +30,7 @@ STAMP_LIMIT = 10 * SECOND
 SUFFIXES = (".bag", ".db3", ".mcap")
 """Suffixes of the files that are read."""
 
-_HEADER = "std_msgs/msg/Header"
 _EDGE = 64 * 1024
-_NUMBERS = {"bool", "byte", "char", "float32", "float64", "float128"} | {
-    f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
-}
-_STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
 
 
 class Recording(SignalSource):
@@ -83,7 +74,7 @@ class Recording(SignalSource):
             for connection in file.connections:
                 first, last = spans.get(connection.id, (None, None))
                 try:
-                    type_ = _message_type(connection)
+                    type_ = message_type(connection)
                     fields = tuple(numeric_fields(type_.definitions, type_.name))
                 except SourceError:
                     fields = ()
@@ -212,7 +203,7 @@ class _File:
         for connection in self.connections:
             if connection.topic in wanted:
                 with reading(self.path):
-                    type_ = _message_type(connection)
+                    type_ = message_type(connection)
                     if type_.borrowed:
                         notes[f"definition of {type_.name} taken from ROS 2 Humble"] += 1
                     values = []
@@ -394,124 +385,3 @@ def _joined(one: TopicInfo, other: TopicInfo) -> TopicInfo:
         max(ends, default=None),
         tuple(dict.fromkeys(one.fields + other.fields)),
     )
-
-
-@dataclass(frozen=True)
-class _MessageType:
-    """How one type of message decodes."""
-
-    name: str
-    definitions: Typesdict
-    decode: Callable[[bytes], Any]
-    stamp: Callable[[Any], tuple[int, int]] | None
-    borrowed: bool
-    """The recording does not define the type; Humble's is taken."""
-
-
-def _message_type(connection: Connection) -> _MessageType:
-    encoding = getattr(connection.ext, "serialization_format", "ros1")
-    if encoding not in ("cdr", "ros1"):
-        raise SourceError(f"topic '{connection.topic}' is encoded as '{encoding}'; expected cdr or ros1")
-    try:
-        return _compiled_type(connection.msgtype, connection.msgdef, encoding)
-    except Exception as error:  # the parser fails on definitions in many ways
-        what = f"the definition of its type '{connection.msgtype}'"
-        raise SourceError(f"topic '{connection.topic}': {what} is missing or damaged") from error
-
-
-@lru_cache(maxsize=256)
-def _compiled_type(name: str, definition: MessageDefinition, encoding: str) -> _MessageType:
-    """Types are compiled by definition, not by name: two files may define one name differently."""
-    store, borrowed = _typestore(name, definition)
-    store.get_msgdef(name)  # raises where a part of the definition is missing
-    decode = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
-    stamped = any(field == "header" and part[1] == _HEADER for field, part in store.fielddefs[name][1])
-    stamp = attrgetter("header.stamp.sec", "header.stamp.nanosec") if stamped else None
-    return _MessageType(name, store.fielddefs, partial(decode, typename=name), stamp, borrowed)
-
-
-def _typestore(name: str, definition: MessageDefinition) -> tuple[Typestore, bool]:
-    from rosbags.interfaces import MessageDefinitionFormat as Format
-    from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
-
-    if definition.format is Format.NONE:
-        # only ROS 2 Humble and older record without definitions
-        return get_typestore(Stores.ROS2_HUMBLE), True
-    store = get_typestore(Stores.EMPTY)
-    if definition.format is Format.MSG:
-        store.register(get_types_from_msg(definition.data, name))
-    else:
-        parts = definition.data.split("=" * 80 + "\nIDL: ")  # rosbag2 joins the files of nested types so
-        for part in parts[1:]:
-            store.register(get_types_from_idl(part.partition("\n")[2]))
-        if len(parts) == 1:
-            store.register(get_types_from_idl(parts[0]))
-    return store, False
-
-
-def numeric_fields(definitions: Typesdict, type_: str, prefix: str = "") -> Iterator[str]:
-    """Paths of the numeric leaves of a message type, in order; ``[]`` stands for the index of an element."""
-    for name, _, part, array in _fields(definitions, type_):
-        path = f"{prefix}{name}{'' if array is None else '[]'}"
-        if part in definitions:
-            yield from numeric_fields(definitions, part, path + ".")
-        elif part in _NUMBERS:
-            yield path
-
-
-def field_getter(definitions: Typesdict, type_: str, field: str) -> Callable[[Any], Any]:
-    """The function that takes one number, ``pose.x`` or ``effort[2]``, out of a decoded message.
-
-    Raises SourceError, as the end of a sentence about the topic, where the type has no such number.
-    """
-    known = list(numeric_fields(definitions, type_))
-    steps: list[Callable[[Any], Any]] = []
-    names: list[str] = []
-    part, walked = type_, ""
-    for step in field.split("."):
-        match = _STEP.fullmatch(step)
-        here = {entry[0]: entry[1:] for entry in _fields(definitions, part)} if part in definitions else {}
-        if not match or match[1] not in here:
-            raise SourceError(f"({type_}) has no field '{field}'{nearest(field, known)}")
-        attribute, part, array = here[match[1]]
-        walked += ("." if walked else "") + match[1]
-        if array is None and match[2]:
-            raise SourceError(f"({type_}) has one value in '{walked}'; expected it without an index")
-        if array is not None and not match[2]:
-            raise SourceError(f"({type_}) has an array in '{walked}'; expected e.g. '{walked}[0]'")
-        names.append(attribute)
-        if match[2]:
-            index = int(match[2])
-            if array and index >= array:
-                raise SourceError(f"({type_}) has {array} elements in '{walked}', 0 to {array - 1}; no [{index}]")
-            steps += [attrgetter(".".join(names)), itemgetter(index)]
-            names.clear()
-            walked += f"[{index}]"
-    if re.sub(r"\[\d+\]", "[]", field) not in known:
-        raise SourceError(f"({type_}) has no number in '{field}'{nearest(field, known)}")
-    if names:
-        steps.append(attrgetter(".".join(names)))
-    if len(steps) == 1:
-        return steps[0]
-
-    def value_of(message: Any) -> Any:
-        for step in steps:
-            message = step(message)
-        return message
-
-    return value_of
-
-
-def _fields(definitions: Typesdict, type_: str) -> Iterator[tuple[str, str, str, int | None]]:
-    """Name, Python attribute, type and array length of each field: None is no array, 0 any length."""
-    from rosbags.interfaces import Nodetype
-
-    for name, (node, detail) in definitions[type_][1]:
-        length: int | None = None
-        if node in (Nodetype.ARRAY, Nodetype.SEQUENCE):
-            (inner, size) = cast(tuple[tuple[Any, Any], int], detail)
-            length = size if node == Nodetype.ARRAY else 0
-            node, detail = inner
-        part = cast(str, detail if node == Nodetype.NAME else detail[0])
-        if name != "structure_needs_at_least_one_member":
-            yield name, name + "_" * iskeyword(name), part, length

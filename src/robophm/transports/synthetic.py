@@ -264,7 +264,7 @@ class SyntheticOta(SignalSource):
 
     def topics(self) -> list[TopicInfo]:
         """The topics that the robot sends; times are receipt times [ns]."""
-        from robophm.transports.recording import numeric_fields
+        from robophm.transports.message_type import numeric_fields
 
         definitions = _typestore(2).fielddefs
         found = []
@@ -280,7 +280,7 @@ class SyntheticOta(SignalSource):
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
         """The samples of these signals, as a recording of the drive yields them."""
-        from robophm.transports.recording import field_getter
+        from robophm.transports.message_type import field_getter
 
         wanted: dict[str, list[tuple[str, str]]] = {}
         for signal in sorted(set(signals)):
