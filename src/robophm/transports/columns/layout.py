@@ -1,0 +1,225 @@
+"""From a message definition and field paths to the steps that lead to them in the bytes.
+
+CDR as ROS 2 writes it (XCDR1, DDS-XTypes 7.4.1): every number at a multiple of its size from the origin, which comes
+after the four bytes of encapsulation; strings and sequences behind a length of four bytes. ROS 1 packs the same
+without padding. Fixed runs become one number; what is known of the position modulo 8 spares padding steps.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from robophm.transports.columns.walk import Align, Elements, End, Loop, Program, Step, Take, Text
+from robophm.transports.message_type import MessageType
+
+if TYPE_CHECKING:
+    from rosbags.interfaces.typing import Typesdict
+
+MOST_STEPS = 5000
+"""Steps beyond which a program would take longer to make than it saves."""
+
+_TYPES = {
+    "bool": "u1",
+    "byte": "i1",
+    "char": "u1",
+    "float32": "f4",
+    "float64": "f8",
+} | {f"{sign}int{8 * size}": f"{sign or 'i'}{size}" for sign in ("", "u") for size in (1, 2, 4, 8)}
+_ONLY_IN_CDR = "structure_needs_at_least_one_member"
+
+Wanted = Mapping[tuple[str, int | None], Any]
+"""By name and index: the slot of a number, or what is wanted of the message there."""
+
+
+class NotCompilableError(Exception):
+    """The way to these fields is not one of steps that are the same for all messages."""
+
+
+def compile_fields(type_: MessageType, fields: tuple[str, ...]) -> Program:
+    """The program that finds these fields, which are known to be numbers of the type.
+
+    Raises NotCompilableError where rosbags has to decode the messages.
+    """
+    wanted: dict[tuple[str, int | None], Any] = {}
+    for slot, field in enumerate(fields):
+        *parents, leaf = (_key(step) for step in field.split("."))
+        inner = wanted
+        for parent in parents:
+            inner = inner.setdefault(parent, {})
+        inner[leaf] = slot
+    writer = _Writer(type_.definitions, type_.packed, 8)
+    writer.remaining = len(fields)
+    try:
+        writer.message(type_.name, wanted)
+        writer.steps.append(End(writer.skip, 0 if type_.packed else 3))
+    except _Finished:
+        writer.steps.append(End(writer.skip, None))
+    except RecursionError:
+        raise NotCompilableError from None
+    return Program(tuple(writer.steps), tuple(writer.types[slot] for slot in range(len(fields))), type_.packed)
+
+
+def _key(step: str) -> tuple[str, int | None]:
+    name, index = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", step).groups()  # type: ignore[union-attr]
+    return name, int(index) if index else None
+
+
+class _Finished(Exception):  # noqa: N818  not an error
+    """All wanted numbers are found, and what follows has no fixed size."""
+
+
+class _Writer:
+    """Writes steps, one field after the other."""
+
+    def __init__(self, definitions: Typesdict, packed: bool, modulus: int) -> None:
+        self.definitions = definitions
+        self.packed = packed
+        self.modulus = modulus
+        """The position is known modulo this, and is then ``residue``."""
+        self.residue = 0
+        self.skip = 0
+        self.steps: list[Step] = []
+        self.types: dict[int, str] = {}
+        self.remaining: int | None = None
+        """Numbers yet to be found; None within an element, which is walked to its end."""
+
+    def message(self, name: str, wanted: Wanted) -> None:
+        for field, description in self.definitions[name][1]:
+            if not (self.packed and field == _ONLY_IN_CDR):
+                here = {index: inner for (known, index), inner in wanted.items() if known == field}
+                self._field(description, here)
+
+    def _field(self, description: Any, wanted: Mapping[int | None, Any]) -> None:
+        from rosbags.interfaces import Nodetype
+
+        node, detail = description
+        if node == Nodetype.ARRAY:
+            self._array(*detail, wanted)
+        elif node == Nodetype.SEQUENCE:
+            self._sequence(detail[0], wanted)
+        else:
+            self._single(description, wanted.get(None))
+
+    def _single(self, description: Any, wanted: Any) -> None:
+        from rosbags.interfaces import Nodetype
+
+        node, detail = description
+        if node == Nodetype.NAME:
+            self.message(detail, wanted or {})
+        elif detail[0] == "string":
+            self._varies()
+            self._align(4)
+            self._write(Text(self.skip, not self.packed), 1)
+        else:
+            type_, size = self._number(detail[0])
+            self._align(size)
+            if wanted is not None:
+                self.types[wanted] = "?" if detail[0] == "bool" else type_
+                self.steps.append(Take(self.skip, wanted, type_))
+                self._found(1)
+            self._skip(size)
+
+    def _array(self, description: Any, length: int, wanted: Mapping[int | None, Any]) -> None:
+        if not length:
+            raise NotCompilableError  # readers do not agree on the padding before nothing
+        fixed = self._fixed(description)
+        if fixed is None:
+            if length > MOST_STEPS:
+                raise NotCompilableError
+            for index in range(length):
+                self._single(description, wanted.get(index))
+            return
+        align, size = fixed
+        self._align(align)
+        for index, steps in self._inside(description, wanted, align):
+            self.steps += [Take(self.skip + index * size + step.skip, step.slot, step.type) for step in steps]
+        self._skip(length * size)
+
+    def _sequence(self, description: Any, wanted: Mapping[int | None, Any]) -> None:
+        self._varies()
+        self._align(4)
+        fixed = self._fixed(description)
+        if fixed:
+            align, size = fixed
+            inside = dict(self._inside(description, wanted, align))
+            self._write(Elements(self.skip, size, align, inside), min(align, 4))
+            return
+        element, _ = self._element(description, None, 1)
+        elements = {}
+        for index, inner in wanted.items():
+            assert index is not None
+            elements[index], found = self._element(description, inner, 1)
+            self._found(found)
+        last = self.remaining == 0 and bool(elements)
+        self._write(Loop(self.skip, element, elements, last), 1)
+        if last:
+            raise _Finished
+
+    def _element(self, description: Any, wanted: Any, modulus: int) -> tuple[Sequence[Step], int]:
+        """The steps through one element, and how many numbers it holds that are wanted."""
+        writer = _Writer(self.definitions, self.packed, modulus)
+        writer._single(description, wanted)
+        self.types |= writer.types
+        return (*writer.steps, End(writer.skip, None)), len(writer.types)
+
+    def _inside(
+        self, description: Any, wanted: Mapping[int | None, Any], align: int
+    ) -> Iterator[tuple[int, Sequence[Take]]]:
+        """Where the wanted numbers lie within elements of fixed size."""
+        for index, inner in wanted.items():
+            assert index is not None
+            steps, found = self._element(description, inner, align)
+            self._found(found)
+            yield index, [step for step in steps if isinstance(step, Take)]
+
+    def _fixed(self, description: Any) -> tuple[int, int] | None:
+        """Alignment and size of elements that all take the same bytes, each where the one before ends; or None."""
+        align = 1 if self.packed else self._alignment(description)
+        (*steps, end), _ = self._element(description, None, align)
+        return None if steps or end.skip % align else (align, end.skip)
+
+    def _alignment(self, description: Any) -> int:
+        """Of the first number or length in it."""
+        from rosbags.interfaces import Nodetype
+
+        node, detail = description
+        if node == Nodetype.ARRAY:
+            return self._alignment(detail[0])
+        if node == Nodetype.NAME:
+            return self._alignment(self.definitions[detail][1][0][1])
+        return 4 if node == Nodetype.SEQUENCE or detail[0] == "string" else self._number(detail[0])[1]
+
+    def _number(self, name: str) -> tuple[str, int]:
+        if name not in _TYPES:
+            raise NotCompilableError
+        return _TYPES[name], int(_TYPES[name][1])
+
+    def _align(self, to: int) -> None:
+        if self.packed:
+            return
+        if self.modulus % to == 0:
+            self._skip(-self.residue % to)
+        else:
+            self._write(Align(self.skip, to), to)
+
+    def _skip(self, size: int) -> None:
+        self.skip += size
+        self.residue = (self.residue + size) % self.modulus
+
+    def _write(self, step: Step, modulus: int) -> None:
+        """A step after which the position is a multiple of ``modulus``."""
+        if len(self.steps) >= MOST_STEPS:
+            raise NotCompilableError
+        self.steps.append(step)
+        self.skip = self.residue = 0
+        self.modulus = modulus
+
+    def _varies(self) -> None:
+        if self.remaining == 0:
+            raise _Finished
+
+    def _found(self, count: int) -> None:
+        if self.remaining is not None:
+            self.remaining -= count

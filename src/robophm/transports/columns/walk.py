@@ -1,0 +1,256 @@
+"""Many messages of one type walked side by side: each step is one NumPy operation over all of them.
+
+A message is bytes of a shared buffer. The steps of its type lead past its strings and sequences, whose lengths are
+gathered from every message at once, to the numbers that are wanted. What does not fit into its message is left out
+and named, so that nothing is ever read outside a message.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+LONGEST_LOOP = 1000
+"""Elements of varying size in one sequence, beyond which a message is better decoded by itself."""
+
+Ints = NDArray[np.int64]
+Bytes = NDArray[np.uint8]
+
+
+class Step(ABC):
+    """One step of the way through a message; ``skip`` fixed bytes come before it."""
+
+    skip: int
+
+    @abstractmethod
+    def walk(self, at: Position) -> None:
+        """Take the step in all messages."""
+
+
+@dataclass(frozen=True)
+class Take(Step):
+    """Here lies a number that is wanted; the position stays."""
+
+    skip: int
+    slot: int
+    type: str
+    """As NumPy spells it, without the byte order."""
+
+    def walk(self, at: Position) -> None:
+        """Note where the number lies."""
+        at.taken.append((self, at.rows, at.origin + (at.offset + self.skip)))
+
+
+@dataclass(frozen=True)
+class Align(Step):
+    """Padding to a multiple of ``to`` bytes from the origin."""
+
+    skip: int
+    to: int
+
+    def walk(self, at: Position) -> None:
+        """Go to the multiple."""
+        at.offset = (at.offset + (self.skip + self.to - 1)) & -self.to
+
+
+@dataclass(frozen=True)
+class Text(Step):
+    """A string: its length and its bytes, in CDR with a zero at the end that counts."""
+
+    skip: int
+    terminated: bool
+
+    def walk(self, at: Position) -> None:
+        """Go behind the string."""
+        length = at.length(self.skip)
+        at.offset = at.offset + length
+        at.expect(at.offset <= at.limit)
+        if self.terminated:
+            at.expect(length > 0)
+            at.expect(at.buffer[at.origin + (at.offset - 1)] == 0)
+
+
+@dataclass(frozen=True)
+class Elements(Step):
+    """A sequence whose elements all take ``size`` bytes; some numbers in some of them may be wanted."""
+
+    skip: int
+    size: int
+    align: int
+    wanted: Mapping[int, Sequence[Step]]
+
+    def walk(self, at: Position) -> None:
+        """Go behind the sequence."""
+        count = at.length(self.skip)
+        start: int | Ints = at.offset
+        if self.align > 4:  # the length before it is aligned to 4; no element, no padding
+            start = np.where(count > 0, (start + (self.align - 1)) & -self.align, start)
+        at.offset = start + count * self.size
+        at.expect(at.offset <= at.limit)
+        for index, steps in self.wanted.items():
+            some = at.part(np.flatnonzero(count > index), start + index * self.size)
+            for step in steps:
+                step.walk(some)
+
+
+@dataclass(frozen=True)
+class Loop(Step):
+    """A sequence whose elements take as many bytes as is in them: element by element."""
+
+    skip: int
+    element: Sequence[Step]
+    wanted: Mapping[int, Sequence[Step]]
+    last: bool
+    """Nothing behind the wanted elements is of interest."""
+
+    def walk(self, at: Position) -> None:
+        """Go behind the sequence, or the last wanted element."""
+        count = at.length(self.skip)
+        at.expect(count <= LONGEST_LOOP)
+        offset = np.broadcast_to(at.offset, at.origin.shape).copy()
+        longest = int(count.max(initial=0))
+        for index in range(min(longest, max(self.wanted) + 1) if self.last else longest):
+            rows = np.flatnonzero(count > index)
+            some = at.part(rows, offset)
+            for step in self.wanted.get(index, self.element):
+                step.walk(some)
+            offset[rows] = some.offset
+        at.offset = offset
+
+
+@dataclass(frozen=True)
+class End(Step):
+    """All that was passed by must lie in the message; where its end is known, it must be the message's."""
+
+    skip: int
+    slack: int | None
+    """Bytes that may follow; None where more of the message does."""
+
+    def walk(self, at: Position) -> None:
+        """Check."""
+        at.offset = at.offset + self.skip
+        at.expect(at.offset <= at.limit)
+        if self.slack is not None:
+            at.expect(at.limit - at.offset <= self.slack)
+
+
+class DoubtfulError(Exception):
+    """Some messages are not as their type says; ``rows`` are their numbers."""
+
+    def __init__(self, rows: Ints) -> None:
+        super().__init__()
+        self.rows = rows
+
+
+@dataclass
+class Position:
+    """Where in each message the walk is."""
+
+    buffer: Bytes
+    lengths: NDArray[np.uint32]
+    """The buffer read as a length at every byte of it."""
+    rows: Ints
+    """Numbers of the messages."""
+    origin: Ints
+    """Where their fields begin in the buffer."""
+    limit: Ints
+    """Bytes of their fields."""
+    offset: int | Ints
+    """Bytes from the origin; one number as long as it is the same in all messages."""
+    taken: list[tuple[Take, Ints, Ints]]
+
+    def expect(self, true: NDArray[np.bool_]) -> None:
+        """Raise DoubtfulError where it is not so."""
+        if not true.all():
+            raise DoubtfulError(self.rows[~true])
+
+    def length(self, skip: int) -> Ints:
+        """The length that comes after ``skip`` bytes; the position is then behind it."""
+        here = self.offset + skip
+        self.offset = here + 4
+        self.expect(self.offset <= self.limit)
+        return self.lengths[self.origin + here].astype(np.int64)
+
+    def part(self, rows: Ints, offset: int | Ints) -> Position:
+        """Some of the messages, at another offset."""
+        if len(rows) == len(self.rows):
+            return Position(self.buffer, self.lengths, self.rows, self.origin, self.limit, offset, self.taken)
+        if not isinstance(offset, int):
+            offset = offset[rows]
+        return Position(
+            self.buffer, self.lengths, self.rows[rows], self.origin[rows], self.limit[rows], offset, self.taken
+        )
+
+
+@dataclass(frozen=True)
+class Program:
+    """The way to the wanted numbers of one type of message."""
+
+    steps: Sequence[Step]
+    types: Sequence[str]
+    """Of each wanted number, as NumPy spells it, ``f4``."""
+    packed: bool
+
+    def run(self, buffer: Bytes, starts: Ints, ends: Ints) -> Numbers:
+        """The wanted numbers of the messages that lie at ``starts`` to ``ends`` of the buffer."""
+        numbers = Numbers(
+            [np.zeros(len(starts), type_) for type_ in self.types],
+            [np.zeros(len(starts), np.bool_) for _ in self.types],
+            np.zeros(len(starts), np.bool_),
+        )
+        if self.packed:
+            self._run("<", buffer, np.arange(len(starts)), starts, ends - starts, numbers)
+            return numbers
+        rows = np.flatnonzero(ends - starts >= 4)
+        head = _view(buffer, ">u2")[starts[rows]]
+        numbers.doubtful[:] = True
+        numbers.doubtful[rows[head <= 1]] = False
+        for order, mark in (("<", 1), (">", 0)):  # encapsulation: CDR, little-endian or big-endian
+            some = rows[head == mark]
+            origin = starts[some] + 4
+            self._run(order, buffer, some, origin, ends[some] - origin, numbers)
+        return numbers
+
+    def _run(self, order: str, buffer: Bytes, rows: Ints, origin: Ints, limit: Ints, numbers: Numbers) -> None:
+        while len(rows):
+            at = Position(buffer, _view(buffer, order + "u4"), rows, origin, limit, 0, [])
+            try:
+                for step in self.steps:
+                    step.walk(at)
+            except DoubtfulError as error:
+                numbers.doubtful[error.rows] = True
+                kept = ~np.isin(rows, error.rows)
+                rows, origin, limit = rows[kept], origin[kept], limit[kept]
+            else:
+                numbers.collect(order, buffer, rows, at.taken)
+                return
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """What was found: of each slot its numbers, and in which messages there is no such element."""
+
+    values: list[NDArray[Any]]
+    absent: list[NDArray[np.bool_]]
+    doubtful: NDArray[np.bool_]
+    """Messages that are not as their type says: neither numbers nor absence hold for them."""
+
+    def collect(self, order: str, buffer: Bytes, rows: Ints, taken: Sequence[tuple[Take, Ints, Ints]]) -> None:
+        """Gather the numbers of these messages from where they lie."""
+        for absent in self.absent:
+            absent[rows] = True
+        for take, found, places in taken:
+            here = slice(None) if len(found) == len(self.doubtful) else found
+            self.values[take.slot][here] = _view(buffer, order + take.type)[places]
+            self.absent[take.slot][here] = False
+
+
+def _view(buffer: Bytes, type_: str) -> NDArray[Any]:
+    """The buffer read as a number of this type at every byte of it."""
+    size = np.dtype(type_).itemsize
+    return np.ndarray((max(0, len(buffer) - size + 1),), type_, buffer, strides=(1,))
