@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from robophm.transports.message_units import _PARTS, _UNITS, field_unit
 from robophm.transports.message_type import numeric_fields
+from robophm.transports.message_units import _PARTS, _UNITS, field_unit
 
 
 @pytest.mark.parametrize(

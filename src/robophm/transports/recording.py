@@ -46,7 +46,7 @@ class Recording(SignalSource):
         self.notes = Counter()
         self._files: list[_File] = []
         with ExitStack() as opened:
-            for path in (part for given in paths for part in _parts(existing(Path(given)))):
+            for path in (part for given in paths for part in parts_of(existing(Path(given)))):
                 file = _File(path)
                 opened.callback(file.close)
                 self._files.append(file)
@@ -191,7 +191,7 @@ class _File:
         self.path = path
         with reading(path):
             self.fingerprint = _fingerprint(path)
-            self.reader = _open_reader(path)
+            self.reader = open_reader(path)
             self.connections = list(self.reader.connections)
 
     def close(self) -> None:
@@ -305,7 +305,7 @@ class _ForeignMcap:
                 yield wanted[channel.id], message.log_time, message.data
 
 
-def _parts(path: Path) -> list[Path]:
+def parts_of(path: Path) -> list[Path]:
     """The files to open: a rosbag2 folder is opened as one, a folder without its metadata file by file."""
     if not path.is_dir():
         if path.suffix not in SUFFIXES:
@@ -319,12 +319,13 @@ def _parts(path: Path) -> list[Path]:
     return parts
 
 
-def _open_reader(path: Path) -> _Reader:
+def open_reader(path: Path) -> _Reader:
+    """The reader of a file or rosbag2 folder, opened."""
     from rosbags.rosbag1 import Reader as BagReader
     from rosbags.rosbag2 import Reader as Rosbag2Reader
 
     for database in path.glob("*.db3") if path.is_dir() else [path] * (path.suffix == ".db3"):
-        _check_whole(database)
+        check_whole(database)
     reader: _Reader
     if path.suffix == ".bag" and not path.is_dir():
         reader = cast(_Reader, BagReader(path))
@@ -336,7 +337,7 @@ def _open_reader(path: Path) -> _Reader:
     return reader
 
 
-def _check_whole(path: Path) -> None:
+def check_whole(path: Path) -> None:
     """SQLite opens a database that was cut or not closed, and passes over what is missing: refuse it here."""
     unsaved = path.with_name(path.name + "-wal")
     if unsaved.exists() and unsaved.stat().st_size:

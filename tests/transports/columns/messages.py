@@ -12,8 +12,11 @@ from rosbags.interfaces import Nodetype
 
 from robophm.transports.message_type import numeric_fields
 
-RANGES = {f"{sign}int{bits}": (0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-          for sign in ("", "u") for bits in (8, 16, 32, 64)} | {"byte": (-128, 127), "char": (0, 255)}
+RANGES = {
+    f"{sign}int{bits}": (0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+    for sign in ("", "u")
+    for bits in (8, 16, 32, 64)
+} | {"byte": (-128, 127), "char": (0, 255)}
 DTYPES = {"byte": "int8", "char": "uint8"}
 
 

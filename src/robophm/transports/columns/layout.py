@@ -96,7 +96,7 @@ class _Writer:
 
         node, detail = description
         if node == Nodetype.ARRAY:
-            self._array(*detail, wanted)
+            self._array(detail[0], detail[1], wanted)
         elif node == Nodetype.SEQUENCE:
             self._sequence(detail[0], wanted)
         else:

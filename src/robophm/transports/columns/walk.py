@@ -174,7 +174,8 @@ class Position:
         here = self.offset + skip
         self.offset = here + 4
         self.expect(self.offset <= self.limit)
-        return self.lengths[self.origin + here].astype(np.int64)
+        lengths: Ints = self.lengths[self.origin + here].astype(np.int64)
+        return lengths
 
     def part(self, rows: Ints, offset: int | Ints) -> Position:
         """Some of the messages, at another offset."""
@@ -198,27 +199,30 @@ class Program:
 
     def run(self, buffer: Bytes, starts: Ints, ends: Ints) -> Numbers:
         """The wanted numbers of the messages that lie at ``starts`` to ``ends`` of the buffer."""
+        count = len(starts)
         numbers = Numbers(
-            [np.zeros(len(starts), type_) for type_ in self.types],
-            [np.zeros(len(starts), np.bool_) for _ in self.types],
-            np.zeros(len(starts), np.bool_),
+            [np.zeros(count, type_) for type_ in self.types],
+            [np.zeros(count, np.bool_) for _ in self.types],
+            np.zeros(count, np.bool_),
         )
         if self.packed:
-            self._run("<", buffer, np.arange(len(starts)), starts, ends - starts, numbers)
+            self._run("<", buffer, np.arange(count), starts, ends - starts, numbers)
             return numbers
         rows = np.flatnonzero(ends - starts >= 4)
-        head = _view(buffer, ">u2")[starts[rows]]
-        numbers.doubtful[:] = True
-        numbers.doubtful[rows[head <= 1]] = False
-        for order, mark in (("<", 1), (">", 0)):  # encapsulation: CDR, little-endian or big-endian
-            some = rows[head == mark]
-            origin = starts[some] + 4
-            self._run(order, buffer, some, origin, ends[some] - origin, numbers)
+        head = everywhere(buffer, "<u2")[starts if len(rows) == count else starts[rows]]
+        for order, mark in (("<", 0x100), (">", 0)):  # encapsulation: CDR, little-endian or big-endian
+            this = head == mark
+            if len(rows) == count and this.all():
+                self._run(order, buffer, rows, starts + 4, ends - starts - 4, numbers)
+                return numbers
+            some = rows[this]
+            self._run(order, buffer, some, starts[some] + 4, ends[some] - starts[some] - 4, numbers)
+        numbers.doubtful[np.setdiff1d(np.arange(count), rows[(head == 0x100) | (head == 0)])] = True
         return numbers
 
     def _run(self, order: str, buffer: Bytes, rows: Ints, origin: Ints, limit: Ints, numbers: Numbers) -> None:
         while len(rows):
-            at = Position(buffer, _view(buffer, order + "u4"), rows, origin, limit, 0, [])
+            at = Position(buffer, everywhere(buffer, order + "u4"), rows, origin, limit, 0, [])
             try:
                 for step in self.steps:
                     step.walk(at)
@@ -246,11 +250,11 @@ class Numbers:
             absent[rows] = True
         for take, found, places in taken:
             here = slice(None) if len(found) == len(self.doubtful) else found
-            self.values[take.slot][here] = _view(buffer, order + take.type)[places]
+            self.values[take.slot][here] = everywhere(buffer, order + take.type)[places]
             self.absent[take.slot][here] = False
 
 
-def _view(buffer: Bytes, type_: str) -> NDArray[Any]:
-    """The buffer read as a number of this type at every byte of it."""
+def everywhere(buffer: Bytes, type_: str) -> NDArray[Any]:
+    """The buffer read as this type at every byte of it."""
     size = np.dtype(type_).itemsize
     return np.ndarray((max(0, len(buffer) - size + 1),), type_, buffer, strides=(1,))

@@ -1,0 +1,347 @@
+"""Fields of a recording as columns: blocks in order of receipt, in memory that does not grow with the recording."""
+
+from __future__ import annotations
+
+import heapq
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from operator import itemgetter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robophm.core.errors import SourceError, nearest
+from robophm.core.signal import SECOND, split_signal
+from robophm.transports.columns.layout import NotCompilableError, compile_fields
+from robophm.transports.columns.pieces import MOST_TIME, Messages, Piece, PiecedFile
+from robophm.transports.columns.walk import Ints, Program
+from robophm.transports.message_type import MessageType, field_getter, message_type
+from robophm.transports.recording import STAMP_LIMIT, parts_of
+from robophm.transports.source import existing, reading
+
+_STAMP = ("header.stamp.sec", "header.stamp.nanosec")
+
+
+@dataclass(frozen=True)
+class TopicColumns:
+    """Some messages of one topic, in order of receipt: a row is a message."""
+
+    received: Ints
+    """When each was recorded [ns]."""
+    stamps: Ints | None
+    """What its header says [ns]; None where the type has no header."""
+    values: Mapping[str, NDArray[np.float64]]
+    """By field: its value, NaN where the message has no such element."""
+    absent: Mapping[str, NDArray[np.bool_]]
+    """By field, where there are such messages: which have no such element."""
+
+    def __len__(self) -> int:
+        return len(self.received)
+
+    @property
+    def times(self) -> Ints:
+        """The time of each sample [ns]: the header stamp, or receipt where that is zero or more than 10 s off."""
+        if self.stamps is None:
+            return self.received
+        return np.where(_believed(self.stamps, self.received), self.stamps, self.received)
+
+
+Block = dict[str, TopicColumns]
+"""By topic: its messages of a stretch of time."""
+
+
+class Columns(Iterator[Block]):
+    """The blocks of a recording, one after the other; its files are closed at the end, or by ``close()``."""
+
+    notes: Counter[str]
+    """What had to be decided so far and how often, as a recording's notes, and what of the files is lost."""
+
+    def __init__(self, blocks: Iterator[Block], notes: Counter[str], opened: ExitStack) -> None:
+        self._blocks = blocks
+        self._opened = opened
+        self.notes = notes
+
+    def __next__(self) -> Block:
+        try:
+            return next(self._blocks)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Close the files; closing twice does no harm."""
+        self._blocks = iter(())
+        self._opened.close()
+
+
+def read_columns(
+    path: str | Path | Iterable[str | Path],
+    fields: Iterable[str],
+    start: int | None = None,
+    end: int | None = None,
+) -> Columns:
+    """Exactly these fields, ``/topic.field[2]``, of one drive: a file, a folder or several of them.
+
+    Takes messages received from ``start`` until before ``end`` [ns]. A block's messages were received after those of
+    the block before. What cannot be read is in the notes, and the rest is read.
+
+    Raises SourceError where a file is missing or no recording, or has no such topic or field.
+    """
+    paths = [path] if isinstance(path, str | Path) else list(path)
+    wanted: dict[str, list[str]] = {}
+    for signal in sorted(set(fields)):
+        topic, field = split_signal(signal)
+        wanted.setdefault(topic, []).append(field)
+    notes: Counter[str] = Counter()
+    with ExitStack() as stack:
+        files = []
+        for part in (part for given in paths for part in _files(existing(Path(given)))):
+            with reading(part):
+                file = _open(part, notes)
+            stack.callback(file.close)
+            files.append(file)
+        known = {connection.topic for file in files for connection in file.connections}
+        for topic in wanted:
+            if topic not in known:
+                name = ", ".join(map(str, paths)) or "no file"
+                raise SourceError(f"{name}: no topic '{topic}'{nearest(topic, known)}")
+        sources = [_Source(file, wanted, notes, start, end) for file in files]
+        return Columns(_blocks(sources, notes), notes, stack.pop_all())
+
+
+def _files(path: Path) -> list[Path]:
+    """The files to open; a rosbag2 folder is one where only rosbags can open it."""
+    if path.is_dir() and (path / "metadata.yaml").exists() and not _compressed(path):
+        parts = sorted(part for part in path.iterdir() if part.suffix in (".db3", ".mcap") and part.is_file())
+        if parts:
+            return parts
+    return parts_of(path)
+
+
+def _compressed(folder: Path) -> bool:
+    from ruamel.yaml import YAML
+
+    with reading(folder):
+        metadata = YAML(typ="safe").load((folder / "metadata.yaml").read_text(encoding="utf-8"))
+        mode = metadata["rosbag2_bagfile_information"].get("compression_mode") or "none"
+        return str(mode).lower() != "none"
+
+
+def _open(path: Path, notes: Counter[str]) -> PiecedFile:
+    if path.is_dir():
+        from robophm.transports.columns.folder import CompressedFolder
+
+        return CompressedFolder(path, notes)
+    if path.suffix == ".db3":
+        from robophm.transports.columns.db3 import Db3File
+
+        return Db3File(path, notes)
+    if path.suffix == ".mcap":
+        from robophm.transports.columns.mcap import McapFile
+
+        return McapFile(path, notes)
+    from robophm.transports.columns.bag import BagFile
+
+    return BagFile(path, notes)
+
+
+class _Reading:
+    """How the messages of one connection become columns: by a program, and by rosbags what that does not do."""
+
+    def __init__(self, type_: MessageType, topic: str, fields: Sequence[str], notes: Counter[str]) -> None:
+        self.topic = topic
+        self._fields = fields
+        self._stamps = _STAMP if type_.stamp else ()
+        self._type = type_
+        self._notes = notes
+        paths = (*self._stamps, *fields)
+        self._getters = [field_getter(type_.definitions, type_.name, path) for path in paths]
+        self._program: Program | None = None
+        try:
+            self._program = compile_fields(type_, paths)
+        except NotCompilableError:
+            notes[f"{type_.name} decoded message by message"] += 1
+
+    def columns(self, messages: Messages) -> TopicColumns:
+        """The columns of these messages, in order of receipt; those that cannot be decoded are left out."""
+        _, buffer, times, starts, ends = messages
+        count = len(times)
+        if self._program:
+            found = self._program.run(buffer, starts, ends)
+            numbers, absent, doubtful = found.values, found.absent, np.flatnonzero(found.doubtful)
+        else:
+            numbers = [np.zeros(count) for _ in self._getters]
+            absent = [np.zeros(count, np.bool_) for _ in self._getters]
+            doubtful = np.arange(count)
+        stamps = len(self._stamps)
+        converted: list[NDArray[Any]] = [column.astype(np.int64) for column in numbers[:stamps]]
+        converted += [column.astype(np.float64) for column in numbers[stamps:]]
+        unreadable = [row for row in doubtful.tolist() if not self._decode(messages, row, converted, absent)]
+        kept = _order(times)
+        if unreadable:
+            self._notes[f"unreadable message on {self.topic}"] += len(unreadable)
+            kept = np.arange(count) if isinstance(kept, slice) else kept
+            kept = kept[~np.isin(kept, unreadable)]
+        return self._finished(times[kept], [column[kept] for column in converted], [row[kept] for row in absent])
+
+    def _decode(self, messages: Messages, row: int, numbers: list[NDArray[Any]], absent: list[NDArray[Any]]) -> bool:
+        """Fill in one row as rosbags decodes it; False where it cannot."""
+        raw = messages.buffer[messages.starts[row] : messages.ends[row]].tobytes()
+        try:
+            message = self._type.decode(raw)
+        except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
+            return False
+        for getter, column, missing in zip(self._getters, numbers, absent, strict=True):
+            try:
+                column[row] = getter(message)
+                missing[row] = False
+            except IndexError:
+                missing[row] = True
+        return True
+
+    def _finished(self, received: Ints, numbers: list[NDArray[Any]], absent: list[NDArray[Any]]) -> TopicColumns:
+        stamps = numbers[0] * SECOND + numbers[1] if self._stamps else None
+        count = len(received) if stamps is None else int((~_believed(stamps, received)).sum())
+        if count:
+            self._notes[f"receipt time used for {self.topic}"] += count
+        values, missing = {}, {}
+        behind = len(self._stamps)
+        for field, column, gone in zip(self._fields, numbers[behind:], absent[behind:], strict=True):
+            values[field] = column
+            if gone.any():
+                column[gone] = np.nan
+                missing[field] = gone
+                self._notes[f"no element for {self.topic}.{field}"] += int(gone.sum())
+        return TopicColumns(received, stamps, values, missing)
+
+
+def _believed(stamps: Ints, received: Ints) -> NDArray[np.bool_]:
+    believed: NDArray[np.bool_] = (np.abs(stamps - received) <= STAMP_LIMIT) & (stamps != 0)
+    return believed
+
+
+def _order(times: Ints) -> Any:
+    """What puts the times in order, those that are equal as they came."""
+    return slice(None) if (times[1:] >= times[:-1]).all() else np.argsort(times, kind="stable")
+
+
+class _Source:
+    """One file: its pieces become columns."""
+
+    def __init__(
+        self,
+        file: PiecedFile,
+        wanted: Mapping[str, Sequence[str]],
+        notes: Counter[str],
+        start: int | None,
+        end: int | None,
+    ) -> None:
+        self._file = file
+        self._notes = notes
+        self._start = -MOST_TIME if start is None else start
+        self._end = MOST_TIME if end is None else end
+        self._whole = start is None and end is None
+        self._found: Counter[int] = Counter()
+        self._readings = {
+            connection.id: self._reading(connection, wanted[connection.topic])
+            for connection in file.connections
+            if connection.topic in wanted
+        }
+
+    def _reading(self, connection: Any, fields: Sequence[str]) -> _Reading:
+        with reading(self._file.path):
+            type_ = message_type(connection)
+            if type_.borrowed:
+                self._notes[f"definition of {type_.name} taken from ROS 2 Humble"] += 1
+            try:
+                return _Reading(type_, connection.topic, fields, self._notes)
+            except SourceError as error:
+                raise SourceError(f"{self._file.path}: topic '{connection.topic}' {error}") from None
+
+    def pieces(self) -> Iterator[tuple[int, Callable[[], list[tuple[str, TopicColumns]]]]]:
+        """When each piece begins, and what gives its columns by topic."""
+        if self._readings:
+            for piece in self._file.pieces(self._readings.keys(), self._start, self._end):
+                yield piece.first, lambda piece=piece: self._load(piece)  # type: ignore[misc]
+            for connection in self._file.connections if self._whole else ():
+                missing = connection.msgcount - self._found[connection.id]
+                if connection.id in self._readings and missing > 0:
+                    self._notes[f"{self._file.path.name}: messages of {connection.topic} lost"] += missing
+
+    def _load(self, piece: Piece) -> list[tuple[str, TopicColumns]]:
+        columns = []
+        with reading(self._file.path):
+            for messages in piece.load():
+                self._found[messages.connection] += len(messages.times)
+                if not self._whole:
+                    within = (messages.times >= self._start) & (messages.times < self._end)
+                    messages = Messages(*messages[:2], *(column[within] for column in messages[2:]))
+                reading_ = self._readings[messages.connection]
+                columns.append((reading_.topic, reading_.columns(messages)))
+        return columns
+
+
+def _blocks(sources: Sequence[_Source], notes: Counter[str]) -> Iterator[Block]:
+    """Columns are held back until no file has messages that were received before."""
+    waiting: dict[str, list[TopicColumns]] = {}
+    latest: dict[str, int] = {}
+    for first, load in heapq.merge(*(source.pieces() for source in sources), key=itemgetter(0)):
+        yield from _ready(waiting, first, latest, notes)
+        for topic, columns in load():
+            if len(columns):
+                waiting.setdefault(topic, []).append(columns)
+    yield from _ready(waiting, None, latest, notes)
+
+
+def _ready(
+    waiting: dict[str, list[TopicColumns]], until: int | None, latest: dict[str, int], notes: Counter[str]
+) -> Iterator[Block]:
+    """The block of what was received before a time, which is taken out of what waits."""
+    block = {}
+    for topic, parts in waiting.items():
+        columns = _joined(parts)
+        count = len(columns) if until is None else int(np.searchsorted(columns.received, until))
+        parts[:] = [_rows(columns, slice(count, None))] if count < len(columns) else []
+        if count:
+            block[topic] = _rows(columns, slice(count)) if count < len(columns) else columns
+            if int(columns.received[0]) < latest.get(topic, -MOST_TIME):
+                notes[f"receipt time goes backwards on {topic}"] += 1
+            latest[topic] = int(columns.received[count - 1])
+    for topic in [topic for topic, parts in waiting.items() if not parts]:
+        del waiting[topic]
+    if block:
+        yield block
+
+
+def _joined(parts: Sequence[TopicColumns]) -> TopicColumns:
+    """Parts of one topic as one, in order of receipt."""
+    if len(parts) == 1:
+        return parts[0]
+    received = np.concatenate([part.received for part in parts])
+    some = [part.stamps if part.stamps is not None else np.zeros(len(part), np.int64) for part in parts]
+    stamped = any(part.stamps is not None for part in parts)
+    joined = TopicColumns(
+        received,
+        np.concatenate(some) if stamped else None,
+        {field: np.concatenate([part.values[field] for part in parts]) for field in parts[0].values},
+        {
+            field: np.concatenate([part.absent.get(field, np.zeros(len(part), np.bool_)) for part in parts])
+            for field in parts[0].values
+            if any(field in part.absent for part in parts)
+        },
+    )
+    order = _order(received)
+    return joined if isinstance(order, slice) else _rows(joined, order)
+
+
+def _rows(columns: TopicColumns, rows: Any) -> TopicColumns:
+    return TopicColumns(
+        columns.received[rows],
+        None if columns.stamps is None else columns.stamps[rows],
+        {field: values[rows] for field, values in columns.values.items()},
+        {field: absent[rows] for field, absent in columns.absent.items() if absent[rows].any()},
+    )

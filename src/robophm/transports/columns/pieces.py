@@ -1,0 +1,246 @@
+"""What the files have in common: they hold messages in pieces, a chunk or a batch, each in one buffer.
+
+Nothing in a file is believed before it is compared with what it says of others: sizes with the file's, indices with
+what they point at. What cannot be read is counted in the notes, and the rest is read.
+"""
+
+from __future__ import annotations
+
+import bz2
+import mmap
+import sys
+import zlib
+from abc import ABC, abstractmethod
+from collections import Counter
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robophm.core.errors import SourceError
+from robophm.transports.columns.walk import Bytes, Ints
+
+if TYPE_CHECKING:
+    from rosbags.interfaces import Connection
+
+LARGEST_CHUNK = 1 << 30
+"""Bytes of a chunk, unpacked, beyond which its size is taken to be a lie."""
+
+BATCH = 16 << 20
+"""Bytes of the file that are handled at once where they need no unpacking."""
+
+MOST_TIME = 2**63 - 1
+"""Nanoseconds; later times do not exist."""
+
+
+class Messages(NamedTuple):
+    """Messages of one connection in one buffer; times [ns] are receipt times."""
+
+    connection: int
+    buffer: Bytes
+    times: Ints
+    starts: Ints
+    ends: Ints
+
+
+class Piece(NamedTuple):
+    """A part of a file that is read at once."""
+
+    first: int
+    """No message in it, nor in a later piece of the file, was received before this [ns]."""
+    load: Callable[[], list[Messages]]
+
+
+class PiecedFile(ABC):
+    """A file that was opened; ``notes`` says what of it is lost."""
+
+    path: Path
+    connections: list[Connection]
+
+    def __init__(self, path: Path, notes: Counter[str]) -> None:
+        self.path = path
+        self.notes = notes
+
+    @abstractmethod
+    def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
+        """The pieces that hold messages of these connections, received from ``start`` until before ``end`` [ns].
+
+        They come in order of ``first``; each must be loaded before the next is asked for.
+        """
+
+    @abstractmethod
+    def close(self) -> None:
+        """Let go of the file; arrays that were handed out are not to be used then."""
+
+    def lost(self, what: str, offset: int, count: int = 1) -> None:
+        """Note what of the file cannot be read."""
+        self.notes[f"{self.path.name}: {what} at byte {offset} lost"] += count
+
+
+class MappedFile(PiecedFile):
+    """A file that is read where it lies in memory."""
+
+    def __init__(self, path: Path, notes: Counter[str]) -> None:
+        super().__init__(path, notes)
+        with path.open("rb") as file:
+            if not path.stat().st_size:
+                raise SourceError(f"{path}: is empty; expected a recording")
+            self._map = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        self.content: Bytes = np.frombuffer(self._map, np.uint8)
+        self.size = len(self.content)
+
+    def close(self) -> None:
+        """Let go of the file as soon as no array needs it."""
+        del self.content
+
+    def between(self, start: int, end: int) -> bytes:
+        """Bytes of the file; raises DamageError where they do not exist."""
+        if not 0 <= start <= end <= self.size:
+            raise DamageError(f"bytes {start} to {end} of {self.size}")
+        return self._map[start:end]
+
+
+class DamageError(Exception):
+    """Something in a file is not what the file says of it."""
+
+
+def unpack(content: Bytes, compression: str, size: int) -> Bytes:
+    """A chunk's content, ``size`` bytes of it.
+
+    Raises DamageError where it does not unpack to that size; no more memory than that is taken.
+    """
+    if size > LARGEST_CHUNK:
+        raise DamageError(f"a chunk of {size} bytes")
+    if compression in ("", "none"):
+        unpacked: Any = content
+    else:
+        try:
+            unpacked = np.frombuffer(_decompressor(compression)(content.data, size), np.uint8)
+        except DamageError:
+            raise
+        except Exception as error:  # zstd, lz4 and bz2 have errors of their own
+            raise DamageError(f"chunk does not unpack: {error}") from error
+    if len(unpacked) != size:
+        raise DamageError(f"chunk unpacks to {len(unpacked)} bytes; expected {size}")
+    return unpacked  # type: ignore[no-any-return]
+
+
+def _decompressor(compression: str) -> Callable[[Any, int], bytes]:
+    if compression == "zstd":
+        if sys.version_info >= (3, 14):
+            from compression import zstd
+        else:
+            from backports import zstd
+
+        return lambda content, size: zstd.ZstdDecompressor().decompress(content, size + 1)
+    if compression == "lz4":
+        from lz4.frame import LZ4FrameDecompressor
+
+        return lambda content, size: LZ4FrameDecompressor().decompress(content, size + 1)
+    if compression == "bz2":
+        return lambda content, size: bz2.BZ2Decompressor().decompress(content, size + 1)
+    raise DamageError(f"compression '{compression}' is not known")
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """A chunk of messages in a file, and what the file's index knows of it."""
+
+    first: int
+    last: int
+    """Earliest and latest receipt time [ns]."""
+    offset: int
+    """Of its record."""
+    start: int
+    end: int
+    """Of its content."""
+    compression: str
+    size: int
+    """Of its content unpacked."""
+    checksum: int
+    indices: dict[int, int] | None
+    """By connection: where in the file the index of its messages lies; None where there is none."""
+
+    @property
+    def packed(self) -> bool:
+        """Whether its content has to be unpacked."""
+        return self.compression not in ("", "none")
+
+
+class ChunkedFile(MappedFile):
+    """A file of chunks, each with an index of the messages in it; a subclass knows the records."""
+
+    chunks: list[Chunk]
+
+    def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
+        """Chunks in order of time, as many at once as need no unpacking."""
+        some = [
+            chunk
+            for chunk in sorted(self.chunks, key=lambda chunk: (chunk.first, chunk.offset))
+            if chunk.last >= start and chunk.first < end and (chunk.indices is None or chunk.indices.keys() & wanted)
+        ]
+        batch: list[Chunk] = []
+        size = 0
+        for chunk in some:
+            size += chunk.size
+            if batch and (size > BATCH or chunk.packed or batch[0].packed):
+                yield Piece(batch[0].first, partial(self._load, batch, wanted))
+                batch, size = [], chunk.size
+            batch.append(chunk)
+        if batch:
+            yield Piece(batch[0].first, partial(self._load, batch, wanted))
+
+    def _load(self, chunks: list[Chunk], wanted: Collection[int]) -> list[Messages]:
+        found: dict[int, list[Messages]] = {}
+        for chunk in chunks:
+            try:
+                content = unpack(self.content[chunk.start : chunk.end], chunk.compression, chunk.size)
+                if chunk.checksum and zlib.crc32(content.data) != chunk.checksum:
+                    raise DamageError("chunk does not have its checksum")
+            except DamageError as error:
+                self.lost(str(error), chunk.offset)
+                continue
+            for messages in self._indexed(chunk, content, wanted):
+                if not chunk.packed:  # all in the one buffer that is the file, to be walked at once
+                    messages = messages._replace(
+                        buffer=self.content, starts=messages.starts + chunk.start, ends=messages.ends + chunk.start
+                    )
+                found.setdefault(messages.connection, []).append(messages)
+        return [joined(parts) for parts in found.values()]
+
+    def _indexed(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
+        """The messages of the chunk, by its index; one by one where that does not point at messages."""
+        if chunk.indices is not None:
+            try:
+                return [
+                    self.located(content, connection, self.index(offset, connection))
+                    for connection, offset in chunk.indices.items()
+                    if connection in wanted
+                ]
+            except DamageError as error:
+                self.notes[f"{self.path.name}: {error} in the index of the chunk at byte {chunk.offset}"] += 1
+        return self.scanned(chunk, content, wanted)
+
+    @abstractmethod
+    def index(self, offset: int, connection: int) -> NDArray[Any]:
+        """The index of a connection's messages in a chunk, from its place in the file; raises DamageError."""
+
+    @abstractmethod
+    def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
+        """The messages that the index points at; raises DamageError where there are none."""
+
+    @abstractmethod
+    def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
+        """The messages in a chunk, found by going from record to record; notes what is lost."""
+
+
+def joined(parts: list[Messages]) -> Messages:
+    """Messages of one connection in one buffer, one part after the other."""
+    if len(parts) == 1:
+        return parts[0]
+    times, starts, ends = (np.concatenate([part[column] for part in parts]) for column in (2, 3, 4))
+    return Messages(parts[0].connection, parts[0].buffer, times, starts, ends)

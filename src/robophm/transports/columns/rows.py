@@ -1,0 +1,68 @@
+"""Files whose messages come one by one, in order of time: they are joined to batches."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Collection, Iterator
+
+import numpy as np
+
+from robophm.transports.columns.pieces import Messages, Piece, PiecedFile
+
+MOST_ROWS = 4096
+"""Messages of a batch."""
+
+LARGEST_BATCH = 4 << 20
+"""Bytes of a batch that is aimed at."""
+
+Row = tuple[int, bytes, int]
+"""Receipt time [ns], bytes and connection of a message."""
+
+
+class RowsFile(PiecedFile):
+    """A file that is asked for rows; a subclass asks."""
+
+    @abstractmethod
+    def rows(self, wanted: Collection[int], start: int, end: int) -> Callable[[int], list[Row]]:
+        """The function that gives the next so many rows, in order of time; none at the end."""
+
+    def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
+        """Batches of rows, as many as take few bytes."""
+        following = self.rows(wanted, start, end)
+        count, rows = 16, [(0, b"", 0)]  # a few at first: they may be images
+
+        def load() -> list[Messages]:
+            nonlocal count, rows
+            rows = following(count)
+            if not rows:
+                return []
+            messages, size = self._joined(rows)
+            count = max(1, min(MOST_ROWS, 2 * count, LARGEST_BATCH * len(rows) // max(1, size)))
+            return messages
+
+        first = start
+        while rows:
+            yield Piece(first, load)
+            first = max((row[0] for row in rows[-1:] if isinstance(row[0], int)), default=first)
+
+    def _joined(self, rows: list[Row]) -> tuple[list[Messages], int]:
+        """The rows by connection, all in one buffer, and its size."""
+        times, content, ids = zip(*rows, strict=True)
+        if {*map(type, times)} != {int} or {*map(type, content)} != {bytes}:  # SQLite takes any type in any column
+            sound = [row for row in rows if type(row[0]) is int and type(row[1]) is bytes]
+            self.notes[f"{self.path.name}: rows that are no messages lost"] += len(rows) - len(sound)
+            return self._joined(sound) if sound else ([], 0)
+        lengths = np.fromiter(map(len, content), np.int64, len(rows))
+        received = np.array(times, np.int64)
+        buffer = np.frombuffer(b"".join(content), np.uint8)
+        ends = np.cumsum(lengths)
+        starts = ends - lengths
+        found = {*ids}
+        if len(found) == 1:
+            return [Messages(ids[0], buffer, received, starts, ends)], len(buffer)
+        connections = np.array(ids, np.int64)
+        messages = []
+        for connection in sorted(found):
+            some = connections == connection
+            messages.append(Messages(connection, buffer, received[some], starts[some], ends[some]))
+        return messages, len(buffer)
