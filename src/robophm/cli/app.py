@@ -352,11 +352,11 @@ def importance(
 ) -> None:  # fmt: skip
     """What matters most to a robot's health, and what to replace first."""
     from robophm.cli.importance import Question, hours_ahead, measure, run, run_model
+    from robophm.cli.past import kept
     from robophm.cli.task import with_knowledge
     from robophm.design.file import load
     from robophm.design.task import Plan
     from robophm.design.task_file import load_plan
-    from robophm.health.ledger import Ledger
 
     hours, ranked = hours_ahead(after) if after is not None else None, measure(by)
     if design.suffix.lower() == ".xml":
@@ -365,9 +365,8 @@ def importance(
     robot = load(design)
     plan = load_plan(tasks, robot) if tasks else Plan((robot.task,) if robot.task else ())
     plan = with_knowledge(plan, robot, failed or (), working or ())
-    chosen: Any = future
-    ledger = _kept(store, robot, Ledger) if store else None
-    run(robot, ledger, Question(plan, chosen, function, hours, ranked, most), as_json=as_json)
+    run(robot, kept(store, robot) if store else None, Question(plan, future, function, hours, ranked, most),
+        as_json=as_json)  # fmt: skip
 
 
 @app.command()
