@@ -126,14 +126,14 @@ class Fleet:
         ``hours`` of all, or of each robot, shape (robots,).
         """
         system = self.plant.system(diagram)
-        hours = np.broadcast_to(np.asarray(hours, dtype=float), (len(self),))
+        hours = np.atleast_1d(np.asarray(hours, dtype=float))
         found = np.empty((2, len(self)))
         if len(system.groups):
             for i in range(len(self)):
-                found[:, i : i + 1] = self.robot(i).curve(diagram)(hours[i : i + 1])
+                found[:, i : i + 1] = self.robot(i).curve(diagram)(hours[i : i + 1] if len(hours) > 1 else hours)
             return found[0], found[1]
         for turn in self._turns(system):
-            found[:, turn] = self._curve(system, turn)(hours[turn])
+            found[:, turn] = self._curve(system, turn)(hours[turn] if len(hours) > 1 else hours)
         return found[0], found[1]
 
     def remaining_life(self, diagram: Block, survives: Sequence[float] = (0.95, 0.5, 0.05)) -> Array:
@@ -205,8 +205,8 @@ class Fleet:
             more = system.lives.increment(age, pace * hours)
             if weight is not None:
                 more = weight * more
-            more = system.of_rows(more)
-            fails, survives = -np.expm1(-more), np.exp(-more)
+            less = -system.of_rows(more)
+            fails, survives = np.negative(found := np.expm1(less), out=found), np.exp(less)
             if fresh:  # all work: what fails is what fails from now on
                 works_then, failed_then = system.structure.probability(survives, fails)
                 return failed_then, works_then
