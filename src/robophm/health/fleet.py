@@ -64,13 +64,15 @@ class Fleet:
 
     @classmethod
     def of(cls, outlooks: Sequence[Outlook]) -> Fleet:
-        """Robots as they stand: of one plant, each as its outlook has it, along its future.
+        """Robots as they stand, each as its outlook has it, along its future.
 
-        Raises DesignError where they are of several plants, or a future is not steady.
+        Raises DesignError where their designs differ, or a future is not steady.
         """
         plant = outlooks[0].plant
-        if any(one.plant is not plant for one in outlooks):
-            raise DesignError("a fleet has robots of one design; expected one Plant for all of them")
+        for one in outlooks:
+            if one.plant.robot.design_hash != plant.robot.design_hash:
+                robot = one.plant.robot.name
+                raise DesignError(f"'{robot}' has another design than '{plant.robot.name}'; expected one for a fleet")
         if not all(one.course.changeless for one in outlooks):
             raise DesignError("a fleet goes on steadily; expected futures without a plan of tasks")
         failed = np.zeros((len(plant.units), len(outlooks)), dtype=bool)
