@@ -71,8 +71,8 @@ class Fleet:
         plant = outlooks[0].plant
         for one in outlooks:
             if one.plant.robot.design_hash != plant.robot.design_hash:
-                robot = one.plant.robot.name
-                raise DesignError(f"'{robot}' has another design than '{plant.robot.name}'; expected one for a fleet")
+                other = one.plant.robot.name
+                raise DesignError(f"'{other}' has another design than '{plant.robot.name}'; expected one for a fleet")
         if not all(one.course.changeless for one in outlooks):
             raise DesignError("a fleet goes on steadily; expected futures without a plan of tasks")
         failed = np.zeros((len(plant.units), len(outlooks)), dtype=bool)
