@@ -93,7 +93,7 @@ def what_if_10000() -> Iterator[Line]:
 def birnbaum() -> Iterator[Line]:
     """Every unit's importance at one age, the probabilities of the units included on the peer's side only."""
     twin = twins(10_000)
-    structure, hours = Structure(twin.robot.diagram), 500.0
+    structure, hours = Structure(twin.robot.diagram), 5.0
     works = np.array([float(np.squeeze(twin.models[name].sf(hours))) for name in structure.names])
 
     def ours() -> np.ndarray:
