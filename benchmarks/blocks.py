@@ -93,11 +93,11 @@ def what_if_10000() -> Iterator[Line]:
 def birnbaum() -> Iterator[Line]:
     """Every unit's importance at one age, the probabilities of the units included on the peer's side only."""
     twin = twins(10_000)
-    structure, hours = Structure(twin.robot.diagram), 5.0
-    works = np.array([float(np.squeeze(twin.models[name].sf(hours))) for name in structure.names])
+    structure, hours = Structure(twin.robot.diagram), 100.0
+    failed = np.array([float(np.squeeze(-np.expm1(-twin.models[name].Hf(hours)))) for name in structure.names])
 
     def ours() -> np.ndarray:
-        return structure.birnbaum(works, 1 - works)
+        return structure.birnbaum(1 - failed, failed)
 
     def theirs() -> dict[str, float]:
         found: dict[str, float] = twin.rbd.birnbaum_importance(hours)
