@@ -1,13 +1,15 @@
-"""The diagram alone, the states of its units given, against RePyability's exact evaluation."""
+"""The diagram alone, the states of its units given, against RePyability's exact evaluation and its importances."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import count
 
 import numpy as np
 
 from benchmarks import Line, agree, benchmark, race
-from benchmarks.designs import twins
+from benchmarks.designs import MISSION, ages, twins
+from robophm.blocks.diagram import KOutOfN, Unit
 from robophm.blocks.reliability import State, Structure
 
 
@@ -42,3 +44,91 @@ def evaluate(parts: int, columns: int) -> Line:
 def diagram() -> Iterator[Line]:
     yield evaluate(100, 1)
     yield evaluate(100, 10_000)
+
+
+def what_if(parts: int, rounds: int, goal: float) -> Iterator[Line]:
+    """One unit is something else: ours refolds its path; the peer evaluates all, or is asked as for any live state."""
+    twin = twins(parts)
+    structure = Structure(twin.robot.diagram)
+    moment, row = structure.moment(), [twin.names.index(name) for name in structure.names]
+    age = ages(parts, 1)
+    state = dict(zip(twin.names, age.tolist(), strict=True))
+    works = np.array([float(twin.models[name].sf(MISSION + state[name])) for name in twin.names])
+    works /= np.array([float(twin.models[name].sf(state[name])) for name in twin.names])
+    moment.set(works[row], 1 - works[row], 1 - works[row])
+    asked = count()
+
+    def ours(i: int) -> float:
+        return float(moment.what_if(twin.names[i * 7 % parts], 0.9, 0.1, 1e-3).works)
+
+    def probability(i: int) -> float:
+        changed = works.copy()
+        changed[i * 7 % parts] = 0.9
+        return float(np.squeeze(twin.system(changed)))
+
+    def live(i: int) -> float:
+        name = twin.names[i * 7 % parts]
+        return float(twin.rbd.sf_given_state(MISSION, state | {name: state[name] / 2}))
+
+    agree(f"what-if of {parts} units", [ours(i) for i in range(5)], [probability(i) for i in range(5)], 1e-9)
+    for i in range(parts):  # every path once
+        ours(i)
+    times = race(*(lambda one=one: one(next(asked)) for one in (ours, probability, live)), rounds=rounds)
+    work = f"what-if, one of {parts:,} units: p, q, f"
+    yield Line(work, times[0], times[1], "RePyability, p alone, units given")
+    yield Line(work, times[0], times[2], "RePyability, live call", goal=goal)
+
+
+@benchmark
+def what_if_100() -> Iterator[Line]:
+    yield from what_if(100, 15, 1 / 500)
+
+
+@benchmark
+def what_if_10000() -> Iterator[Line]:
+    yield from what_if(10_000, 3, 1 / 10_000)
+
+
+@benchmark
+def birnbaum() -> Iterator[Line]:
+    """Every unit's importance at one age, the probabilities of the units included on the peer's side only."""
+    twin = twins(10_000)
+    structure, hours = Structure(twin.robot.diagram), 100.0
+    failed = np.array([float(np.squeeze(-np.expm1(-twin.models[name].Hf(hours)))) for name in structure.names])
+
+    def ours() -> np.ndarray:
+        return structure.birnbaum(1 - failed, failed)
+
+    def theirs() -> dict[str, float]:
+        found: dict[str, float] = twin.rbd.birnbaum_importance(hours)
+        return found
+
+    peer = theirs()
+    agree("Birnbaum importances", ours(), [float(np.squeeze(peer[name])) for name in structure.names], 1e-9)
+    times = race(ours, theirs, rounds=5)
+    yield Line("Birnbaum importance of all 10,000 units", *times, "RePyability", goal=1 / 1000)
+
+
+@benchmark
+def five_hundred_of_a_thousand() -> Iterator[Line]:
+    import surpyval
+    from repyability import NonRepairableRBD, PerfectReliability
+
+    units = [Unit(f"u{i}") for i in range(1000)]
+    structure = Structure(KOutOfN(500, *units))
+    failed = np.random.default_rng(5).uniform(0.3, 0.7, 1000)
+    edges = [("in", unit.name) for unit in units] + [(unit.name, "vote") for unit in units] + [("vote", "out")]
+    lives = {
+        unit.name: surpyval.Exponential.from_params([-float(np.log1p(-q))])
+        for unit, q in zip(units, failed, strict=True)
+    }
+    peer = NonRepairableRBD(edges, lives | {"vote": PerfectReliability}, {"vote": 500})
+
+    def ours() -> float:
+        return float(structure.probability(1 - failed, failed)[0])
+
+    def theirs() -> float:
+        return float(np.squeeze(peer.sf(1.0)))
+
+    agree("500 of 1000", ours(), theirs(), 1e-9)
+    yield Line("500 of 1,000 different units", *race(ours, theirs, rounds=5), "RePyability", goal=1 / 200)

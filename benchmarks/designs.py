@@ -48,11 +48,16 @@ class Twins:
         return result
 
 
-def draw(parts: int) -> dict[str, Life]:
+def draw(parts: int, types: int | None = None, ageing: bool = False) -> dict[str, Life]:
+    """Lives of so many parts, of so many types in turn; ``ageing``: all are Weibull."""
     rng = np.random.default_rng(parts)
-    scales = 10 ** rng.uniform(3.5, 5.5, parts)
-    shapes = rng.uniform(1.0, 4.0, parts)
-    return {f"M{i // 10}/P{i % 10}": (float(scales[i]), float(shapes[i]) if i % 2 else None) for i in range(parts)}
+    scales = 10 ** rng.uniform(3.5, 5.5, types or parts)
+    shapes = rng.uniform(1.0, 4.0, types or parts)
+    which = [i % (types or parts) for i in range(parts)]
+    return {
+        f"M{i // 10}/P{i % 10}": (float(scales[of]), float(shapes[of]) if ageing or i % 2 else None)
+        for i, of in enumerate(which)
+    }
 
 
 def ages(parts: int, tick: int) -> np.ndarray:
@@ -60,8 +65,8 @@ def ages(parts: int, tick: int) -> np.ndarray:
     return np.random.default_rng(tick).uniform(100.0, 3000.0, parts)
 
 
-def twins(parts: int) -> Twins:
-    lives = draw(parts)
+def twins(parts: int, types: int | None = None, ageing: bool = False) -> Twins:
+    lives = draw(parts, types, ageing)
     return Twins(parse("\n".join(_yaml(lives))), *_diagram(lives))
 
 

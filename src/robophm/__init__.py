@@ -18,12 +18,14 @@ if TYPE_CHECKING:
     from robophm.design.robot import Robot
     from robophm.design.task import Leg, Task
     from robophm.design.task_file import load_plan
+    from robophm.health.fleet import Fleet
     from robophm.health.report import HealthReport
     from robophm.life import life_distribution
     from robophm.monitor import Monitor, replay
     from robophm.transports.source import open_source
 
 __all__ = [
+    "Fleet",
     "HealthReport",
     "KOutOfN",
     "Leg",
@@ -53,6 +55,7 @@ _HOMES = {
     "design.robot": ("Robot",),
     "design.task": ("Leg", "Task"),
     "design.task_file": ("load_plan",),
+    "health.fleet": ("Fleet",),
     "health.report": ("HealthReport",),
     "life": ("life_distribution",),
     "monitor": ("Monitor", "replay"),

@@ -147,3 +147,18 @@ diagram: {series: [motor, {standby: {of: [A, B]}}]}
     }
     again = json.loads(run("fault-tree", "tree.xml", "--time", 1000, "--json").stdout)
     assert again["probability"] == pytest.approx(said["probability"], rel=1e-12)
+
+
+def test_an_estimate_where_nothing_else_is_wanted(run, robot):
+    """A million samples of the tree of a robot, and of the model written of it: about what is exact."""
+    exact = json.loads(run("fault-tree", robot, "--time", 2e4, "--to", "tree.xml", "--json").stdout)["probability"]
+    for tree in (robot, "tree.xml"):
+        said = json.loads(run("fault-tree", tree, "--time", 2e4, "--monte-carlo", 1_000_000, "--json").stdout)
+        assert said["samples"] == 1_000_000
+        assert 0 < said["high"] - said["low"] < 0.005
+        assert said["probability"] == pytest.approx(exact, abs=5 * math.sqrt(exact * (1 - exact) / 1e6))
+    text = run("fault-tree", robot, "--monte-carlo", 1000).stdout
+    assert "with 95 % confidence between" in text
+    done = run("fault-tree", robot, "--monte-carlo", 1000, "--to", "other.xml")
+    assert done.returncode == 3
+    assert "only estimates" in done.stderr

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import sys
 from pathlib import Path as File
 
@@ -13,8 +14,10 @@ sys.path.insert(0, str(File(__file__).parent))
 from solving import names, sharing, solved, standby, works
 
 from robophm.blocks.diagram import Block, KOutOfN, Link, LoadSharing, Network, Parallel, Series, Standby
+from robophm.blocks.fault_tree import FaultTree
+from robophm.blocks.graph import ALL, ANY, NOT, ODD, UNIT, Gate
 from robophm.blocks.reliability import Structure
-from robophm.groups.monte_carlo import Wear, interval, simulate, toss
+from robophm.groups.monte_carlo import Wear, interval, simulate, simulate_tree, toss
 from robophm.life.distribution import LifeDistribution
 from robophm.life.exponential import Exponential
 from robophm.life.weibull import Weibull
@@ -87,3 +90,27 @@ def test_the_interval_is_clopper_and_pearsons() -> None:
     assert binom.cdf(7, 50, high) == pytest.approx(0.025)
     assert interval(0, 10, 0.95)[0] == 0
     assert interval(10, 10, 0.95)[1] == 1
+
+
+def test_gates_of_a_tree_by_chance():
+    """Every kind of gate, shared inputs included, against the sum over all states."""
+    gates = [*(Gate(UNIT, ()) for _ in range(6)), Gate(NOT, (0,)), Gate(ODD, (1, 2, 3)), Gate(3, (0, 2, 4, 5)),
+             Gate(ALL, (6, 7)), Gate(ANY, (8, 9)), Gate(2, (10, 4, 1))]  # fmt: skip
+    tree, p = FaultTree(list("abcdef"), gates), [0.2, 0.7, 0.4, 0.55, 0.35, 0.6]
+
+    def occurs(a: bool, b: bool, c: bool, d: bool, e: bool, f: bool) -> bool:
+        some = a + c + e + f >= 3 or (not a and (b + c + d) % 2 == 1)
+        return some + e + b >= 2
+
+    states = itertools.product((False, True), repeat=6)
+    exact = sum(
+        np.prod([q if is_so else 1 - q for q, is_so in zip(p, state, strict=True)])
+        for state in states
+        if occurs(*state)
+    )
+    for samples, seed in ((SAMPLES, 1), (1001, 2)):
+        found = simulate_tree(tree, p, samples, seed=seed, confidence=SURE)
+        assert found.low < exact < found.high
+    assert found.high - found.low < 0.16
+    assert simulate_tree(tree, [0.0] * 6, 100).probability == 0
+    assert simulate_tree(tree, [1.0] * 6, 100).probability == 1

@@ -1,9 +1,12 @@
 """Robots side by side: each answers as it does alone, and alone as closed forms say."""
 
+import itertools
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from mpmath import mp
 
 from robophm.core.errors import DesignError
 from robophm.design.file import parse
@@ -124,8 +127,9 @@ def test_what_has_failed_and_what_never_does():
 
 
 def test_robots_of_two_designs_are_no_fleet():
-    one, other = (as_designed(Plant(parse(PAIRS))) for _ in range(2))
-    with pytest.raises(DesignError, match="one design"):
+    one, other = (as_designed(Plant(parse(text))) for text in (PAIRS, MIXED))
+    assert len(Fleet.of([one, as_designed(Plant(parse(PAIRS)))])) == 2  # each with a Plant of its own
+    with pytest.raises(DesignError, match="'mixed' has another design than 'two pairs'"):
         Fleet.of([one, other])
     on_and_off = Future.of_steps("plan", [1.0, 2.0], [1.0, 0.0], *np.ones((2, 3, 2)))
     with pytest.raises(DesignError, match="steadily"):
@@ -158,3 +162,66 @@ def test_parts_that_are_alike(kinds):
     assert len(modes.modes) == (6 if kinds == 2 else len(robot.modes))
     assert counts.sum() == 80 + (2 + 2 if kinds == 2 else 80 * (2 + 3))  # wheels in a row, two eyes, three joints
     assert (structure is plant.system(robot.diagram).structure) == (kinds == 80)
+
+
+LIVES = {"a": (4000, 2.2), "b": (9000, 0.8), "c": (7000, 1.4), "d": (3000, None), "e": (6000, 3.7), "g": (8000, None),
+         "h": (2500, 1.9)}  # fmt: skip
+SHARED = """
+schema_version: 1
+name: shared
+diagram:
+  series:
+    - a
+    - k_of_n: {k: 2, of: [b, {parallel: [c, d]}, e]}
+    - {parallel: [{series: [d, g]}, {series: [e, h]}]}
+components:
+"""
+
+
+def works(s):
+    return s["a"] and s["b"] + (s["c"] or s["d"]) + s["e"] >= 2 and ((s["d"] and s["g"]) or (s["e"] and s["h"]))
+
+
+def test_hazard_rates_in_both_tails():
+    """From F = 1e-30 to R = 1e-30 the hazard rate is good to 4e-15: against the sum over all states by mpmath."""
+    robot = parse(SHARED + "".join(
+        f"  {name}: {{life: {{distribution: weibull, scale: {scale} h, shape: {shape}}}}}\n" if shape
+        else f"  {name}: {{rate: {1 / scale!r} /h}}\n"
+        for name, (scale, shape) in LIVES.items()
+    ))  # fmt: skip
+    life = {mode.path: mode.life for mode in robot.modes}
+    times = np.append(10 ** np.linspace(-13.4, 4.2, 60), np.linspace(1.6e4, 3.2e4, 20))
+    found = Fleet.designed(Plant(robot), np.tile(times, (7, 1))).since_new(robot.diagram)
+    reached = []
+    for i, t in enumerate(mp.mpf(float(one)) for one in times):
+        p, h = {}, {}
+        for name, (_, shape) in LIVES.items():
+            scale, power = (life[name].scale, life[name].shape) if shape else (1 / mp.mpf(life[name].rate), 1)
+            p[name] = mp.exp(-((t / scale) ** power))
+            h[name] = mp.mpf(power) / scale * (t / scale) ** (mp.mpf(power) - 1)
+        R, F, f = mp.mpf(0), mp.mpf(0), mp.mpf(0)
+        for bits in itertools.product((False, True), repeat=7):
+            s = dict(zip(LIVES, bits, strict=True))
+            probability = mp.fprod(p[name] if s[name] else 1 - p[name] for name in LIVES)
+            R, F = (R + probability, F) if works(s) else (R, F + probability)
+            f += sum(probability * h[one] for one in LIVES if works(s) and s[one] and not works(s | {one: False}))
+        if R > 1e-30 and F > 1e-30:
+            assert float(found.density[i] / found.works[i]) == pytest.approx(float(f / R), rel=4e-15)
+            reached += [R, F]
+    assert min(reached[::2]) < 1e-28
+    assert min(reached[1::2]) < 1e-28
+
+
+def test_memory_of_a_batch():
+    """Twenty thousand robots of a hundred parts take less than 24 bytes per part and robot beyond what is given."""
+    parts = "".join(f"  p{i}: {{life: {{distribution: weibull, scale: {1000 + i} h, shape: 2}}}}\n" for i in range(100))
+    robot = parse(f"schema_version: 1\nname: batch\ncomponents:\n{parts}")
+    age = np.random.default_rng(1).uniform(0, 1000, (100, 20_000))
+    fleet = Fleet.designed(Plant(robot), age)
+    fleet.ahead(robot.diagram, 1.0)
+    for ask in (lambda: fleet.ahead(robot.diagram, 1.0), lambda: fleet.since_new(robot.diagram)):
+        tracemalloc.start()
+        ask()
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert peak < 24 * age.size

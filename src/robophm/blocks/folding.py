@@ -63,14 +63,14 @@ def sides(units: Array, task: bool) -> tuple[Array, Array]:
     return units[WORKS] + units[CHANGE], units[FAILED] + units[CHANGE]
 
 
-_FEW = 8
+FEW = 8
 """So many inputs are counted one by one, all gates and columns at once; more by products of their polynomials."""
 
 
 def counting(k: int, inputs: Array, out: Array, task: bool) -> Iterator[Call]:
     """k of n independent inputs, shape (numbers, n, columns), into ``out``, shape (numbers, columns)."""
     numbers, n, columns = inputs.shape
-    if n > _FEW:
+    if n > FEW:
         yield partial(_by_products, k, inputs, out, task)
         return
     failed, works = inputs[FAILED], inputs[WORKS]
@@ -107,6 +107,29 @@ def counting(k: int, inputs: Array, out: Array, task: bool) -> Iterator[Call]:
         for term in terms[1:]:  # one by one: the order of a sum's additions depends on the number of columns
             yield partial(np.add, out[number], term, out[number])
     yield partial(np.copyto, out[CHANGE:], changing[:, k - 1])
+
+
+def counted(k: int, units: list[list[float]]) -> tuple[float, float, float]:
+    """The same of one column of a few units, each (failed, works, density), by plain numbers: to the last bit."""
+    failed, works, density = units[0]
+    count, changing = [failed, works], [density]
+    for failed, works, density in units[1:]:
+        changed = [one * density for one in count]
+        count = _with(count, failed, works)
+        changing = [one + other for one, other in zip(_with(changing, failed, works), changed, strict=True)]
+    lost, held = count[0], count[k]
+    for one in count[1:k]:
+        lost += one
+    for one in count[k + 1 :]:
+        held += one
+    return lost, held, changing[k - 1]
+
+
+def _with(counts: list[float], failed: float, works: float) -> list[float]:
+    """How many work, with one more that may."""
+    more = [one * works for one in counts]
+    rest = [one * failed for one in counts]
+    return [rest[0], *(one + other for one, other in zip(rest[1:], more[:-1], strict=True)), more[-1]]
 
 
 def _by_products(k: int, inputs: Array, out: Array, task: bool) -> None:
@@ -153,11 +176,11 @@ def _product(one: Array, other: Array) -> Array:
 
 def _in_few(units: Array) -> Array:
     """Inputs of shape (numbers, n) in columns of a few; what is missing there has failed."""
-    columns = -(-units.shape[1] // _FEW)
-    filled = np.zeros((len(units), columns * _FEW))
+    columns = -(-units.shape[1] // FEW)
+    filled = np.zeros((len(units), columns * FEW))
     filled[:, : units.shape[1]] = units
     filled[FAILED, units.shape[1] :] = 1.0
-    return np.ascontiguousarray(filled.reshape(len(units), columns, _FEW).transpose(0, 2, 1))
+    return np.ascontiguousarray(filled.reshape(len(units), columns, FEW).transpose(0, 2, 1))
 
 
 def _multiplied(few: Array, task: bool) -> tuple[Array, Array, Array]:

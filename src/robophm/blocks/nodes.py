@@ -198,5 +198,5 @@ def too_large(limit: int) -> TooLargeError:
     """What is said of a diagram that takes too many steps."""
     return TooLargeError(
         f"shared parts: too many to solve exactly, their decision diagram exceeds {limit:,} steps; "
-        "expected fewer parts that are drawn in several places, or an estimate by simulation (Monte Carlo)"
+        "expected fewer parts that are drawn in several places, or an estimate by simulation (--monte-carlo)"
     )

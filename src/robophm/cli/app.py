@@ -59,6 +59,8 @@ def _leave(breached: bool) -> None:
 
 Unit = Annotated[str, typer.Option(help="of hazard rates: 1/h, FIT or FPMH", callback=_known_unit)]
 
+Chance = Annotated[int, typer.Option(help="seed of --monte-carlo", min=0)]
+
 
 @app.command()
 def check(design: Design, as_json: Json = False) -> None:
@@ -78,7 +80,7 @@ def show(
     monte_carlo: Annotated[
         int | None, typer.Option(min=1, max=1_000_000_000, help="only estimate R by so many simulated robots")
     ] = None,
-    seed: Annotated[int, typer.Option(help="of --monte-carlo")] = 0,
+    seed: Chance = 0,
     as_json: Json = False,
 ) -> None:
     """Draw a design and state what it promises when new."""
@@ -315,10 +317,14 @@ def fault_tree(
     order: Order = None,
     most: Most = 20,
     to: Annotated[Path | None, typer.Option(help="write the tree: as a model, .xml, or a design, .yaml")] = None,
+    monte_carlo: Annotated[
+        int | None, typer.Option(min=1, max=1_000_000_000, help="only estimate the probability, by so many samples")
+    ] = None,
+    seed: Chance = 0,
     as_json: Json = False,
 ) -> None:
     """The probability of a fault tree's top event, and its minimal cut sets; of a robot, also its fault tree."""
-    from robophm.cli.fault_tree import is_design, of_model, of_robot, tree
+    from robophm.cli.fault_tree import estimated, is_design, of_model, of_robot, tree
     from robophm.design.file import load
 
     may_write(to, source)
@@ -330,7 +336,10 @@ def fault_tree(
         if function is not None:
             raise RobophmError("--function is of a robot; of a model it is --top")
         system = of_model(source, time, top)
-    tree(system, order=order, most=most, to=to, as_json=as_json)
+    if monte_carlo:
+        estimated(system, monte_carlo, seed, to, as_json=as_json)
+    else:
+        tree(system, order=order, most=most, to=to, as_json=as_json)
 
 
 @app.command()
@@ -352,11 +361,11 @@ def importance(
 ) -> None:  # fmt: skip
     """What matters most to a robot's health, and what to replace first."""
     from robophm.cli.importance import Question, hours_ahead, measure, run, run_model
+    from robophm.cli.past import kept
     from robophm.cli.task import with_knowledge
     from robophm.design.file import load
     from robophm.design.task import Plan
     from robophm.design.task_file import load_plan
-    from robophm.health.ledger import Ledger
 
     hours, ranked = hours_ahead(after) if after is not None else None, measure(by)
     if design.suffix.lower() == ".xml":
@@ -365,9 +374,8 @@ def importance(
     robot = load(design)
     plan = load_plan(tasks, robot) if tasks else Plan((robot.task,) if robot.task else ())
     plan = with_knowledge(plan, robot, failed or (), working or ())
-    chosen: Any = future
-    ledger = _kept(store, robot, Ledger) if store else None
-    run(robot, ledger, Question(plan, chosen, function, hours, ranked, most), as_json=as_json)
+    run(robot, kept(store, robot) if store else None, Question(plan, future, function, hours, ranked, most),
+        as_json=as_json)  # fmt: skip
 
 
 @app.command()

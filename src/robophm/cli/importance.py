@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from robophm.cli.fault_tree import of_model
 from robophm.cli.output import console, print_json, print_table, table
@@ -43,7 +43,7 @@ class Question:
     """What was asked."""
 
     plan: Plan
-    future: FutureName
+    future: str
     function: str | None
     hours: float | None
     """Of operation ahead; None: the usual."""
@@ -73,7 +73,9 @@ def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: boo
     monitor = Monitor(robot, ledger)
     settled = monitor.exposure.settled(monitor.ledger)
     plan = question.plan
-    views = outlooks(monitor.plant, monitor.exposure, settled, future=question.future, knowledge=plan.knowledge)
+    views = outlooks(
+        monitor.plant, monitor.exposure, settled, future=cast(FutureName, question.future), knowledge=plan.knowledge
+    )
     wanted: Sequence[View] = VIEWS if ledger else ("sensor_based",)  # without a past both are one
     diagram = robot.functions[question.function] if question.function else robot.diagram
     task = Task(tuple(chain.from_iterable(one.legs for one in plan.tasks))) if plan.tasks else None

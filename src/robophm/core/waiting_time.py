@@ -100,7 +100,10 @@ def _of_curve(fails: Array, survives: Array) -> Array:
 
 def _roots(f: Callable[[Array], Array], a: Array, b: Array, fa: Array, fb: Array, tolerance: float) -> Array:
     """Roots of many bracketed functions side by side. Chandrupatla, Adv. Eng. Software 28 (1997)."""
-    c, fc, t = a, fa, np.full(a.shape, 0.5)
+    # Nearly straight to begin with: where the chord crosses, a little inside.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        chord = fa / (fa - fb)
+    c, fc, t = a, fa, np.where(np.isfinite(chord), np.clip(chord, 0.01, 0.99), 0.5)
     for _ in range(100):
         x = a + t * (b - a)
         fx = f(x)
@@ -143,10 +146,9 @@ def mean_time(curve: Curve, kinks: npt.ArrayLike = ()) -> float:
         start, ends = math.exp(edges[0]), edges - edges[0]
         inside = np.log([kink / start for kink in np.ravel(kinks) if kink > start])
         early = [kink / start - 1 for kink in np.ravel(kinks) if 0 < kink <= start]
-        total = _integral(curve, start, np.unique([-1.0, *early, *ends, *inside[inside < ends[-1]]]))
-        last = math.exp(edges[-1])
-        if last * float(curve(np.array([last]))[1][0]) <= 1e-13 * total:
-            return float(total)
+        total, rest = _integral(curve, start, np.unique([-1.0, *early, *ends, *inside[inside < ends[-1]]]))
+        if rest <= 1e-13 * total:
+            return total
     return math.inf
 
 
@@ -156,35 +158,37 @@ def _decades(curve: Curve, decades: Array) -> tuple[Array, Array]:
     return grid, np.maximum.accumulate(_of_curve(*curve(np.exp(grid))))
 
 
-def _integral(curve: Curve, start: float, edges: Array) -> float:
-    """∫ P(survives) dt over panels, each halved until its two rules agree.
+def _integral(curve: Curve, start: float, edges: Array) -> tuple[float, float]:
+    """∫ P(survives) dt over panels, each halved until its two rules agree; and t·P(survives) near its end.
 
     Panels are of v: below 0 time is start·(1 + v), where it all begins, and from there on start·exp(v).
     """
 
-    def panels(low: Array, high: Array) -> tuple[Array, Array]:
+    def panels(low: Array, high: Array) -> tuple[Array, Array, float]:
         half = (high - low)[:, None] / 2
         v = low[:, None] + half * (1 + _NODES)
         weight = start * np.where(v < 0, 1.0, np.exp(np.maximum(v, 0.0)))
         t = np.where(v < 0, start * (1 + v), weight)
-        area = half * weight * curve(t.ravel())[1].reshape(t.shape)
+        reached = weight * curve(t.ravel())[1].reshape(t.shape)
+        area = half * reached
         whole = area @ _WEIGHTS
         # How far off the better rule is, from the worse one: as QUADPACK has it.
         off, spread = np.abs(area @ (_WEIGHTS - _FEWER)), np.abs(area - whole[:, None] / 2) @ _WEIGHTS
         with np.errstate(divide="ignore", invalid="ignore"):
             error = np.where(off > 0, spread * np.minimum(1.0, (200 * off / spread) ** 1.5), 0.0)
-        return whole, error
+        return whole, error, float(reached[-1, -1])
 
     low, high = edges[:-1], edges[1:]
-    settled = 0.0
+    settled, rest = 0.0, math.inf
     for _ in range(50):
-        whole, error = panels(low, high)
+        whole, error, end = panels(low, high)
+        rest = end if math.isinf(rest) else rest  # of the first pass: the last panel ends last
         total = settled + float(whole.sum())
         rough = error > 1e-12 * total
         settled += float(whole[~rough].sum())
         count = np.count_nonzero(rough)
         if not count or count > _MOST_PANELS:  # of so many, what they are off by evens out
-            return total
+            break
         middle = (low + high)[rough] / 2
         low, high = np.append(low[rough], middle), np.append(middle, high[rough])
-    return total
+    return total, rest

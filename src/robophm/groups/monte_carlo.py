@@ -7,7 +7,7 @@ stands in for them where there is none.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,8 @@ import numpy.typing as npt
 from scipy.special import betaincinv
 
 from robophm.blocks.diagram import Block, Group, KOutOfN, LoadSharing, Network, Series, Standby, Unit
+from robophm.blocks.fault_tree import FaultTree
+from robophm.blocks.graph import ALL, ANY, NOT, ODD, UNIT
 from robophm.life.distribution import LifeDistribution
 
 Array = npt.NDArray[np.float64]
@@ -24,6 +26,7 @@ MOST = 1_000_000_000
 """Samples."""
 
 _TURN = 1 << 18  # samples at a time, so that words and lives stay in cache
+_HELD = 1 << 28  # samples times gates of a tree at a time: 32 MB of bits
 _ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
 _DENSE = 10  # bits that are tossed for all words; then only for those in which something is left undecided
 
@@ -59,17 +62,39 @@ def simulate(
 
     Raises ValueError where samples are none or beyond MOST.
     """
+    return _estimate(lambda words, random: _Toss(units, hours, words, random).works(diagram), samples, seed, confidence)
+
+
+def simulate_tree(
+    tree: FaultTree, occurred: Sequence[float], samples: int, *, seed: int = 0, confidence: float = 0.95
+) -> Estimate:
+    """P(the top event of a fault tree), of so many samples of its events; as ``simulate``."""
+
+    def tossed(words: int, random: np.random.Generator) -> Words:
+        found: list[Words] = []
+        events = iter(occurred)
+        for k, inputs in tree.gates:
+            found.append(toss(next(events), words, random) if k == UNIT else _of_gate(k, [found[i] for i in inputs]))
+        return found[-1].copy()
+
+    return _estimate(tossed, samples, seed, confidence, turn=max(64, min(_TURN, _HELD // len(tree.gates))))
+
+
+def _estimate(
+    tossed: Callable[[int, np.random.Generator], Words], samples: int, seed: int, confidence: float, turn: int = _TURN
+) -> Estimate:
+    """Of the bits that so many words of samples give."""
     if not 1 <= samples <= MOST:
         raise ValueError(f"samples = {samples}; expected 1 … {MOST:,}")
     random = np.random.Generator(np.random.SFC64(seed))
-    worked = 0
-    for start in range(0, samples, _TURN):
-        count = min(_TURN, samples - start)
-        words = _Toss(units, hours, -(-count // 64), random).works(diagram)
+    met = 0
+    for start in range(0, samples, turn):
+        count = min(turn, samples - start)
+        words = tossed(-(-count // 64), random)
         if spare := -count % 64:
             words[-1] &= _ALL >> np.uint64(spare)
-        worked += int(np.bitwise_count(words).sum()) if hasattr(np, "bitwise_count") else _bits(words)
-    return Estimate(worked / samples, *interval(worked, samples, confidence), samples)
+        met += int(np.bitwise_count(words).sum()) if hasattr(np, "bitwise_count") else _bits(words)
+    return Estimate(met / samples, *interval(met, samples, confidence), samples)
 
 
 def interval(count: int, samples: int, confidence: float) -> tuple[float, float]:
@@ -194,9 +219,25 @@ def _gate(block: Block, inputs: Sequence[Words]) -> Words:
     if not isinstance(block, KOutOfN):
         some: Words = np.bitwise_or.reduce(inputs)
         return some
-    enough = [np.zeros_like(inputs[0]) for _ in range(block.k)]  # at least 1, 2, … of those so far
+    return _enough(block.k, inputs)
+
+
+def _of_gate(k: int, inputs: Sequence[Words]) -> Words:
+    """Of a fault tree."""
+    if k == NOT:
+        return ~inputs[0]
+    if k > ANY:
+        return _enough(k, inputs)
+    ways: dict[int, np.ufunc] = {ALL: np.bitwise_and, ANY: np.bitwise_or, ODD: np.bitwise_xor}
+    found: Words = ways[k].reduce(inputs)
+    return found
+
+
+def _enough(k: int, inputs: Sequence[Words]) -> Words:
+    """Whether at least k of them are 1."""
+    enough = [np.zeros_like(inputs[0]) for _ in range(k)]  # at least 1, 2, … of those so far
     for one in inputs:
-        for j in range(block.k - 1, 0, -1):
+        for j in range(k - 1, 0, -1):
             enough[j] |= enough[j - 1] & one
         enough[0] |= one
     return enough[-1]

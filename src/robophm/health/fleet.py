@@ -64,13 +64,15 @@ class Fleet:
 
     @classmethod
     def of(cls, outlooks: Sequence[Outlook]) -> Fleet:
-        """Robots as they stand: of one plant, each as its outlook has it, along its future.
+        """Robots as they stand, each as its outlook has it, along its future.
 
-        Raises DesignError where they are of several plants, or a future is not steady.
+        Raises DesignError where their designs differ, or a future is not steady.
         """
         plant = outlooks[0].plant
-        if any(one.plant is not plant for one in outlooks):
-            raise DesignError("a fleet has robots of one design; expected one Plant for all of them")
+        for one in outlooks:
+            if one.plant.robot.design_hash != plant.robot.design_hash:
+                other = one.plant.robot.name
+                raise DesignError(f"'{other}' has another design than '{plant.robot.name}'; expected one for a fleet")
         if not all(one.course.changeless for one in outlooks):
             raise DesignError("a fleet goes on steadily; expected futures without a plan of tasks")
         failed = np.zeros((len(plant.units), len(outlooks)), dtype=bool)
@@ -126,14 +128,14 @@ class Fleet:
         ``hours`` of all, or of each robot, shape (robots,).
         """
         system = self.plant.system(diagram)
-        hours = np.broadcast_to(np.asarray(hours, dtype=float), (len(self),))
+        hours = np.atleast_1d(np.asarray(hours, dtype=float))
         found = np.empty((2, len(self)))
         if len(system.groups):
             for i in range(len(self)):
-                found[:, i : i + 1] = self.robot(i).curve(diagram)(hours[i : i + 1])
+                found[:, i : i + 1] = self.robot(i).curve(diagram)(hours[i : i + 1] if len(hours) > 1 else hours)
             return found[0], found[1]
         for turn in self._turns(system):
-            found[:, turn] = self._curve(system, turn)(hours[turn])
+            found[:, turn] = self._curve(system, turn)(hours[turn] if len(hours) > 1 else hours)
         return found[0], found[1]
 
     def remaining_life(self, diagram: Block, survives: Sequence[float] = (0.95, 0.5, 0.05)) -> Array:
@@ -205,8 +207,8 @@ class Fleet:
             more = system.lives.increment(age, pace * hours)
             if weight is not None:
                 more = weight * more
-            more = system.of_rows(more)
-            fails, survives = -np.expm1(-more), np.exp(-more)
+            less = -system.of_rows(more)
+            fails, survives = np.negative(found := np.expm1(less), out=found), np.exp(less)
             if fresh:  # all work: what fails is what fails from now on
                 works_then, failed_then = system.structure.probability(survives, fails)
                 return failed_then, works_then

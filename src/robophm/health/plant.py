@@ -183,7 +183,8 @@ class Parts(Modes):
 
     def of_rows(self, of_modes: Array) -> Array:
         """Sums over the failure modes of all units of each group; shape (groups, ...)."""
-        return self.of_groups(self.of_units(of_modes))
+        found: Array = self.weights @ of_modes.reshape(len(of_modes), -1)
+        return found.reshape(-1, *of_modes.shape[1:])
 
     def of_modes(self, of_units: Array) -> Array:
         """Of each failure mode, the sum over the units of its component, times their equal parts; shape (modes,)."""

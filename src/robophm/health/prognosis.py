@@ -310,8 +310,8 @@ class Outlook:
             added = hazard(hours)[..., 0]
             if len(system.groups):
                 added = np.concatenate((added, groups(hours)))
-            added = system.of_rows(added)
-            fails, survives = -np.expm1(-added), np.exp(-added)
+            added = -system.of_rows(added)
+            fails, survives = -np.expm1(added), np.exp(added)
             if not known.any():  # all work: what fails is what fails from now on
                 works_then, failed_then = system.structure.probability(survives, fails)
                 return failed_then, works_then
@@ -336,6 +336,10 @@ class Outlook:
         survives = np.array([0.95, 0.5, 0.05, *([wanted] if wanted else [])])
         early, median, late, *threshold = (float(time) for time in time_at(curve, 1 - survives, survives))
         return RemainingLife(mean_time(curve, _drawn_out(future).hours), median, early, late, *threshold)
+
+    def mean_remaining_life(self, diagram: Block) -> float:
+        """The mean alone [h]."""
+        return mean_time(self.curve(diagram), _drawn_out(self.course).hours)
 
     def reliability_curve(self, diagram: Block, hours: Array) -> tuple[Array, Array]:
         """P(works) and P(has failed) since new, after so many more operating hours at the mean pace of the future.

@@ -31,7 +31,8 @@ class Exponential(LifeDistribution):
         return np.full_like(x, self.rate)
 
     def _increment(self, x: Array, d: Array) -> Array:
-        return self.rate * d + 0 * x
+        more = self.rate * d
+        return more if more.shape == np.broadcast_shapes(more.shape, x.shape) else more + 0 * x
 
     def _age_at(self, H: Array) -> Array:
         return H / self.rate

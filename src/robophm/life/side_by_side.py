@@ -42,7 +42,11 @@ class Lives:
         with limits():
             for rows, life, plain in self._classes(found.ndim):
                 x, d = (one if len(one) < len(found) else one[rows] for one in (age, duration))
-                found[rows] = np.where(d == 0, 0.0, life._increment(x, d)) if plain else life.increment(x, d)
+                if plain:
+                    more = life._increment(x, d)
+                    found[rows] = more if d.all() else np.where(d == 0, 0.0, more)
+                else:
+                    found[rows] = life.increment(x, d)
         return self._weighed(found)
 
     def hazard(self, age: Array) -> Array:

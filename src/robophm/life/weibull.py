@@ -41,6 +41,8 @@ class Weibull(LifeDistribution):
         return H, h if full.all() else np.where(full, h, self._hazard(x))
 
     def _increment(self, x: Array, d: Array) -> Array:
+        if not np.any(x):
+            return self._cumulative_hazard(x + d)
         before, grown = self._cumulative_hazard(x), np.expm1(self.shape * np.log1p(d / x))
         if np.all(grown < 1) and np.all(before < np.inf):
             return before * grown
