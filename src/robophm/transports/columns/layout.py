@@ -49,7 +49,7 @@ def compile_fields(type_: MessageType, fields: tuple[str, ...]) -> Program:
         for parent in parents:
             inner = inner.setdefault(parent, {})
         inner[leaf] = slot
-    writer = _Writer(type_.definitions, type_.packed, 8)
+    writer = _Writer(type_.definitions, type_.packed, 8, {})
     writer.remaining = len(fields)
     try:
         writer.message(type_.name, wanted)
@@ -73,9 +73,13 @@ class _Finished(Exception):  # noqa: N818  not an error
 class _Writer:
     """Writes steps, one field after the other."""
 
-    def __init__(self, definitions: Typesdict, packed: bool, modulus: int) -> None:
+    def __init__(
+        self, definitions: Typesdict, packed: bool, modulus: int, passed: dict[tuple[Any, int], Sequence[Step]]
+    ) -> None:
         self.definitions = definitions
         self.packed = packed
+        self.passed = passed
+        """The steps through elements of which nothing is wanted, made once: sequences lie in sequences."""
         self.modulus = modulus
         """The position is known modulo this, and is then ``residue``."""
         self.residue = 0
@@ -159,10 +163,15 @@ class _Writer:
 
     def _element(self, description: Any, wanted: Any, modulus: int) -> tuple[Sequence[Step], int]:
         """The steps through one element, and how many numbers it holds that are wanted."""
-        writer = _Writer(self.definitions, self.packed, modulus)
+        if wanted is None and (description, modulus) in self.passed:
+            return self.passed[description, modulus], 0
+        writer = _Writer(self.definitions, self.packed, modulus, self.passed)
         writer._single(description, wanted)
         self.types |= writer.types
-        return (*writer.steps, End(writer.skip, None)), len(writer.types)
+        steps = (*writer.steps, End(writer.skip, None))
+        if wanted is None:
+            self.passed[description, modulus] = steps
+        return steps, len(writer.types)
 
     def _inside(
         self, description: Any, wanted: Mapping[int | None, Any], align: int
