@@ -190,7 +190,7 @@ class _File:
     def __init__(self, path: Path) -> None:
         self.path = path
         with reading(path):
-            self.fingerprint = _fingerprint(path)
+            self.fingerprint = fingerprint_of(path)
             self.reader = open_reader(path)
             self.connections = list(self.reader.connections)
 
@@ -357,7 +357,7 @@ def _profile(path: Path) -> str:
         return str(make_reader(file).get_header().profile)
 
 
-def _fingerprint(path: Path) -> str:
+def fingerprint_of(path: Path) -> str:
     """Digest of the size and the first, middle and last 64 KiB of each file of messages, names left out."""
     files = [path]
     if path.is_dir():

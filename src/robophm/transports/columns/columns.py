@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from itertools import pairwise
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
@@ -104,6 +105,10 @@ def read_columns(
                 file = _open(part, notes)
             stack.callback(file.close)
             files.append(file)
+        files.sort(key=lambda file: (file.begin(), file.fingerprint))  # of equal times the earlier file's come first
+        for one, other in pairwise(files):
+            if one.fingerprint == other.fingerprint and one.begin() < MOST_TIME:
+                raise SourceError(f"{one.path} and {other.path} are the same recording; expected it once")
         known = {connection.topic for file in files for connection in file.connections}
         for topic in wanted:
             if topic not in known:
@@ -158,7 +163,8 @@ class _Reading:
         self._stamps = _STAMP if type_.stamp else ()
         self._type = type_
         self._notes = notes
-        paths = (*self._stamps, *fields)
+        paths = tuple(dict.fromkeys((*self._stamps, *fields)))
+        self._slots = [paths.index(field) for field in fields]
         self._getters = [field_getter(type_.definitions, type_.name, path) for path in paths]
         self._program: Program | None = None
         try:
@@ -174,19 +180,17 @@ class _Reading:
             found = self._program.run(buffer, starts, ends)
             numbers, absent, doubtful = found.values, found.absent, np.flatnonzero(found.doubtful)
         else:
-            numbers = [np.zeros(count) for _ in self._getters]
+            stamps = len(self._stamps)
+            numbers = [np.zeros(count, np.int64 if slot < stamps else np.float64) for slot in range(len(self._getters))]
             absent = [np.zeros(count, np.bool_) for _ in self._getters]
             doubtful = np.arange(count)
-        stamps = len(self._stamps)
-        converted: list[NDArray[Any]] = [column.astype(np.int64) for column in numbers[:stamps]]
-        converted += [column.astype(np.float64) for column in numbers[stamps:]]
-        unreadable = [row for row in doubtful.tolist() if not self._decode(messages, row, converted, absent)]
+        unreadable = [row for row in doubtful.tolist() if not self._decode(messages, row, numbers, absent)]
         kept = _order(times)
         if unreadable:
             self._notes[f"unreadable message on {self.topic}"] += len(unreadable)
             kept = np.arange(count) if isinstance(kept, slice) else kept
             kept = kept[~np.isin(kept, unreadable)]
-        return self._finished(times[kept], [column[kept] for column in converted], [row[kept] for row in absent])
+        return self._finished(times[kept], [column[kept] for column in numbers], [row[kept] for row in absent])
 
     def _decode(self, messages: Messages, row: int, numbers: list[NDArray[Any]], absent: list[NDArray[Any]]) -> bool:
         """Fill in one row as rosbags decodes it; False where it cannot."""
@@ -204,16 +208,18 @@ class _Reading:
         return True
 
     def _finished(self, received: Ints, numbers: list[NDArray[Any]], absent: list[NDArray[Any]]) -> TopicColumns:
-        stamps = numbers[0] * SECOND + numbers[1] if self._stamps else None
+        stamps = None
+        if self._stamps:
+            stamps = numbers[0].astype(np.int64) * SECOND + numbers[1]
         count = len(received) if stamps is None else int((~_believed(stamps, received)).sum())
         if count:
             self._notes[f"receipt time used for {self.topic}"] += count
         values, missing = {}, {}
-        behind = len(self._stamps)
-        for field, column, gone in zip(self._fields, numbers[behind:], absent[behind:], strict=True):
-            values[field] = column
+        for field, slot in zip(self._fields, self._slots, strict=True):
+            values[field] = numbers[slot].astype(np.float64)
+            gone = absent[slot]
             if gone.any():
-                column[gone] = np.nan
+                values[field][gone] = np.nan
                 missing[field] = gone
                 self._notes[f"no element for {self.topic}.{field}"] += int(gone.sum())
         return TopicColumns(received, stamps, values, missing)
@@ -262,11 +268,11 @@ class _Source:
             except SourceError as error:
                 raise SourceError(f"{self._file.path}: topic '{connection.topic}' {error}") from None
 
-    def pieces(self) -> Iterator[tuple[int, Callable[[], list[tuple[str, TopicColumns]]]]]:
-        """When each piece begins, and what gives its columns by topic."""
+    def pieces(self, number: int) -> Iterator[tuple[int, int, Callable[[], list[tuple[str, TopicColumns]]]]]:
+        """When each piece begins, the number of its source, and what gives its columns by topic."""
         if self._readings:
             for piece in self._file.pieces(self._readings.keys(), self._start, self._end):
-                yield piece.first, lambda piece=piece: self._load(piece)  # type: ignore[misc]
+                yield piece.first, number, lambda piece=piece: self._load(piece)  # type: ignore[misc]
             for connection in self._file.connections if self._whole else ():
                 missing = connection.msgcount - self._found[connection.id]
                 if connection.id in self._readings and missing > 0:
@@ -287,34 +293,40 @@ class _Source:
 
 def _blocks(sources: Sequence[_Source], notes: Counter[str]) -> Iterator[Block]:
     """Columns are held back until no file has messages that were received before."""
-    waiting: dict[str, list[TopicColumns]] = {}
+    waiting: dict[str, dict[int, TopicColumns]] = {}
     latest: dict[str, int] = {}
-    for first, load in heapq.merge(*(source.pieces() for source in sources), key=itemgetter(0)):
-        yield from _ready(waiting, first, latest, notes)
+    pieces = (source.pieces(number) for number, source in enumerate(sources))
+    for first, number, load in heapq.merge(*pieces, key=itemgetter(0)):
+        if block := _ready(waiting, first, latest, notes):
+            yield block
         for topic, columns in load():
-            if len(columns):
-                waiting.setdefault(topic, []).append(columns)
-    yield from _ready(waiting, None, latest, notes)
+            parts = waiting.setdefault(topic, {})
+            parts[number] = _joined([parts[number], columns]) if number in parts else columns
+    if block := _ready(waiting, MOST_TIME, latest, notes):
+        yield block
 
 
 def _ready(
-    waiting: dict[str, list[TopicColumns]], until: int | None, latest: dict[str, int], notes: Counter[str]
-) -> Iterator[Block]:
-    """The block of what was received before a time, which is taken out of what waits."""
-    block = {}
+    waiting: dict[str, dict[int, TopicColumns]], until: int, latest: dict[str, int], notes: Counter[str]
+) -> Block:
+    """What was received before a time; it waits no longer."""
+    block: Block = {}
     for topic, parts in waiting.items():
-        columns = _joined(parts)
-        count = len(columns) if until is None else int(np.searchsorted(columns.received, until))
-        parts[:] = [_rows(columns, slice(count, None))] if count < len(columns) else []
-        if count:
-            block[topic] = _rows(columns, slice(count)) if count < len(columns) else columns
+        ready = []
+        for number, columns in sorted(parts.items()):
+            count = int(np.searchsorted(columns.received, until)) if until < MOST_TIME else len(columns)
+            if count:
+                ready.append(_rows(columns, slice(count)))
+                parts[number] = _rows(columns, slice(count, None))
+        if ready:
+            block[topic] = columns = _joined(ready)
             if int(columns.received[0]) < latest.get(topic, -MOST_TIME):
                 notes[f"receipt time goes backwards on {topic}"] += 1
-            latest[topic] = int(columns.received[count - 1])
-    for topic in [topic for topic, parts in waiting.items() if not parts]:
-        del waiting[topic]
-    if block:
-        yield block
+            latest[topic] = int(columns.received[-1])
+    for parts in waiting.values():
+        for number in [number for number, columns in parts.items() if not len(columns)]:
+            del parts[number]
+    return block
 
 
 def _joined(parts: Sequence[TopicColumns]) -> TopicColumns:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from robophm.core.errors import SourceError
+from robophm.transports.columns.pieces import MOST_TIME
 from robophm.transports.columns.rows import Row, RowsFile
 from robophm.transports.recording import check_whole
 
@@ -39,6 +40,14 @@ class Db3File(RowsFile):
         """Close the database."""
         if hasattr(self, "_database"):
             self._database.close()
+
+    def begin(self) -> int:
+        """When the first message was received [ns]."""
+        try:
+            (first,) = self._database.execute("SELECT min(timestamp) FROM messages").fetchone()
+        except sqlite3.Error:
+            return MOST_TIME  # said when its rows are read
+        return first if isinstance(first, int) else MOST_TIME
 
     def rows(self, wanted: Collection[int], start: int, end: int) -> Callable[[int], list[Row]]:
         """The rows in order of time; where the database is damaged they end, and the notes say so."""

@@ -32,6 +32,10 @@ class CompressedFolder(RowsFile):
         """Close the reader and what it unpacked."""
         self._reader.close()
 
+    def begin(self) -> int:
+        """When the first message was received [ns]."""
+        return self._reader.start_time
+
     def rows(self, wanted: Collection[int], start: int, end: int) -> Callable[[int], list[Row]]:
         """The rows as rosbags gives them; where it cannot go on they end, and the notes say so."""
         connections = [connection for connection in self.connections if connection.id in wanted]

@@ -80,6 +80,10 @@ class McapFile(ChunkedFile):
         self._loose = np.empty(0, _FOUND)
         """Messages outside chunks."""
 
+    def begin(self) -> int:
+        """When the first message was received [ns]."""
+        return min(super().begin(), int(self._loose["time"].min(initial=MOST_TIME)))
+
     def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
         """Chunks in order of time; or, where there are none, the messages outside."""
         yield from super().pieces(wanted, start, end)

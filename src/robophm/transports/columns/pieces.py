@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
 from robophm.transports.columns.walk import Bytes, Ints
+from robophm.transports.recording import fingerprint_of
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
@@ -64,6 +65,11 @@ class PiecedFile(ABC):
     def __init__(self, path: Path, notes: Counter[str]) -> None:
         self.path = path
         self.notes = notes
+        self.fingerprint = fingerprint_of(path)
+
+    @abstractmethod
+    def begin(self) -> int:
+        """When its first message was received [ns]; MOST_TIME where it has none."""
 
     @abstractmethod
     def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
@@ -175,6 +181,10 @@ class ChunkedFile(MappedFile):
     """A file of chunks, each with an index of the messages in it; a subclass knows the records."""
 
     chunks: list[Chunk]
+
+    def begin(self) -> int:
+        """When the first message in a chunk was received [ns]."""
+        return min((chunk.first for chunk in self.chunks), default=MOST_TIME)
 
     def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
         """Chunks in order of time, as many at once as need no unpacking."""
