@@ -98,7 +98,7 @@ class McapFile(ChunkedFile):
     def index(self, offset: int, connection: int) -> NDArray[Any]:
         """The message index record at this place."""
         opcode, length, channel, size = struct.unpack("<BQHI", self.between(offset, offset + 15))
-        if opcode != MESSAGE_INDEX or channel != connection or size + 6 > length or size % 16:
+        if opcode != MESSAGE_INDEX or channel != connection or size + 6 != length or size % 16:
             raise DamageError("damage")
         return np.frombuffer(self.between(offset + 15, offset + 15 + size), _INDEX)
 

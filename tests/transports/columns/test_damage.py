@@ -1,0 +1,310 @@
+"""Bad files: what is whole is read, what is lost is said, and nothing hangs or is read outside the file."""
+
+from __future__ import annotations
+
+import random
+import struct
+import time
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import SECOND
+from robophm.transports.columns import Block, read_columns
+from robophm.transports.columns.mcap import CHUNK, CHUNK_INDEX, MESSAGE_INDEX
+
+from ..conftest import SIGNALS
+from ..test_recording import T0, TEMPERATURE, rewrite, rewrite_mcap, temperature
+
+Write = Callable[..., Path]
+SIGNAL = "/t.temperature"
+
+
+@pytest.fixture
+def numbered(tmp_path: Path, write_messages: Write) -> Path:
+    """A hundred temperatures, 0 to 99."""
+    messages = [("/t", TEMPERATURE, T0 + n * SECOND, temperature(T0 + n * SECOND, float(n))) for n in range(100)]
+    return write_messages(tmp_path / "numbered.mcap", messages)
+
+
+def in_chunks(path: Path, **options: Any) -> Path:
+    """Some ten messages a chunk."""
+    return rewrite_mcap(path, path.with_name("chunks.mcap"), chunk_size=600, **options)
+
+
+def attempt(path: Path, *signals: str) -> tuple[list[Block], Counter[str]] | SourceError:
+    """All blocks and the notes, or why there are none."""
+    try:
+        columns = read_columns(path, signals)
+        return list(columns), columns.notes
+    except SourceError as error:
+        return error
+
+
+def values(blocks: list[Block]) -> list[float]:
+    return [value for block in blocks for value in block["/t"].values["temperature"].tolist()]
+
+
+def records(content: bytes, opcode: int) -> list[int]:
+    """Where the records of this kind begin."""
+    found, position = [], 8
+    while position + 9 <= len(content) - 8:
+        kind, length = struct.unpack_from("<BQ", content, position)
+        found += [position] * (kind == opcode)
+        position += 9 + length
+    return found
+
+
+def changed(path: Path, position: int, new: bytes) -> Path:
+    content = bytearray(path.read_bytes())
+    content[position : position + len(new)] = new
+    path.write_bytes(content)
+    return path
+
+
+# MCAP
+
+
+@pytest.mark.parametrize("compression", ["NONE", "LZ4", "ZSTD"])
+def test_a_chunk_that_is_not_what_was_written_is_lost_alone(compression: str, numbered: Path) -> None:
+    from mcap.writer import CompressionType
+
+    path = in_chunks(numbered, compression=CompressionType[compression])
+    whole = values(list(read_columns(path, [SIGNAL])))
+    assert whole == [float(n) for n in range(100)]
+    chunks = records(path.read_bytes(), CHUNK)
+    assert len(chunks) > 5
+    changed(path, chunks[3] + 120, b"\x55\xaa\x55")
+    columns = read_columns(path, [SIGNAL])
+    left = values(list(columns))
+    assert 80 < len(left) < 100
+    assert set(left) < set(whole)
+    assert columns.notes[f"{path.name}: messages of /t lost"] == 100 - len(left)
+    said = [note for note in columns.notes if f"at byte {chunks[3]} lost" in note]
+    assert len(said) == 1
+    if compression == "NONE":
+        assert "checksum" in said[0]
+
+
+@pytest.mark.parametrize("opcode", [MESSAGE_INDEX, CHUNK_INDEX])
+def test_indices_that_lie_are_not_believed(opcode: int, numbered: Path) -> None:
+    """Every number of the indices of a chunk is made wrong in turn: no message is lost that is there to be found."""
+    path = in_chunks(numbered)
+    content = path.read_bytes()
+    start = records(content, opcode)[2]
+    (length,) = struct.unpack_from("<Q", content, start + 1)
+    for position in range(start + 9, start + 9 + min(length, 60)):
+        for lie in (0x00, 0x01, 0x7F, 0xFF):
+            if content[position] == lie:
+                continue
+            path.write_bytes(content)
+            found = values(list(read_columns(changed(path, position, bytes([lie])), [SIGNAL])))
+            assert found == [float(n) for n in range(100)], (position - start, lie)
+
+
+@pytest.mark.parametrize("options", [{}, {"repeat_channels": False, "repeat_schemas": False}])
+@pytest.mark.parametrize("without", ["IndexType.NONE", "IndexType.MESSAGE", "IndexType.CHUNK"])
+def test_without_an_index(options: dict[str, Any], without: str, numbered: Path) -> None:
+    from mcap.writer import IndexType
+
+    path = in_chunks(numbered, index_types=IndexType[without.partition(".")[2]], **options)
+    assert values(list(read_columns(path, [SIGNAL]))) == [float(n) for n in range(100)]
+
+
+@pytest.mark.parametrize("kept", [0.05, 0.3, 0.5, 0.77, 0.9, 0.97, 0.9999])
+@pytest.mark.parametrize("compression", ["NONE", "ZSTD"])
+def test_mcap_that_is_cut(kept: float, compression: str, numbered: Path) -> None:
+    from mcap.writer import CompressionType
+
+    path = in_chunks(numbered, compression=CompressionType[compression])
+    content = path.read_bytes()
+    size = int(len(content) * kept)
+    starts = records(content, CHUNK)
+    ends = [at + 9 + struct.unpack_from("<Q", content, at + 1)[0] for at in starts]
+    path.write_bytes(content[:size])
+    counts = [struct.unpack_from("<I", content, at + 11)[0] // 16 for at in records(content, MESSAGE_INDEX)]
+    assert sum(counts) == 100
+    result = attempt(path, SIGNAL)
+    if isinstance(result, SourceError):
+        assert "no topic '/t'" in str(result)
+        assert size < ends[0]
+        return
+    blocks, notes = result
+    found = values(blocks)
+    assert found == [float(n) for n in range(len(found))]
+    assert len(found) >= sum(count for count, end in zip(counts, ends, strict=True) if end <= size)
+    if len(found) < 100:
+        assert any("cut" in note and "lost" in note for note in notes)
+    assert notes
+
+
+def test_a_chunk_that_would_unpack_to_gigabytes(numbered: Path) -> None:
+    from mcap.writer import CompressionType
+
+    path = in_chunks(numbered, compression=CompressionType.ZSTD)
+    start = records(path.read_bytes(), CHUNK)[0]
+    columns = read_columns(changed(path, start + 9 + 16, struct.pack("<Q", 1 << 50)), [SIGNAL])
+    assert 80 < len(values(list(columns))) < 100
+    assert any(f"a chunk of {1 << 50} bytes" in note for note in columns.notes)
+
+
+# Bags and databases
+
+
+@pytest.mark.parametrize("compression", ["", "LZ4", "BZ2"])
+def test_bags_without_index_or_end(compression: str, recorded: dict[str, Path], tmp_path: Path) -> None:
+    path = rewrite(recorded[".bag"], tmp_path / "x.bag", compression) if compression else recorded[".bag"]
+    content = path.read_bytes()
+    whole = rows(path)
+    begin = content.index(b"index_pos=") + len("index_pos=")
+    (end,) = struct.unpack_from("<Q", content, begin)
+    unclosed = tmp_path / "unclosed.bag"
+    unclosed.write_bytes(content[:begin] + bytes(8) + content[begin + 8 : end])
+    assert rows(unclosed) == whole
+    unclosed.write_bytes(content[:end])
+    assert rows(unclosed) == whole
+    for size in (end - 100, end // 2, end // 5):
+        unclosed.write_bytes(content[:size])
+        result = attempt(unclosed, *SIGNALS)
+        if isinstance(result, SourceError):
+            assert str(unclosed) in str(result)  # nothing of it is there yet
+            continue
+        blocks, notes = result
+        assert any("lost" in note for note in notes)
+        for signal, some in rows_of(blocks).items():
+            assert some == whole[signal][: len(some)]
+
+
+def rows(path: Path) -> dict[str, list[tuple[int, float]]]:
+    return rows_of(list(read_columns(path, SIGNALS)))
+
+
+def rows_of(blocks: list[Block]) -> dict[str, list[tuple[int, float]]]:
+    found: dict[str, list[tuple[int, float]]] = {}
+    for block in blocks:
+        for topic, columns in block.items():
+            for field, column in columns.values.items():
+                found.setdefault(f"{topic}.{field}", []).extend(
+                    zip(columns.received.tolist(), column.tolist(), strict=True)
+                )
+    return found
+
+
+def test_databases_that_are_cut_say_so(recorded: dict[str, Path], tmp_path: Path) -> None:
+    source = recorded[".db3"] / "drive.db3"
+    content = source.read_bytes()
+    whole = rows(source)
+    path = tmp_path / "cut.db3"
+    for kept in (0.2, 0.5, 0.9, 0.99):
+        path.write_bytes(content[: int(len(content) * kept)])
+        result = attempt(path, *SIGNALS)
+        if isinstance(result, SourceError):
+            assert str(path) in str(result)
+            continue
+        blocks, notes = result
+        for signal, some in rows_of(blocks).items():
+            assert set(some) <= set(whole[signal])
+        assert any("lost" in note and "cut short" in note for note in notes)
+
+
+def test_rows_of_any_type(recorded: dict[str, Path], tmp_path: Path) -> None:
+    import shutil
+    import sqlite3
+
+    path = tmp_path / "odd.db3"
+    shutil.copy(recorded[".db3"] / "drive.db3", path)
+    whole = rows(path)
+    with sqlite3.connect(path) as database:
+        for id_, column, value in ((3, "data", "text"), (9, "timestamp", "noon"), (20, "data", 1.5)):
+            database.execute(f"UPDATE messages SET {column} = ? WHERE id = ?", (value, id_))
+    database.close()
+    columns = read_columns(path, SIGNALS)
+    found = rows_of(list(columns))
+    assert sum(map(len, found.values())) < sum(map(len, whole.values()))
+    assert all(set(some) <= set(whole[signal]) for signal, some in found.items())
+
+
+# Definitions
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a_msgs/A again\nfloat64 x",
+        "a_msgs/Missing m\nfloat64 x",
+        "float64 (x",
+        "B b\nfloat64 x\n" + "=" * 80 + "\nMSG: a_msgs/B\nA a\n" + "=" * 80 + "\nMSG: a_msgs/A\nB[] b",
+    ],
+)
+def test_definitions_that_cannot_be_followed(text: str, tmp_path: Path) -> None:
+    from mcap.writer import Writer
+
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start(profile="ros2")
+        schema = writer.register_schema("a_msgs/msg/A", "ros2msg", text.encode())
+        writer.add_message(writer.register_channel("/a", "cdr", schema), T0, b"\0\1\0\0" + bytes(8), T0)
+        writer.add_message(writer.register_channel("/j", "json", schema), T0, b"{}", T0)
+        writer.finish()
+    with pytest.raises(SourceError, match="definition of its type 'a_msgs/msg/A' is missing or damaged"):
+        read_columns(path, ["/a.x"])
+    with pytest.raises(SourceError, match="'/j' is encoded as 'json'; expected cdr or ros1"):
+        read_columns(path, ["/j.x"])
+
+
+# Mutations
+
+
+def kinds(recorded: dict[str, Path], folder: Path) -> dict[str, bytes]:
+    from mcap.writer import CompressionType
+
+    small = {"chunk_size": 2000}
+    rewrite_mcap(recorded[".mcap"], folder / "zstd.mcap", **small)
+    rewrite_mcap(recorded[".mcap"], folder / "lz4.mcap", compression=CompressionType.LZ4, **small)
+    rewrite_mcap(recorded[".mcap"], folder / "plain.mcap", "", compression=CompressionType.NONE, **small)
+    rewrite_mcap(recorded[".mcap"], folder / "loose.mcap", use_chunking=False)
+    rewrite(recorded[".bag"], folder / "bz2.bag", "BZ2")
+    rewrite(recorded[".bag"], folder / "lz4.bag", "LZ4")
+    (folder / "plain.bag").write_bytes(recorded[".bag"].read_bytes())
+    (folder / "plain.db3").write_bytes((recorded[".db3"] / "drive.db3").read_bytes())
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["zstd.mcap", "lz4.mcap", "plain.mcap", "loose.mcap", "bz2.bag", "lz4.bag", "plain.bag", "plain.db3"],
+)
+def test_whatever_bytes_are_damaged(name: str, recorded: dict[str, Path], tmp_path: Path) -> None:
+    """The columns come, or a SourceError of one line does, within seconds; and nothing is made up."""
+    content = kinds(recorded, tmp_path)[name]
+    chance = random.Random(name)
+    path = tmp_path / f"damaged{Path(name).suffix}"
+    read = refused = 0
+    for _ in range(120 if name.endswith(".db3") else 200):
+        damaged = bytearray(content)
+        for _ in range(chance.choice([1, 1, 4, 30])):
+            at = chance.randrange(len(damaged))
+            new = chance.choice([b"\0", b"\xff", b"\xff" * 4, b"\xff" * 8, bytes(8), chance.randbytes(1)])
+            damaged[at : at + len(new)] = new
+        if chance.random() < 0.2:
+            del damaged[chance.randrange(len(damaged)) :]
+        path.write_bytes(damaged)
+        begun = time.monotonic()
+        result = attempt(path, *SIGNALS)
+        assert time.monotonic() - begun < 5
+        if isinstance(result, SourceError):
+            assert "\n" not in str(result)
+            refused += 1
+            continue
+        read += 1
+        for columns in (columns for block in result[0] for columns in block.values()):
+            assert all(len(column) == len(columns.received) for column in columns.values.values())
+            assert np.all(np.diff(columns.received) >= 0)
+    assert read > refused / 4
+    assert refused
