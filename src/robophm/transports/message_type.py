@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 HEADER = "std_msgs/msg/Header"
 """Type of the field ``header`` of messages that are stamped."""
 
+LONGEST_ARRAY = 1000
+"""Strings or messages in a field of fixed length, beyond which a definition is taken to be damaged."""
+
 _NUMBERS = {"bool", "byte", "char", "float32", "float64", "float128"} | {
     f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
 }
@@ -57,11 +60,24 @@ def message_type(connection: Connection) -> MessageType:
 def _compiled_type(name: str, definition: MessageDefinition, encoding: str) -> MessageType:
     """Types are compiled by definition, not by name: two files may define one name differently."""
     store, borrowed = _typestore(name, definition)
+    _check_arrays(store.fielddefs)
     store.get_msgdef(name)  # raises where a part of the definition is missing
     decode = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
     stamped = any(field == "header" and part[1] == HEADER for field, part in store.fielddefs[name][1])
     stamp = attrgetter("header.stamp.sec", "header.stamp.nanosec") if stamped else None
     return MessageType(name, store.fielddefs, encoding == "ros1", partial(decode, typename=name), stamp, borrowed)
+
+
+def _check_arrays(definitions: Typesdict) -> None:
+    """rosbags writes code for each element of an array of strings or messages: a number there can take all memory."""
+    from rosbags.interfaces import Nodetype
+
+    for type_, (_, fields) in definitions.items():
+        for field, (node, detail) in fields:
+            if node == Nodetype.ARRAY:
+                (inner, part), length = cast(tuple[tuple[Any, Any], int], detail)
+                if length > LONGEST_ARRAY and (inner == Nodetype.NAME or part[0] == "string"):
+                    raise ValueError(f"{length} elements in '{field}' of {type_}")
 
 
 def _typestore(name: str, definition: MessageDefinition) -> tuple[Typestore, bool]:

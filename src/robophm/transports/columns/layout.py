@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 MOST_STEPS = 5000
 """Steps beyond which a program would take longer to make than it saves."""
 
+LONGEST_RUN = 1 << 30
+"""Bytes between two steps, beyond which a definition is taken to lie: times any count, they still are an int64."""
+
 _TYPES = {
     "bool": "u1",
     "byte": "i1",
@@ -215,6 +218,8 @@ class _Writer:
 
     def _skip(self, size: int) -> None:
         self.skip += size
+        if self.skip > LONGEST_RUN:
+            raise NotCompilableError
         self.residue = (self.residue + size) % self.modulus
 
     def _write(self, step: Step, modulus: int) -> None:

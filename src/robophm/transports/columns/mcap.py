@@ -204,6 +204,8 @@ class McapFile(ChunkedFile):
                 counted, size = struct.unpack_from("<Q34xI", content)
                 self._counts = dict(struct.iter_unpack("<HQ", content[46 : 46 + size]))
             position += 9 + length
+        if not self._defined().issuperset(self._channels):
+            raise DamageError("no schemas in the summary")
         if not self._channels or not (self.chunks or (self._counts and not counted)):
             raise DamageError("no channels or chunks in the summary")
 
@@ -227,7 +229,7 @@ class McapFile(ChunkedFile):
         for number, chunk in enumerate(self.chunks):
             if not chunk.indices:
                 self.chunks[number] = _unindexed(chunk)
-            if not chunk.indices or chunk.indices.keys() - self._channels.keys():
+            if not chunk.indices or chunk.indices.keys() - self._defined():
                 try:
                     self._scan(unpack(self.content[chunk.start : chunk.end], chunk.compression, chunk.size), 0)
                 except DamageError:
@@ -245,6 +247,10 @@ class McapFile(ChunkedFile):
             self.chunks.append(
                 Chunk(min(first, MOST_TIME), MOST_TIME, behind, start, self.size, "", self.size - start, 0, None)
             )
+
+    def _defined(self) -> set[int]:
+        """The channels whose schema is known, or that have none."""
+        return {id_ for id_, (schema, _, _) in self._channels.items() if not schema or schema in self._schemas}
 
     def _connections(self) -> list[Connection]:
         from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition

@@ -93,9 +93,11 @@ class Elements(Step):
         at.offset = start + count * self.size
         at.expect(at.offset <= at.limit)
         for index, steps in self.wanted.items():
-            some = at.part(np.flatnonzero(count > index), start + index * self.size)
-            for step in steps:
-                step.walk(some)
+            rows = np.flatnonzero(count > index)
+            if len(rows):
+                some = at.part(rows, start + index * self.size)
+                for step in steps:
+                    step.walk(some)
 
 
 @dataclass(frozen=True)
