@@ -1,10 +1,11 @@
-"""A recorded day, read and replayed, against bare decoding of the same topics by rosbags."""
+"""Recordings, read message by message, replayed and as columns, against decoding by rosbags and mcap-ros2."""
 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from robophm.core.signal import split_signal
 from robophm.design.file import load
 from robophm.monitor import replay
 from robophm.stores.memory import MemoryStore
+from robophm.transports.columns import read_columns
 from robophm.transports.source import open_source
 from robophm.transports.synthetic import SyntheticOta
 
@@ -80,3 +82,103 @@ def mcap() -> Iterator[Line]:
 @benchmark
 def bag() -> Iterator[Line]:
     yield from day(".bag")
+
+
+COUNT = 200_000
+TOPIC, FIELD = "/temperature", "temperature"
+
+
+def drive(store: Any, ros1: bool) -> Iterator[tuple[str, str, int, Any]]:
+    """Topic, type, time and message: of four, two temperatures, an IMU and a battery."""
+    types = store.types
+    header_type, time_type = types["std_msgs/msg/Header"], types["builtin_interfaces/msg/Time"]
+    vector, quaternion = types["geometry_msgs/msg/Vector3"], types["geometry_msgs/msg/Quaternion"]
+    zeros, volts = np.zeros(9), np.full(6, 4.2, np.float32)
+    for number in range(COUNT):
+        time = 1_700_000_000 * 10**9 + number * 5_000_000
+        stamp = time_type(time // 10**9, time % 10**9)
+        header = header_type(number, stamp, "base_link") if ros1 else header_type(stamp, "base_link")
+        if number % 2 == 0:
+            type_ = "sensor_msgs/msg/Temperature"
+            yield TOPIC, type_, time, types[type_](header, 20 + np.sin(number), 0.1)
+        elif number % 4 == 1:
+            type_ = "sensor_msgs/msg/Imu"
+            turn, push = vector(0.0, 0.0, 0.1), vector(0.0, 0.0, 9.81)
+            yield "/imu", type_, time, types[type_](header, quaternion(0, 0, 0, 1), zeros, turn, zeros, push, zeros)
+        else:
+            type_ = "sensor_msgs/msg/BatteryState"
+            measured = (24.1, 31.0, -2.0, 5.0, 9.0, 10.0, 0.5)
+            yield "/battery", type_, time, types[type_](header, *measured, 2, 1, 2, True, volts, volts, "slot", "7")
+
+
+def record(path: Path, compression: str = "NONE") -> Path:
+    from mcap.writer import CompressionType
+    from mcap.writer import Writer as McapWriter
+    from rosbags.rosbag1 import Writer as BagWriter
+    from rosbags.rosbag2 import StoragePlugin
+    from rosbags.rosbag2 import Writer as Rosbag2Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    ros1 = path.suffix == ".bag"
+    store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
+    serialize = store.serialize_ros1 if ros1 else store.serialize_cdr
+    known: dict[str, Any] = {}
+    if path.suffix == ".mcap":
+        with path.open("wb") as file:
+            mcap_writer = McapWriter(file, compression=CompressionType[compression])
+            mcap_writer.start(profile="ros2")
+            for topic, type_, time, message in drive(store, ros1):
+                if topic not in known:
+                    definition = store.generate_msgdef(type_, ros_version=2)[0].encode()
+                    schema = mcap_writer.register_schema(type_, "ros2msg", definition)
+                    known[topic] = mcap_writer.register_channel(topic, "cdr", schema)
+                mcap_writer.add_message(known[topic], time, bytes(serialize(message, type_)), time)
+            mcap_writer.finish()
+        return path
+    target = path if ros1 else path.with_suffix("")
+    writer: Any = BagWriter(target) if ros1 else Rosbag2Writer(target, version=9, storage_plugin=StoragePlugin.SQLITE3)
+    with writer:
+        for topic, type_, time, message in drive(store, ros1):
+            if topic not in known:
+                known[topic] = writer.add_connection(topic, type_, typestore=store)
+            writer.write(known[topic], time, serialize(message, type_))
+    return target
+
+
+def column(path: Path) -> Callable[[], Any]:
+    return lambda: np.concatenate([block[TOPIC].values[FIELD] for block in read_columns(path, [f"{TOPIC}.{FIELD}"])])
+
+
+def by_rosbags(path: Path) -> Callable[[], Any]:
+    return lambda: [value(message, FIELD) for _, message in decoded(path, {TOPIC})]
+
+
+def by_mcap_ros2(path: Path) -> Callable[[], Any]:
+    from mcap_ros2.reader import read_ros2_messages
+
+    return lambda: [message.ros_msg.temperature for message in read_ros2_messages(path, topics=[TOPIC])]
+
+
+@benchmark
+def columns() -> Iterator[Line]:
+    work = (
+        ("drive.mcap", "NONE", 1 / 25),
+        ("drive.bag", "NONE", 1 / 25),
+        ("drive.db3", "NONE", 1 / 5),
+        ("zstd.mcap", "ZSTD", 1 / 20),
+        ("lz4.mcap", "LZ4", 1 / 20),
+    )
+    for name, compression, goal in work:
+        with tempfile.TemporaryDirectory() as folder:
+            path = record(Path(folder) / name, compression)
+            ours = column(path)
+            peers = [("rosbags", by_rosbags(path), goal)]
+            if name == "drive.mcap":
+                peers.append(("mcap-ros2", by_mcap_ros2(path), 1 / 60))
+            for peer, theirs, _ in peers:
+                agree(f"the column of {name} and {peer}", ours(), theirs(), 0.0)
+            took, *others = race(ours, *(theirs for _, theirs, _ in peers), rounds=4, at_least=0.0)
+            for (peer, _, expected), alone in zip(peers, others, strict=True):
+                rate = f"{COUNT / took / 1e6:.1f} M messages of the file/s"
+                label = f"one column of {name}" if compression == "NONE" else f"one column of .mcap in {compression}"
+                yield Line(f"{label}, {COUNT:,} messages", took, alone, peer, expected, rate)

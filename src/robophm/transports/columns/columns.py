@@ -128,10 +128,10 @@ def _files(path: Path) -> list[Path]:
 
 
 def _compressed(folder: Path) -> bool:
-    from ruamel.yaml import YAML
+    import yaml
 
-    with reading(folder):
-        metadata = YAML(typ="safe").load((folder / "metadata.yaml").read_text(encoding="utf-8"))
+    with reading(folder), (folder / "metadata.yaml").open(encoding="utf-8") as file:
+        metadata = yaml.load(file, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
         mode = metadata["rosbag2_bagfile_information"].get("compression_mode") or "none"
         return str(mode).lower() != "none"
 

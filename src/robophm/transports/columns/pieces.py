@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import bz2
 import mmap
-import sys
 import zlib
 from abc import ABC, abstractmethod
 from collections import Counter
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
 LARGEST_CHUNK = 1 << 30
 """Bytes of a chunk, unpacked, beyond which its size is taken to be a lie."""
 
-BATCH = 16 << 20
+BATCH = 4 << 20
 """Bytes of the file that are handled at once where they need no unpacking."""
 
 MOST_TIME = 2**63 - 1
@@ -137,12 +136,7 @@ def unpack(content: Bytes, compression: str, size: int) -> Bytes:
 
 def _decompressor(compression: str) -> Callable[[Any, int], bytes]:
     if compression == "zstd":
-        if sys.version_info >= (3, 14):
-            from compression import zstd
-        else:
-            from backports import zstd
-
-        return lambda content, size: zstd.ZstdDecompressor().decompress(content, size + 1)
+        return _unpack_zstd
     if compression == "lz4":
         from lz4.frame import LZ4FrameDecompressor
 
@@ -150,6 +144,14 @@ def _decompressor(compression: str) -> Callable[[Any, int], bytes]:
     if compression == "bz2":
         return lambda content, size: bz2.BZ2Decompressor().decompress(content, size + 1)
     raise DamageError(f"compression '{compression}' is not known")
+
+
+def _unpack_zstd(content: Any, size: int) -> bytes:
+    import zstandard
+
+    if zstandard.frame_content_size(content) not in (-1, size):  # -1: the frame does not say
+        raise DamageError("chunk says that it unpacks to another size")
+    return zstandard.ZstdDecompressor().decompress(content, max_output_size=size)
 
 
 @dataclass(frozen=True)
