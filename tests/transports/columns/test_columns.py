@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND, Sample
@@ -143,6 +144,23 @@ def test_split_recordings_merge(suffix: str, tmp_path: Path) -> None:
     agree(*reversed(paths))
     if suffix != ".db3":
         agree(tmp_path)
+
+
+def test_folders_say_which_of_their_files_is_not_there(tmp_path: Path) -> None:
+    part = SyntheticOta(seed=5, start=T0, duration=8 * SECOND).record(tmp_path / "drive.db3")
+    whole = samples_of(read_columns(part, SIGNALS))
+    metadata = yaml.safe_load((part / "metadata.yaml").read_text())
+    metadata["rosbag2_bagfile_information"]["relative_file_paths"].append("other.db3")
+    (part / "metadata.yaml").write_text(yaml.safe_dump(metadata))
+    columns = read_columns(part, SIGNALS)
+    assert samples_of(columns) == whole
+    assert columns.notes == {f"lost: {part / 'other.db3'} is not there": 1}
+
+
+def test_the_same_recording_twice(recorded: dict[str, Path], tmp_path: Path) -> None:
+    copy = shutil.copy(recorded[".bag"], tmp_path / "copy.bag")
+    with pytest.raises(SourceError, match="are the same recording; expected it once"):
+        read_columns([recorded[".bag"], copy], SIGNALS)
 
 
 def test_blocks_come_in_order_of_receipt(tmp_path: Path, write_messages: Write) -> None:

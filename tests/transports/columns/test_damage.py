@@ -308,7 +308,7 @@ def test_whatever_bytes_are_damaged(name: str, recorded: dict[str, Path], tmp_pa
     chance = random.Random(name)
     path = tmp_path / f"damaged{Path(name).suffix}"
     read = refused = 0
-    for _ in range(250 if name.endswith(".db3") else 120):
+    for _ in range(250 if name.endswith(".db3") else 100):
         damaged = bytearray(content)
         for _ in range(chance.choice([1, 1, 4, 30])):
             at = chance.randrange(len(damaged))

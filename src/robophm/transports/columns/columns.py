@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import pairwise
 from operator import itemgetter
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,7 @@ from robophm.transports.columns.layout import NotCompilableError, compile_fields
 from robophm.transports.columns.pieces import MOST_TIME, Messages, Piece, PiecedFile
 from robophm.transports.columns.walk import Ints, Program
 from robophm.transports.message_type import MessageType, field_getter, message_type
-from robophm.transports.recording import STAMP_LIMIT, parts_of
+from robophm.transports.recording import STAMP_LIMIT, SUFFIXES, parts_of
 from robophm.transports.source import existing, reading
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
@@ -100,7 +100,7 @@ def read_columns(
     notes: Counter[str] = Counter()
     with ExitStack() as stack:
         files = []
-        for part in (part for given in paths for part in _files(existing(Path(given)))):
+        for part in (part for given in paths for part in _files(existing(Path(given)), notes)):
             with reading(part):
                 file = _open(part, notes)
             stack.callback(file.close)
@@ -118,22 +118,20 @@ def read_columns(
         return Columns(_blocks(sources, notes), notes, stack.pop_all())
 
 
-def _files(path: Path) -> list[Path]:
+def _files(path: Path, notes: Counter[str]) -> list[Path]:
     """The files to open; a rosbag2 folder is one where only rosbags can open it."""
-    if path.is_dir() and (path / "metadata.yaml").exists() and not _compressed(path):
-        parts = sorted(part for part in path.iterdir() if part.suffix in (".db3", ".mcap") and part.is_file())
-        if parts:
-            return parts
-    return parts_of(path)
-
-
-def _compressed(folder: Path) -> bool:
+    if not path.is_dir() or not (path / "metadata.yaml").exists():
+        return parts_of(path)
     import yaml
 
-    with reading(folder), (folder / "metadata.yaml").open(encoding="utf-8") as file:
-        metadata = yaml.load(file, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-        mode = metadata["rosbag2_bagfile_information"].get("compression_mode") or "none"
-        return str(mode).lower() != "none"
+    with reading(path), (path / "metadata.yaml").open(encoding="utf-8") as file:
+        metadata = yaml.load(file, getattr(yaml, "CSafeLoader", yaml.SafeLoader))["rosbag2_bagfile_information"]
+        if str(metadata.get("compression_mode") or "none").lower() != "none":
+            return [path]
+        files = [path / PurePath(name).name for name in metadata["relative_file_paths"]]
+    for missing in (file for file in files if not file.is_file()):
+        notes[f"lost: {missing} is not there"] += 1
+    return [file for file in files if file.is_file() and file.suffix in SUFFIXES]
 
 
 def _open(path: Path, notes: Counter[str]) -> PiecedFile:

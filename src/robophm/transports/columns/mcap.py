@@ -5,12 +5,15 @@ Format: mcap.dev/spec. A record is an opcode, a length of eight bytes and its co
 
 from __future__ import annotations
 
+import heapq
 import struct
 import zlib
 from array import array
 from collections import Counter
 from collections.abc import Collection, Iterator
 from dataclasses import replace
+from functools import partial
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -85,15 +88,16 @@ class McapFile(ChunkedFile):
         return min(super().begin(), int(self._loose["time"].min(initial=MOST_TIME)))
 
     def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
-        """Chunks in order of time; or, where there are none, the messages outside."""
-        yield from super().pieces(wanted, start, end)
-        if not self.chunks:
-            loose = self._loose[np.isin(self._loose["channel"], list(wanted))]
-            loose = loose[np.argsort(loose["time"], kind="stable")]
-            sizes = np.cumsum(loose["end"] - loose["start"]) // BATCH
-            for part in np.split(loose, np.flatnonzero(np.diff(sizes)) + 1):
-                if len(part):
-                    yield Piece(int(part["time"][0]), lambda part=part: _by_channel(part, self.content, wanted))  # type: ignore[misc]
+        """Chunks, and what was found outside them, in order of time."""
+        return heapq.merge(super().pieces(wanted, start, end), self._outside(wanted), key=attrgetter("first"))
+
+    def _outside(self, wanted: Collection[int]) -> Iterator[Piece]:
+        loose = self._loose[np.isin(self._loose["channel"], list(wanted))]
+        loose = loose[np.argsort(loose["time"], kind="stable")]
+        sizes = np.cumsum(loose["end"] - loose["start"]) // BATCH
+        for part in np.split(loose, np.flatnonzero(np.diff(sizes)) + 1):
+            if len(part):
+                yield Piece(int(part["time"][0]), partial(_by_channel, part, self.content, wanted))
 
     def index(self, offset: int, connection: int) -> NDArray[Any]:
         """The message index record at this place."""

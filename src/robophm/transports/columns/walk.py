@@ -18,6 +18,9 @@ from numpy.typing import NDArray
 LONGEST_LOOP = 1000
 """Elements of varying size in one sequence, beyond which a message is better decoded by itself."""
 
+MOST_ATTEMPTS = 20
+"""Walks through a batch, each without the messages that did not fit in the one before."""
+
 Ints = NDArray[np.int64]
 Bytes = NDArray[np.uint8]
 
@@ -223,7 +226,7 @@ class Program:
         return numbers
 
     def _run(self, order: str, buffer: Bytes, rows: Ints, origin: Ints, limit: Ints, numbers: Numbers) -> None:
-        while len(rows):
+        for _ in range(MOST_ATTEMPTS):
             at = Position(buffer, everywhere(buffer, order + "u4"), rows, origin, limit, 0, [])
             try:
                 for step in self.steps:
@@ -235,6 +238,7 @@ class Program:
             else:
                 numbers.collect(order, buffer, rows, at.taken)
                 return
+        numbers.doubtful[rows] = True
 
 
 @dataclass(frozen=True)
