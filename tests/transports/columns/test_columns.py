@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import shutil
+import tracemalloc
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -265,6 +267,45 @@ def test_types_that_are_not_compiled_are_decoded_one_by_one(tmp_path: Path, monk
     assert block["/a"].absent["y[1]"].tolist() == [True, True, False, False]
     assert columns.notes["unreadable message on /a"] == 1
     assert columns.notes["a_msgs/msg/A decoded message by message"] == 1
+
+
+@pytest.mark.parametrize("name", ["big.mcap", "big.db3", "big.bag"])
+def test_memory_does_not_grow_with_the_recording(name: str, tmp_path: Path) -> None:
+    """Sixty megabytes of pictures, of which one number each is wanted, in less than a sixth of that."""
+    from mcap.writer import Writer
+    from rosbags.rosbag1 import Writer as BagWriter
+    from rosbags.rosbag2 import StoragePlugin
+    from rosbags.rosbag2 import Writer as Rosbag2Writer
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    text, type_ = "uint8[] picture\nfloat64 x\n", "a_msgs/msg/A"
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(text, type_))
+    made = (store.types[type_](np.zeros(200_000, np.uint8), float(number)) for number in range(300))
+    path = tmp_path / name
+    if name.endswith(".mcap"):
+        with path.open("wb") as file:
+            mcap = Writer(file)
+            mcap.start(profile="ros2")
+            channel = mcap.register_channel("/a", "cdr", mcap.register_schema(type_, "ros2msg", text.encode()))
+            for number, message in enumerate(made):
+                mcap.add_message(channel, T0 + number, bytes(store.serialize_cdr(message, type_)), T0)
+            mcap.finish()
+    else:
+        bag = name.endswith(".bag")
+        writer = BagWriter(path) if bag else Rosbag2Writer(path, version=9, storage_plugin=StoragePlugin.SQLITE3)
+        with writer:
+            connection: Any = writer.add_connection("/a", type_, typestore=store)
+            for number, message in enumerate(made):
+                raw = store.serialize_ros1(message, type_) if bag else store.serialize_cdr(message, type_)
+                writer.write(connection, T0 + number, raw)
+    read_columns(path, ["/a.x"]).close()  # what is imported and compiled at first is not the recording's
+    tracemalloc.start()
+    found = [value for block in read_columns(path, ["/a.x"]) for value in block["/a"].values["x"].tolist()]
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert found == list(range(300))
+    assert peak < 10e6
 
 
 # What there is to ask for
