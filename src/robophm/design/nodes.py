@@ -14,9 +14,6 @@ from contextlib import contextmanager
 from functools import cache, lru_cache
 from typing import Any
 
-WORTHWHILE = 20_000
-"""Letters from which on libyaml saves more time than loading it takes."""
-
 MAX_VALUES = 1_000_000
 """Of a file with its aliases followed: a small file can otherwise unfold to billions."""
 
@@ -56,14 +53,12 @@ def uncollected() -> Iterator[None]:
 @uncollected()
 def compose(text: str) -> Any:
     """The root node of a text, None where it is empty. Raises ruamel.yaml's YAMLError, ValueError, RecursionError."""
-    from ruamel.yaml import YAML
+    try:
+        return quick(text)
+    except Unsure:
+        from ruamel.yaml import YAML
 
-    if len(text) >= WORTHWHILE:
-        try:
-            return quick(text)
-        except Unsure:
-            pass
-    return YAML(typ="safe", pure=True).compose(io.StringIO(text))
+        return YAML(typ="safe", pure=True).compose(io.StringIO(text))
 
 
 class Unsure(Exception):  # noqa: N818  no error: ruamel.yaml has the last word
