@@ -7,10 +7,8 @@ holds, until it is stale; every interval is split exactly where something change
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from operator import attrgetter
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +19,8 @@ from robophm.health.ledger import RECENT, Ledger, Step
 
 Array = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]
+Columns = Mapping[str, tuple[Times, Array]]
+"""Of each signal, times [ns since the epoch] and values."""
 
 
 class Exposure:
@@ -55,17 +55,25 @@ class Exposure:
 
         ``duty`` is the share at which each mode ages meanwhile, where a task is known not to need its part.
         """
+        self.integrate_columns(ledger, columns_of(samples), until, duty)
+
+    def integrate_columns(self, ledger: Ledger, columns: Columns, until: int, duty: Array | None = None) -> None:
+        """The same with what each signal said, its times ascending."""
         duty = np.ones(len(self.modes)) if duty is None else duty
         if ledger.integrated_to is None:
             ledger.integrated_to = ledger.started if ledger.started is not None else until
-        if ledger.integrated_to < until - RECENT:  # a long silence: only its end is recent
-            split = bisect_right(samples, until - RECENT, key=attrgetter("time"))
-            self._integrate(ledger, samples[:split], until - RECENT, duty)
-            samples = samples[split:]
-        self._integrate(ledger, samples, until, duty)
+        recent = until - RECENT
+        if ledger.integrated_to < recent:  # only the end of a long stretch is recent
+            early, late = {}, {}
+            for signal, (times, values) in columns.items():
+                split = int(np.searchsorted(times, recent, side="right"))
+                early[signal], late[signal] = (times[:split], values[:split]), (times[split:], values[split:])
+            self._integrate(ledger, early, recent, duty)
+            columns = late
+        self._integrate(ledger, columns, until, duty)
 
-    def _integrate(self, ledger: Ledger, samples: Sequence[Sample], until: int, duty: Array) -> None:
-        block = _Block(ledger, samples, until, self.robot)
+    def _integrate(self, ledger: Ledger, columns: Columns, until: int, duty: Array) -> None:
+        block = _Block(ledger, columns, until, self.robot)
         n = len(self.modes)
         age, effective, hazard = np.zeros(n), np.zeros(n), np.zeros(n)
         elapsed = {id(clock): clock.elapsed(block) for clock in self.clocks}
@@ -119,7 +127,7 @@ class Exposure:
         """The stress factor ψ of every mode under what is known at the integrated-to time; shape (modes,)."""
         factor = np.ones(len(self.modes))
         if ledger.integrated_to is not None:
-            block = _Block(ledger, (), ledger.integrated_to, self.robot)
+            block = _Block(ledger, {}, ledger.integrated_to, self.robot)
             series = {key: block.series(key, channel) for key, channel in self.channels.items()}
             for group in self.groups:
                 now, _ = group.factor(series, block.ends[:1])
@@ -167,6 +175,16 @@ class Exposure:
         return sorted(old)
 
 
+def columns_of(samples: Iterable[Sample]) -> Columns:
+    """What each signal said, of samples in order of time."""
+    own: dict[str, tuple[list[int], list[float]]] = {}
+    for time, signal, value in samples:
+        times, values = own.setdefault(signal, ([], []))
+        times.append(time)
+        values.append(value)
+    return {signal: (np.array(times, dtype=np.int64), np.array(values)) for signal, (times, values) in own.items()}
+
+
 def channel_key(channel: Channel) -> str:
     """What a channel's last value is kept under: a signal, and what of it is valid."""
     return f"{channel.signal} {channel.scale!r} {channel.offset!r} {channel.low!r} {channel.high!r}"
@@ -208,18 +226,17 @@ _NOTHING: tuple[Times, Array] = np.empty(0, dtype=np.int64), np.empty(0)
 class _Block:
     """The samples of one stretch of time, in nanoseconds from its start."""
 
-    def __init__(self, ledger: Ledger, samples: Sequence[Sample], until: int, robot: Robot) -> None:
+    def __init__(self, ledger: Ledger, columns: Columns, until: int, robot: Robot) -> None:
         self.ledger = ledger
         self.robot = robot
         self.start = ledger.integrated_to if ledger.integrated_to is not None else until
         self.length = until - self.start
         self.ends: Times = np.array([0, self.length], dtype=np.int64)
-        own: dict[str, tuple[list[int], list[float]]] = {}
-        for time, signal, value in samples:
-            times, values = own.setdefault(signal, ([], []))
-            times.append(time - self.start)
-            values.append(value)
-        self.raw = {s: (np.array(t, dtype=np.int64), np.array(v)) for s, (t, v) in own.items() if s != CLOCK}
+        self.raw = {
+            signal: (times - self.start, values)
+            for signal, (times, values) in columns.items()
+            if len(times) and signal != CLOCK
+        }
         self.last: dict[str, tuple[int, tuple[float, ...]]] = {}
         self.rejected: dict[str, npt.NDArray[np.bool_]] = {}
         """Of each signal's samples, whether a channel did not take it."""
