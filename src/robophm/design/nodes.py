@@ -84,8 +84,9 @@ def quick(text: str) -> Node | None:
         from yaml.cyaml import CParser
     except ImportError:
         raise Unsure from None
-    if _ODD.search(text) or not text.endswith("\n"):
+    if _ODD.search(text):
         raise Unsure
+    ends = text.endswith("\n")
     root: Node | None = None
     inside: list[Node] = []
     count = 0
@@ -96,8 +97,9 @@ def quick(text: str) -> Node | None:
                 inside.pop().close(event.end_mark)
             elif isinstance(event, events.NodeEvent):
                 node = _node(event, inside[-1] if inside else None)
-                if node.id == "scalar" and event.style in _BLOCK and not _HEADER.match(text, node.start_mark.index):
-                    raise Unsure
+                if node.id == "scalar" and event.style in _BLOCK:
+                    if not ends or not _HEADER.match(text, node.start_mark.index):
+                        raise Unsure
                 root, count = root or node, count + 1
                 if node.id != "scalar":
                     inside.append(node)
