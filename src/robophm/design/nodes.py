@@ -97,9 +97,9 @@ def quick(text: str) -> Node | None:
                 inside.pop().close(event.end_mark)
             elif isinstance(event, events.NodeEvent):
                 node = _node(event, inside[-1] if inside else None)
-                if node.id == "scalar" and event.style in _BLOCK:
-                    if not ends or not _HEADER.match(text, node.start_mark.index):
-                        raise Unsure
+                lines = node.id == "scalar" and event.style in _BLOCK
+                if lines and not (ends and _HEADER.match(text, node.start_mark.index)):
+                    raise Unsure
                 root, count = root or node, count + 1
                 if node.id != "scalar":
                     inside.append(node)
