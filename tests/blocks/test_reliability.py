@@ -1,6 +1,7 @@
 """Closed forms, sizes and errors."""
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import mpmath
 import numpy as np
@@ -191,3 +192,17 @@ def test_not_a_diagram():
     for kind in (Series, Parallel):
         with pytest.raises(StructureError, match="no blocks"):
             kind()
+
+
+def test_threads_do_not_meet():
+    """One structure asked by many threads at once, of one state and of several, gives what it gives to one."""
+    units = [Unit(f"u{i}") for i in range(60)]
+    pairs = [Parallel(*units[i : i + 2]) for i in range(0, 40, 2)]
+    structure = Structure(Series(*pairs, KOutOfN(4, *units[40:46]), KOutOfN(2, *units[44:50]), *units[50:]))
+    rng = np.random.default_rng(1)
+    asked = [rng.uniform(0.0, 0.2, (60, 1 + i % 3)) for i in range(300)]
+    expected = [structure.state(1 - failed, failed, failed) for failed in asked]
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(lambda failed: structure.state(1 - failed, failed, failed), asked))
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_array_equal(one, other)

@@ -14,9 +14,6 @@ from contextlib import contextmanager
 from functools import cache, lru_cache
 from typing import Any
 
-WORTHWHILE = 20_000
-"""Letters from which on libyaml saves more time than loading it takes."""
-
 MAX_VALUES = 1_000_000
 """Of a file with its aliases followed: a small file can otherwise unfold to billions."""
 
@@ -56,14 +53,12 @@ def uncollected() -> Iterator[None]:
 @uncollected()
 def compose(text: str) -> Any:
     """The root node of a text, None where it is empty. Raises ruamel.yaml's YAMLError, ValueError, RecursionError."""
-    from ruamel.yaml import YAML
+    try:
+        return quick(text)
+    except Unsure:
+        from ruamel.yaml import YAML
 
-    if len(text) >= WORTHWHILE:
-        try:
-            return quick(text)
-        except Unsure:
-            pass
-    return YAML(typ="safe", pure=True).compose(io.StringIO(text))
+        return YAML(typ="safe", pure=True).compose(io.StringIO(text))
 
 
 class Unsure(Exception):  # noqa: N818  no error: ruamel.yaml has the last word
@@ -89,8 +84,9 @@ def quick(text: str) -> Node | None:
         from yaml.cyaml import CParser
     except ImportError:
         raise Unsure from None
-    if _ODD.search(text) or not text.endswith("\n"):
+    if _ODD.search(text):
         raise Unsure
+    ends = text.endswith("\n")
     root: Node | None = None
     inside: list[Node] = []
     count = 0
@@ -101,7 +97,8 @@ def quick(text: str) -> Node | None:
                 inside.pop().close(event.end_mark)
             elif isinstance(event, events.NodeEvent):
                 node = _node(event, inside[-1] if inside else None)
-                if node.id == "scalar" and event.style in _BLOCK and not _HEADER.match(text, node.start_mark.index):
+                lines = node.id == "scalar" and event.style in _BLOCK
+                if lines and not (ends and _HEADER.match(text, node.start_mark.index)):
                     raise Unsure
                 root, count = root or node, count + 1
                 if node.id != "scalar":

@@ -7,10 +7,8 @@ holds, until it is stale; every interval is split exactly where something change
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from operator import attrgetter
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +19,8 @@ from robophm.health.ledger import RECENT, Ledger, Step
 
 Array = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]
+Columns = Mapping[str, tuple[Times, Array]]
+"""Of each signal, times [ns since the epoch] and values."""
 
 
 class Exposure:
@@ -55,26 +55,35 @@ class Exposure:
 
         ``duty`` is the share at which each mode ages meanwhile, where a task is known not to need its part.
         """
+        self.integrate_columns(ledger, columns_of(samples), until, duty)
+
+    def integrate_columns(self, ledger: Ledger, columns: Columns, until: int, duty: Array | None = None) -> None:
+        """The same with what each signal said, its times ascending."""
         duty = np.ones(len(self.modes)) if duty is None else duty
         if ledger.integrated_to is None:
             ledger.integrated_to = ledger.started if ledger.started is not None else until
-        if ledger.integrated_to < until - RECENT:  # a long silence: only its end is recent
-            split = bisect_right(samples, until - RECENT, key=attrgetter("time"))
-            self._integrate(ledger, samples[:split], until - RECENT, duty)
-            samples = samples[split:]
-        self._integrate(ledger, samples, until, duty)
+        recent = until - RECENT
+        if ledger.integrated_to < recent:  # only the end of a long stretch is recent
+            early, late = {}, {}
+            for signal, (times, values) in columns.items():
+                split = int(np.searchsorted(times, recent, side="right"))
+                early[signal], late[signal] = (times[:split], values[:split]), (times[split:], values[split:])
+            self._integrate(ledger, early, recent, duty)
+            columns = late
+        self._integrate(ledger, columns, until, duty)
 
-    def _integrate(self, ledger: Ledger, samples: Sequence[Sample], until: int, duty: Array) -> None:
-        block = _Block(ledger, samples, until, self.robot)
+    def _integrate(self, ledger: Ledger, columns: Columns, until: int, duty: Array) -> None:
+        block = _Block(ledger, columns, until, self.robot)
         n = len(self.modes)
         age, effective, hazard = np.zeros(n), np.zeros(n), np.zeros(n)
         elapsed = {id(clock): clock.elapsed(block) for clock in self.clocks}
         series = {key: block.series(key, channel) for key, channel in self.channels.items()}
         for group in self.groups:
             clock = elapsed[id(group.clock)]
-            edges = block.edges(series[key] for key in group.channel_keys)
-            steps = np.diff(clock(edges))
-            factor, outside = group.factor(series, edges[:-1])
+            edges, begins = block.edges(group.channel_keys, series)
+            gone = clock(edges)
+            steps = np.diff(gone)
+            factor, outside = group.factor(series, begins)
             age[group.members] = clock(block.ends)[1]
             effective[group.members] = age[group.members] if factor is None else np.sum(factor * steps)
             if factor is not None and np.any(outside):
@@ -83,8 +92,7 @@ class Exposure:
             for i in group.members:
                 if self._by_hazard[i]:
                     start = self._initial(ledger, i) + ledger.age.high[i] + ledger.age.low[i]
-                    gone = duty[i] * clock(edges[:-1])
-                    increments = self.modes[i].life.increment(start + gone, duty[i] * steps)
+                    increments = self.modes[i].life.increment(start + duty[i] * gone[:-1], duty[i] * steps)
                     hazard[i] = np.sum(increments if factor is None else factor * increments)
         operating = float(block.operating(block.ends)[1]) / HOUR
         for total, more in ((ledger.age, duty * age), (ledger.effective, duty * effective), (ledger.hazard, hazard)):
@@ -93,12 +101,12 @@ class Exposure:
         ledger.clocks.add(np.array([operating, block.length / HOUR, *counted]))
         inputs = {}
         for key, values in series.items():
-            edges = block.edges([values])
-            on, fresh = np.diff(block.operating(edges)), values.fresh(edges[:-1])
+            edges, begins = block.edges((key,), series)
+            on, (index, fresh) = np.diff(block.operating(edges)), values.holds(begins)
             if (nanoseconds := round(float(on[~fresh].sum()))) > 0:
                 ledger.stale[key] += nanoseconds
             if fresh.any():
-                heard = values.values[values.index(edges[:-1])[fresh]]
+                heard = values.values[index[fresh]]
                 inputs[key] = float(np.sum(heard * on[fresh])), float(np.sum(on[fresh]))
         ledger.remember(Step(until, block.length / HOUR, operating, age, effective, inputs))
         block.close(ledger)
@@ -119,7 +127,7 @@ class Exposure:
         """The stress factor ψ of every mode under what is known at the integrated-to time; shape (modes,)."""
         factor = np.ones(len(self.modes))
         if ledger.integrated_to is not None:
-            block = _Block(ledger, (), ledger.integrated_to, self.robot)
+            block = _Block(ledger, {}, ledger.integrated_to, self.robot)
             series = {key: block.series(key, channel) for key, channel in self.channels.items()}
             for group in self.groups:
                 now, _ = group.factor(series, block.ends[:1])
@@ -167,6 +175,16 @@ class Exposure:
         return sorted(old)
 
 
+def columns_of(samples: Iterable[Sample]) -> Columns:
+    """What each signal said, of samples in order of time."""
+    own: dict[str, tuple[list[int], list[float]]] = {}
+    for time, signal, value in samples:
+        times, values = own.setdefault(signal, ([], []))
+        times.append(time)
+        values.append(value)
+    return {signal: (np.array(times, dtype=np.int64), np.array(values)) for signal, (times, values) in own.items()}
+
+
 def channel_key(channel: Channel) -> str:
     """What a channel's last value is kept under: a signal, and what of it is valid."""
     return f"{channel.signal} {channel.scale!r} {channel.offset!r} {channel.low!r} {channel.high!r}"
@@ -177,6 +195,15 @@ def _key(clock: MeasuredClock, signal: str) -> str:
     return f"{clock.kind} {signal}"
 
 
+def _ascending(times: Times) -> Times:
+    """Each time once, ascending. Runs that ascend are merged: np.unique() would look up every one in a table."""
+    if len(times) < 2:
+        return times
+    ordered = np.sort(times, kind="stable")
+    each: Times = ordered[np.append(True, ordered[1:] != ordered[:-1])]
+    return each
+
+
 class _Series:
     """The valid values of one channel in a block, with the one carried in; in the model's unit."""
 
@@ -184,15 +211,15 @@ class _Series:
         self.times = times
         self.values = values
         self.max_age = max_age
+        self._asked: tuple[Times, npt.NDArray[np.intp], npt.NDArray[np.bool_]] | None = None
 
-    def index(self, at: Times) -> npt.NDArray[np.intp]:
-        """Which value was the last at each time; −1 before the first."""
-        return np.searchsorted(self.times, at, side="right") - 1
-
-    def fresh(self, at: Times) -> npt.NDArray[np.bool_]:
-        """Whether the last value still holds at each time."""
-        index = self.index(at)
-        return (index >= 0) & (at - self.times[index] < self.max_age) if len(self.times) else index >= 0
+    def holds(self, at: Times) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.bool_]]:
+        """Which value was the last at each time, −1 before the first, and whether it still holds."""
+        if self._asked is None or self._asked[0] is not at:  # the same times are asked about again and again
+            index = np.searchsorted(self.times, at, side="right") - 1
+            fresh = (index >= 0) & (at - self.times[index] < self.max_age) if len(self.times) else index >= 0
+            self._asked = at, index, fresh
+        return self._asked[1:]
 
     def changes(self) -> Times:
         """The times at which the value, or whether there is one, may change."""
@@ -208,19 +235,19 @@ _NOTHING: tuple[Times, Array] = np.empty(0, dtype=np.int64), np.empty(0)
 class _Block:
     """The samples of one stretch of time, in nanoseconds from its start."""
 
-    def __init__(self, ledger: Ledger, samples: Sequence[Sample], until: int, robot: Robot) -> None:
+    def __init__(self, ledger: Ledger, columns: Columns, until: int, robot: Robot) -> None:
         self.ledger = ledger
         self.robot = robot
         self.start = ledger.integrated_to if ledger.integrated_to is not None else until
         self.length = until - self.start
         self.ends: Times = np.array([0, self.length], dtype=np.int64)
-        own: dict[str, tuple[list[int], list[float]]] = {}
-        for time, signal, value in samples:
-            times, values = own.setdefault(signal, ([], []))
-            times.append(time - self.start)
-            values.append(value)
-        self.raw = {s: (np.array(t, dtype=np.int64), np.array(v)) for s, (t, v) in own.items() if s != CLOCK}
+        self.raw = {
+            signal: (times - self.start, values)
+            for signal, (times, values) in columns.items()
+            if len(times) and signal != CLOCK
+        }
         self.last: dict[str, tuple[int, tuple[float, ...]]] = {}
+        self._edges: dict[tuple[str, ...], tuple[Times, Times]] = {}
         self.rejected: dict[str, npt.NDArray[np.bool_]] = {}
         """Of each signal's samples, whether a channel did not take it."""
         self.operating = self._operating()
@@ -252,16 +279,19 @@ class _Block:
         self.carry(key, times, values)
         return _Series(times, channel.scale * values + channel.offset, channel.max_age)
 
-    def edges(self, series: Iterable[_Series]) -> Times:
-        """Both ends, and every change in between, ascending."""
-        changes = np.concatenate([self.ends, *(one.changes() for one in series)])
-        return np.unique(changes[(changes >= 0) & (changes <= self.length)])
+    def edges(self, keys: tuple[str, ...], series: Mapping[str, _Series]) -> tuple[Times, Times]:
+        """Both ends, and every change of these in between, ascending; and all but the last."""
+        if keys not in self._edges:
+            changes = np.concatenate([self.ends, *(series[key].changes() for key in keys)])
+            edges = _ascending(changes[(changes >= 0) & (changes <= self.length)])
+            self._edges[keys] = edges, edges[:-1]
+        return self._edges[keys]
 
     def _operating(self) -> _Elapsed:
         """Nanoseconds that the robot was on: as its powered signal says, or else heard within max_gap."""
         gap = self.robot.max_gap
         heard = (
-            np.unique(np.concatenate([times for times, _ in self.raw.values()])) if self.raw else np.empty(0, np.int64)
+            _ascending(np.concatenate([times for times, _ in self.raw.values()])) if self.raw else np.empty(0, np.int64)
         )
         if self.ledger.heard is not None:
             heard = np.append(min(self.ledger.heard - self.start, heard[0] if len(heard) else self.length), heard)
@@ -275,7 +305,7 @@ class _Block:
             self.carry(self.robot.powered, *power)
             changes.append(power[0])
         every = np.concatenate(changes)
-        edges = np.unique(every[(every >= 0) & (every <= self.length)])
+        edges = _ascending(every[(every >= 0) & (every <= self.length)])
         index = np.searchsorted(heard, edges[:-1], side="right") - 1
         on = (index >= 0) & (edges[:-1] - heard[index] < gap) if len(heard) else index >= 0
         if power is not None and len(power[0]):
@@ -337,7 +367,7 @@ class _Clock:
         coordinates = [block.signal(signal, _key(measured, signal)) for signal in measured.signals]
         for signal, (times, values) in zip(measured.signals, coordinates, strict=True):
             block.carry(_key(measured, signal), times, values)
-        when = np.unique(np.concatenate([times for times, _ in coordinates]))
+        when = _ascending(np.concatenate([times for times, _ in coordinates]))
         first = max((int(times[0]) if len(times) else block.length for times, _ in coordinates), default=0)
         when = when[when >= first]
         squares = np.zeros(max(len(when) - 1, 0))
@@ -367,11 +397,11 @@ class _Clock:
         times, values = block.signal(measured.signals[0], key)
         block.carry(key, times, values)
         series = _Series(times, np.abs(values), measured.max_age)
-        edges = np.unique(np.concatenate((block.edges([series]), block.operating.edges)))
+        edges = _ascending(np.concatenate((block.edges((key,), {key: series})[0], block.operating.edges)))
         operating = np.diff(block.operating(edges))
         rate = np.full(len(operating), self.usage / HOUR)  # silence is not standstill: the design's usage holds
-        fresh = series.fresh(edges[:-1])
-        rate[fresh] = series.values[series.index(edges[:-1])[fresh]] * measured.scale * 1e-3 / SECOND
+        index, fresh = series.holds(edges[:-1])
+        rate[fresh] = series.values[index[fresh]] * measured.scale * 1e-3 / SECOND
         silence = round(float(operating[~fresh].sum()))
         if silence:
             block.ledger.stale[measured.signals[0]] += silence
@@ -411,7 +441,7 @@ class _Input:
         return _Input(name, channel_key(channel), channel.stale, nominal, worst)
 
     def observed(self, series: _Series, at: Times) -> Array:
-        index, fresh = series.index(at), series.fresh(at)
+        index, fresh = series.holds(at)
         if self.stale == "hold":
             fresh = index >= 0
         silent = self.worst if self.stale == "worst" else self.nominal
@@ -429,8 +459,8 @@ class _Group:
     members: list[int]
 
     @property
-    def channel_keys(self) -> Iterator[str]:
-        return (one.key for _, inputs in self.stresses for one in inputs)
+    def channel_keys(self) -> tuple[str, ...]:
+        return tuple(one.key for _, inputs in self.stresses for one in inputs)
 
     def factor(self, series: Mapping[str, _Series], at: Times) -> tuple[Array | None, npt.NDArray[np.bool_]]:
         """ψ at the given times, None where nothing is measured; and where a model's range is left."""

@@ -304,7 +304,7 @@ class Outlook:
         system = self.plant.system(diagram)
         known = system.of_groups(self.known(system, system.needed))[:, None]
         hazard, groups = self.along(system, future or self.course), self.groups_along(system, future or self.course)
-        failed, works = -np.expm1(-known), np.exp(-known)
+        failed, works, all_work = -np.expm1(-known), np.exp(-known), not known.any()
 
         def some(hours: Array) -> tuple[Array, Array]:
             added = hazard(hours)[..., 0]
@@ -312,7 +312,7 @@ class Outlook:
                 added = np.concatenate((added, groups(hours)))
             added = -system.of_rows(added)
             fails, survives = -np.expm1(added), np.exp(added)
-            if not known.any():  # all work: what fails is what fails from now on
+            if all_work:  # what fails is what fails from now on
                 works_then, failed_then = system.structure.probability(survives, fails)
                 return failed_then, works_then
             return system.structure.transition(failed, works * fails, works * survives).given_works()
