@@ -52,7 +52,7 @@ def what_if(parts: int, rounds: int, goal: float) -> Iterator[Line]:
     structure = Structure(twin.robot.diagram)
     moment, row = structure.moment(), [twin.names.index(name) for name in structure.names]
     age = ages(parts, 1)
-    state = dict(zip(twin.names, age.tolist(), strict=True))
+    state = twin.state(age)
     works = np.array([float(twin.models[name].sf(MISSION + state[name])) for name in twin.names])
     works /= np.array([float(twin.models[name].sf(state[name])) for name in twin.names])
     moment.set(works[row], 1 - works[row], 1 - works[row])

@@ -41,6 +41,10 @@ class Twins:
     junctions: tuple[str, ...]
     """Where the peer's lines meet; they never fail."""
 
+    def state(self, age: np.ndarray) -> dict[str, float]:
+        """Ages of the parts as the peer's live calls take them."""
+        return dict(zip(self.names, age.tolist(), strict=True))
+
     def system(self, works: Any) -> np.ndarray:
         """The peer's reliability of the system from that of its parts, shape (parts, ...)."""
         given = dict(zip(self.names, works, strict=True)) | dict.fromkeys(self.junctions, np.ones_like(works[0]))

@@ -7,16 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from benchmarks import Line, agree, benchmark, race
-from benchmarks.designs import MISSION, Twins, ages, twins
+from benchmarks.designs import MISSION, ages, twins
 from robophm.health.fleet import Fleet
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed, nominal_outlook
 
 PEER = "RePyability"
-
-
-def state(twin: Twins, age: np.ndarray) -> dict[str, float]:
-    return dict(zip(twin.names, age.tolist(), strict=True))
 
 
 def tick(parts: int, rounds: int, goal: float) -> Iterator[Line]:
@@ -31,13 +27,13 @@ def tick(parts: int, rounds: int, goal: float) -> Iterator[Line]:
         return float(fleet(age).ahead(diagram, MISSION)[1][0])
 
     def theirs(age: np.ndarray) -> float:
-        return float(twin.rbd.sf_given_state(MISSION, state(twin, age)))
+        return float(twin.rbd.sf_given_state(MISSION, twin.state(age)))
 
     def our_hazard(age: np.ndarray) -> float:
         return float(fleet(age).hazard_rate(diagram)[0])
 
     def their_hazard(age: np.ndarray) -> float:
-        now = state(twin, age)
+        now = twin.state(age)
         weight = twin.rbd.importances_given_state(0.0, now)["birnbaum"]
         return sum(weight[name] * float(np.squeeze(twin.models[name].hf(now[name]))) for name in twin.names)
 
@@ -77,7 +73,7 @@ def curve_after_a_tick() -> Iterator[Line]:
     twin = twins(10_000)
     plant, diagram = Plant(twin.robot), twin.robot.diagram
     age, hours = ages(10_000, 5), np.linspace(1.0, 640.0, 64)
-    now = state(twin, age)
+    now = twin.state(age)
 
     def ours() -> np.ndarray:
         return nominal_outlook(plant, age).curve(diagram)(hours)[1]
@@ -142,7 +138,7 @@ def fleet() -> Iterator[Line]:
 
     def one_by_one() -> list[float]:
         """Twenty of them."""
-        return [float(twin.rbd.sf_given_state(MISSION, state(twin, age[:, robot]))) for robot in range(20)]
+        return [float(twin.rbd.sf_given_state(MISSION, twin.state(age[:, robot]))) for robot in range(20)]
 
     def side_by_side() -> np.ndarray:
         """By the peer's path for arrays: what its lives give for all robots, then the system once."""
@@ -163,7 +159,7 @@ def mean_life() -> Iterator[Line]:
     twin = twins(100)
     plant, diagram = Plant(twin.robot), twin.robot.diagram
     age = ages(100, 7)
-    now = state(twin, age)
+    now = twin.state(age)
 
     def ours() -> float:
         return nominal_outlook(plant, age).mean_remaining_life(diagram)

@@ -27,7 +27,7 @@ DRAWS = 10_000
 
 def of_peer(twin: Twins, age: np.ndarray) -> tuple[float, float, float]:
     """Survival since new, hazard rate now [1/h] and completion of the mission, by public calls of the peer."""
-    state = dict(zip(twin.names, age.tolist(), strict=True))
+    state = twin.state(age)
     new = [twin.models[name].sf(state[name]) for name in twin.names]
     weight = twin.rbd.importances_given_state(0.0, state)["birnbaum"]
     hazard = sum(weight[name] * float(np.squeeze(twin.models[name].hf(state[name]))) for name in twin.names)
@@ -46,7 +46,7 @@ def tick(parts: int) -> Iterator[Line]:
         return of_task(nominal_outlook(plant, age), task).probability
 
     def given_state(age: np.ndarray) -> float:
-        return float(twin.rbd.sf_given_state(MISSION, dict(zip(twin.names, age.tolist(), strict=True))))
+        return float(twin.rbd.sf_given_state(MISSION, twin.state(age)))
 
     for moment in range(5):
         age = ages(parts, moment)
@@ -109,7 +109,7 @@ def phased_mission() -> Iterator[Line]:
 def remaining_life() -> Iterator[Line]:
     twin = twins(100)
     plant, age = Plant(twin.robot), ages(100, 7)
-    state = dict(zip(twin.names, age.tolist(), strict=True))
+    state = twin.state(age)
 
     def quantiles() -> list[float]:
         """Nothing but the three, as the peer's call gives them one by one."""

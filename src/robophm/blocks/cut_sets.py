@@ -10,7 +10,7 @@ import heapq
 import math
 from collections.abc import Iterator
 from itertools import count
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,6 +25,8 @@ from robophm.core.errors import StructureError
 MOST_PENDING = 1_000_000
 """Sets begun while others are listed: beyond, the search is given up."""
 
+
+_Number = TypeVar("_Number", int, float)
 
 _Cost = tuple[int, int]
 """Of a set or a part of one: its units where they are what counts, else 0; and −log of its probability, in 1e-12.
@@ -77,13 +79,7 @@ class MinimalSets:
 
     def count(self) -> int:
         """How many there are."""
-        counts: list[int] = [1] * self._modular.events
-        for part in self._parts:
-            of = {FALSE: 0, TRUE: 1}
-            for g in part.nodes:
-                of[g] = of[part.table.high[g]] * counts[part.rows[part.table.level[g]]] + of[part.table.low[g]]
-            counts.append(of[part.root])
-        return counts[-1]
+        return self._summed([1] * self._modular.events)
 
     def count_by_order(self, most: int) -> list[int]:
         """How many there are of 1, 2, … ``most`` units."""
@@ -102,13 +98,16 @@ class MinimalSets:
 
     def mass(self, probability: ArrayLike) -> float:
         """Sum of their probabilities, from those of the events, shape (events,): no less than that of the top."""
-        p = [float(one) for one in self._probabilities(probability)]
+        return float(self._summed([float(one) for one in self._probabilities(probability)]))
+
+    def _summed(self, of_rows: list[_Number]) -> _Number:
+        """Over all sets, the product of their events' numbers: what each event has, then each module."""
         for part in self._parts:
-            of = {FALSE: 0.0, TRUE: 1.0}
+            of: dict[int, Any] = {FALSE: 0, TRUE: 1}
             for g in part.nodes:
-                of[g] = of[part.table.high[g]] * p[part.rows[part.table.level[g]]] + of[part.table.low[g]]
-            p.append(of[part.root])
-        return p[-1]
+                of[g] = of[part.table.high[g]] * of_rows[part.rows[part.table.level[g]]] + of[part.table.low[g]]
+            of_rows.append(of[part.root])
+        return of_rows[-1]
 
     def likeliest(self, probability: ArrayLike) -> Iterator[MinimalSet]:
         """All of them, one after the other, those of the highest probability first; none that is impossible."""

@@ -13,13 +13,12 @@ import numpy.typing as npt
 from robophm.blocks.cut_sets import MinimalSets
 from robophm.blocks.diagram import Block, Unit
 from robophm.blocks.fault_tree import FaultTree
-from robophm.cli.output import console, print_json, print_table, table, write
+from robophm.cli.output import console, estimate_text, print_json, print_table, table, write
 from robophm.core.errors import RobophmError, StructureError, nearest
 from robophm.design.open_psa import Model, load
 from robophm.design.open_psa.as_design import as_design
 from robophm.design.open_psa.writing import document
 from robophm.design.robot import Robot
-from robophm.groups.monte_carlo import simulate_tree
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.health.report import plain
@@ -136,16 +135,17 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
 
 def estimated(system: System, samples: int, seed: int, to: Path | None, *, as_json: bool) -> None:
     """State how often the top event occurred in so many samples of the basic events."""
+    from robophm.groups.monte_carlo import simulate_tree
+
     if to:
         raise RobophmError("--monte-carlo only estimates; ask for the file of --to apart")
     found = simulate_tree(system.tree, system.occurred.tolist(), samples, seed=seed)
     if as_json:
         print_json({"top_event": system.name, "when": system.when, "seed": seed, **asdict(found)})
         return
-    low, high = (f"{one:.6g}" for one in (found.low, found.high))
     console().print(
-        f"{system.name}, {system.when}: occurs with {found.probability:.6g}, with 95 % confidence between {low} "
-        f"and {high} ({found.samples:,} samples)", markup=False, soft_wrap=True
+        f"{system.name}, {system.when}: occurs with {estimate_text(found)} ({found.samples:,} samples)",
+        markup=False, soft_wrap=True,
     )  # fmt: skip
 
 

@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from rich.cells import cell_len
 from rich.console import Console
@@ -19,6 +19,9 @@ from robophm.core.errors import RobophmError
 from robophm.health.report import HealthReport
 from robophm.health.uncertainty import Interval
 from robophm.report.words import duration_text, number_text, percent_text, probability_text, rate_text
+
+if TYPE_CHECKING:
+    from robophm.groups.monte_carlo import Estimate
 
 SCHEMA_VERSION = 1
 """Of what ``--json`` prints; each document says it."""
@@ -188,3 +191,8 @@ def write(path: Path, text: str) -> None:
         write_atomically(path, text)
     except OSError as error:
         raise RobophmError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def estimate_text(found: Estimate) -> str:
+    """What was met by chance, and within which it lies."""
+    return f"{found.probability:.6g}, with 95 % confidence between {found.low:.6g} and {found.high:.6g}"

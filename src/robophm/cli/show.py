@@ -10,7 +10,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from robophm.cli.output import console, may_write, print_json, print_table, table, write
+from robophm.cli.output import console, estimate_text, may_write, print_json, print_table, table, write
 from robophm.core.errors import UnitError
 from robophm.design.file import load
 from robophm.design.legacy import legacy_rate, legacy_reliability
@@ -128,10 +128,9 @@ def estimated(design: Path, hours: float, robots: int, seed: int, svg: Path | No
     if as_json:
         print_json({"robot": robot.name, "hours": hours, "seed": seed, **asdict(by_chance)})
         return
-    low, high = (f"{one:.6g}" for one in (by_chance.low, by_chance.high))
     console().print(
-        f"{robot.name}, new, nominal: R({hours:g} h) = {by_chance.probability:.6g}, with 95 % confidence "
-        f"between {low} and {high} ({by_chance.samples:,} simulated)", markup=False, soft_wrap=True
+        f"{robot.name}, new, nominal: R({hours:g} h) = {estimate_text(by_chance)} ({by_chance.samples:,} simulated)",
+        markup=False, soft_wrap=True,
     )  # fmt: skip
 
 

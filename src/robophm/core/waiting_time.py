@@ -43,46 +43,42 @@ def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike, *, tole
     """
     target = _log_hazard(*(np.ravel(np.asarray(p, dtype=float)) for p in (fails, survives)))
 
-    def bracketed(decades: Array) -> tuple[Array, npt.NDArray[np.intp], Array, Array]:
-        """Where the curve passes each target, and how far it is from all of them at each time."""
-        grid = np.log(10.0) * decades
-        table = _of_curve(*curve(np.exp(grid)))[:, None] - target
-        return grid, np.argmax(table >= 0, axis=0), table, (table[0] < 0) & (table[-1] >= 0)
+    def logs(grid: Array) -> Array:
+        return _of_curve(*curve(np.exp(grid)))[:, None]
 
-    # Its logarithm against that of time, a cumulative hazard is nearly straight: a decade is near enough to start at.
-    grid, first, table, found = bracketed(_USUAL)
-    if not found.all():
-        grid, first, table, found = bracketed(_DECADES)
-    result = np.where(table[0] >= 0, 0.0, math.inf)
-    todo = np.flatnonzero(found)
-    if len(todo):
-        low, high, wanted = first[todo] - 1, first[todo], target[todo]
-
-        def above(x: Array) -> Array:
-            return _of_curve(*curve(np.exp(x))) - wanted
-
-        result[todo] = np.exp(_roots(above, grid[low], grid[high], table[low, todo], table[high, todo], tolerance))
-    return result.reshape(np.shape(fails))
+    return _times(curve, logs, target, tolerance).reshape(np.shape(fails))
 
 
 def times_of_many(curve: Curve, fails: Array, survives: Array, *, tolerance: float = 1e-12) -> Array:
     """The same of many, each with its own curve: ``curve`` takes a time of each and gives the probabilities of each."""
-    target = _log_hazard(fails, survives)
-    grid = low = high = below = above = np.empty(0)
-    passed = np.zeros(len(target), dtype=bool)
+
+    def logs(grid: Array) -> Array:
+        return np.array([_of_curve(*curve(np.full(len(fails), time))) for time in np.exp(grid)])
+
+    return _times(curve, logs, _log_hazard(fails, survives), tolerance)
+
+
+def _times(curve: Curve, logs: Callable[[Array], Array], target: Array, tolerance: float) -> Array:
+    """When the logarithm of the cumulative hazard reaches each target; ``logs`` gives it at all of some ln t.
+
+    Against the logarithm of time it is nearly straight: a decade is near enough to start at.
+    """
+    grid, table, found = _DECADES, np.empty(0), np.zeros(len(target), dtype=bool)
     for decades in (_USUAL, _DECADES):
         grid = np.log(10.0) * decades
-        table = np.array([_of_curve(*curve(np.full(len(target), time))) for time in np.exp(grid)]) - target
-        first, passed = np.argmax(table >= 0, axis=0), table[0] >= 0
-        found = ~passed & (table[-1] >= 0)
-        every = np.arange(len(target))
-        low, high, below, above = grid[first - 1], grid[first], table[first - 1, every], table[first, every]
+        table = logs(grid) - target
+        found = (table[0] < 0) & (table[-1] >= 0)
         if found.all():
             break
-    # What is not found has a bracket of nothing, where the search ends at once.
-    low, high = np.where(found, low, 0.0), np.where(found, high, 0.0)
-    times = np.exp(_roots(lambda x: _of_curve(*curve(np.exp(x))) - target, low, high, below, above, tolerance))
-    return np.where(found, times, np.where(passed, 0.0, math.inf))
+    result = np.where(table[0] >= 0, 0.0, math.inf)
+    if found.any():
+        first, every = np.argmax(table >= 0, axis=0), np.arange(len(target))
+        # What is not found has a bracket of nothing, where the search ends at once.
+        low, high = np.where(found, grid[first - 1], 0.0), np.where(found, grid[first], 0.0)
+        below, above = table[first - 1, every], table[first, every]
+        times = np.exp(_roots(lambda x: _of_curve(*curve(np.exp(x))) - target, low, high, below, above, tolerance))
+        result = np.where(found, times, result)
+    return result
 
 
 def _log_hazard(fails: Array, survives: Array) -> Array:

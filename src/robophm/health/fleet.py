@@ -14,7 +14,7 @@ from robophm.blocks.reliability import State
 from robophm.core.errors import DesignError
 from robophm.core.waiting_time import Curve, time_at, times_of_many
 from robophm.health.plant import Plant, System
-from robophm.health.prognosis import Outlook, finite, infinite, nominal_outlook
+from robophm.health.prognosis import Outlook, finite, infinite, nominal_outlook, steady_pace
 
 Array = npt.NDArray[np.float64]
 _Number = TypeVar("_Number", bound=np.generic)
@@ -195,24 +195,14 @@ class Fleet:
 
     def _curve(self, system: System, turn: Robots) -> Curve:
         """P(fails within hours), and P(survives them), each robot its own; given that the system works now."""
-        m, by_age = system.modes, self.plant.by_age[system.modes][:, None]
-        known = system.of_groups(self._known(system, turn))
+        m = system.modes
+        ahead = system.given(system.of_groups(self._known(system, turn)))
         age, advance, effective = (_of(one, m, turn) for one in (self.age, self.advance, self.effective))
-        pace, weight = np.where(by_age, effective, advance), None
-        if not by_age.all():
-            weight = np.divide(effective, advance, out=np.ones_like(advance), where=~by_age & (advance > 0))
-        failed, works, fresh = -np.expm1(-known), np.exp(-known), not known.any()
+        pace, weight = steady_pace(self.plant.by_age[m, None], advance, effective)
 
         def curve(hours: Array) -> tuple[Array, Array]:
             more = system.lives.increment(age, pace * hours)
-            if weight is not None:
-                more = weight * more
-            less = -system.of_rows(more)
-            fails, survives = np.negative(found := np.expm1(less), out=found), np.exp(less)
-            if fresh:  # all work: what fails is what fails from now on
-                works_then, failed_then = system.structure.probability(survives, fails)
-                return failed_then, works_then
-            return system.structure.transition(failed, works * fails, works * survives).given_works()
+            return ahead(more if weight is None else weight * more)
 
         return curve
 

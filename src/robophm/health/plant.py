@@ -7,7 +7,7 @@ other is one unit too, with one failure mode of its own: those of the groups com
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from itertools import pairwise
 from typing import TypeVar
@@ -223,6 +223,24 @@ class System(Parts):
         numbers: dict[LifeDistribution, int] = {}
         self._life = np.array([numbers.setdefault(plant.robot.modes[i].life, len(numbers)) for i in self.modes], float)
         self._alike: tuple[bytes, Structure, Modes, csr_array] | None = None
+
+    def given(self, known: Array) -> Callable[[Array], tuple[Array, Array]]:
+        """From what is added to its failure modes' hazard, P(it fails meanwhile) and P(it survives), as it works now.
+
+        ``known``: cumulative hazard of each group of units, less what is known not to have happened, shape
+        (groups, 1) or that of what is asked.
+        """
+        failed, works, all_work = -np.expm1(-known), np.exp(-known), not known.any()
+
+        def ahead(of_modes: Array) -> tuple[Array, Array]:
+            less = -self.of_rows(of_modes)
+            fails, survives = -np.expm1(less), np.exp(less)
+            if all_work:  # what fails is what fails from now on
+                works_then, failed_then = self.structure.probability(survives, fails)
+                return failed_then, works_then
+            return self.structure.transition(failed, works * fails, works * survives).given_works()
+
+        return ahead
 
     def by_kind(self, *of_modes: Array) -> tuple[Structure, Modes, csr_array]:
         """The same with one failure mode and one unit of each kind; ``of_modes``, shape (modes,), tell them apart.

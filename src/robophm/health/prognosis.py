@@ -277,16 +277,14 @@ class Outlook:
 
     def _along_steady(self, modes: Modes, future: Future, ratios: Array) -> Callable[[Array], Array]:
         """The same where nothing changes: a mode ages at one pace, and its stress weighs what it gathers."""
-        m = modes.modes
-        advance, effective = future.advance[m, -1] / future.hours[-1], future.effective[m, -1] / future.hours[-1]
-        by_age = self.plant.by_age[m]
-        pace = ratios * np.where(by_age, effective, advance)[:, None]
-        weight = np.divide(effective, advance, out=np.ones(len(m)), where=~by_age & (advance > 0))[:, None, None]
-        age, weighed = (ratios * self.age[m, None])[:, None], bool(np.any(weight != 1.0))
+        m, hours = modes.modes, future.hours[-1]
+        advance, effective = future.advance[m, -1:] / hours, future.effective[m, -1:] / hours
+        pace, weight = steady_pace(self.plant.by_age[m, None], advance, effective)
+        pace, age = (ratios * pace)[:, None], (ratios * self.age[m, None])[:, None]
 
         def added(hours: Array) -> Array:
-            more = modes.lives.increment(age, pace[:, None] * hours[:, None])
-            return weight * more if weighed else more
+            more = modes.lives.increment(age, pace * hours[:, None])
+            return more if weight is None else weight[:, None] * more
 
         return added
 
@@ -302,20 +300,12 @@ class Outlook:
     def curve(self, diagram: Block, future: Future | None = None) -> Curve:
         """P(fails within so many hours | what is known now), and P(survives them), along its course or a future."""
         system = self.plant.system(diagram)
-        known = system.of_groups(self.known(system, system.needed))[:, None]
+        ahead = system.given(system.of_groups(self.known(system, system.needed))[:, None])
         hazard, groups = self.along(system, future or self.course), self.groups_along(system, future or self.course)
-        failed, works, all_work = -np.expm1(-known), np.exp(-known), not known.any()
 
         def some(hours: Array) -> tuple[Array, Array]:
             added = hazard(hours)[..., 0]
-            if len(system.groups):
-                added = np.concatenate((added, groups(hours)))
-            added = -system.of_rows(added)
-            fails, survives = -np.expm1(added), np.exp(added)
-            if all_work:  # what fails is what fails from now on
-                works_then, failed_then = system.structure.probability(survives, fails)
-                return failed_then, works_then
-            return system.structure.transition(failed, works * fails, works * survives).given_works()
+            return ahead(np.concatenate((added, groups(hours))) if len(system.groups) else added)
 
         turn = max(1, _IN_TURN // len(self.age))
 
@@ -408,6 +398,14 @@ _AT_ONCE = 8_000_000  # numbers that one array may hold
 
 def _drawn_out(future: Future) -> Future:
     return future if future.changeless else future.rounds(max(1, _MOST_KNOTS // (len(future.hours) - 1)))
+
+
+def steady_pace(by_age: npt.NDArray[np.bool_], advance: Array, effective: Array) -> tuple[Array, Array | None]:
+    """How fast modes age where nothing changes, and what weighs their hazard, None where nothing does."""
+    if by_age.all():
+        return effective, None
+    weight = np.divide(effective, advance, out=np.ones_like(advance), where=~by_age & (advance > 0))
+    return np.where(by_age, effective, advance), weight if np.any(weight != 1.0) else None
 
 
 _HUGE = 1e300  # stands for an infinite hazard, that of infant mortality at age 0, where infinity times 0 would not
