@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks import Line, agree, benchmark, race
 from robophm.core.signal import split_signal
 from robophm.design.file import load
-from robophm.monitor import replay
+from robophm.replaying import replay
 from robophm.stores.memory import MemoryStore
 from robophm.transports.columns import read_columns
 from robophm.transports.source import open_source

@@ -1,15 +1,11 @@
-"""The loop from samples to health: recordings, restarts, kills, silence and journals."""
+"""The loop from samples to health: silence, disorder, floods and journals."""
 
 from __future__ import annotations
 
 import itertools
 import json
-import random
-import subprocess
-import sys
 import time
 from fractions import Fraction
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,30 +14,16 @@ import pytest
 from mpmath import mp, mpf
 
 import robophm
-from robophm.core.errors import SourceError, StoreError
 from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
-from robophm.monitor import Monitor, recording_key, replay
+from robophm.monitor import Monitor
+from robophm.replaying import replay
 from robophm.stores.memory import MemoryStore
-from robophm.stores.sqlite import SqliteStore
 from robophm.transports.journal import Journal
-from robophm.transports.synthetic import SyntheticOta
 
 OTA = Path(__file__).parents[1] / "examples" / "ota" / "robot.yaml"
 START = 1_700_000_040 * SECOND  # a whole minute
-
-
-@pytest.fixture(scope="module")
-def ota() -> Robot:
-    return robophm.load(OTA)
-
-
-@pytest.fixture(scope="module")
-def recorded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """Four minutes of the synthetic robot in the three formats, by suffix."""
-    folder, drive = tmp_path_factory.mktemp("recorded"), SyntheticOta(seed=5, duration=240 * SECOND)
-    return {suffix: drive.record(folder / f"drive{suffix}") for suffix in (".bag", ".db3", ".mcap")}
 
 
 def robot(**design: Any) -> Robot:
@@ -55,133 +37,6 @@ def bound(topic: str, field: str, **more: Any) -> dict[str, Any]:
 
 def exact(value: Any) -> Any:
     return pytest.approx(float(value), rel=1e-12, abs=0)
-
-
-# One drive, many files.
-
-
-def test_three_formats_are_one_drive(ota: Robot, recorded: dict[str, Path]) -> None:
-    stores = {suffix: MemoryStore() for suffix in recorded}
-    reports = [replay(ota, path, store=stores[suffix]).to_json() for suffix, path in recorded.items()]
-    assert reports[0]["clocks"]["kilometres"] > 0
-    assert reports[0] == reports[1] == reports[2]
-    ledgers = [store.ledger(ota.name) for store in stores.values()]
-    assert ledgers[0] == ledgers[1] == ledgers[2]
-    assert ledgers[0]
-
-
-def test_a_recording_is_counted_once_in_whatever_pieces(ota: Robot, recorded: dict[str, Path]) -> None:
-    store = MemoryStore()
-    first = replay(ota, recorded[".mcap"], store=store, period=20, report_every=60)
-    kept, history = store.ledger(ota.name), list(store.history(ota.name))
-    start = SyntheticOta(duration=SECOND).times[0]
-    assert [(one["time"] - start) / SECOND for one in history] == [20, 60, 120, 180]  # the first, and every minute
-    again = replay(ota, recorded[".mcap"], store=store, period=20, report_every=60)
-    assert (again.to_json(), store.ledger(ota.name), list(store.history(ota.name))) == (first.to_json(), kept, history)
-
-
-KILLED = """
-import os, sys, time
-import robophm, robophm.monitor
-from robophm.stores.sqlite import SqliteStore
-robophm.monitor.SAVE_EVERY = 0.01
-def tick(monitor):
-    time.sleep(0.002)
-    os.write(1, b".")
-robophm.replay(robophm.load(sys.argv[1]), sys.argv[2], store=SqliteStore(sys.argv[3]), period=1, report_every=10, on_tick=tick)
-"""  # noqa: E501
-
-
-def test_a_replay_killed_again_and_again_ends_as_one_that_was_not(
-    ota: Robot, recorded: dict[str, Path], tmp_path: Path
-) -> None:
-    path, chance, progress = tmp_path / "killed.db", random.Random(4), []
-    with robophm.open_source(recorded[".mcap"]) as source:
-        key = recording_key(source, ota.signals)
-    for _ in range(20):
-        command = [sys.executable, "-c", KILLED, str(OTA), str(recorded[".mcap"]), str(path)]
-        with subprocess.Popen(command, stdout=subprocess.PIPE) as child:
-            assert child.stdout
-            child.stdout.read(chance.randint(20, 70))  # ticks
-            time.sleep(chance.uniform(0, 0.01))
-            child.kill()
-            finished = child.wait() == 0
-        with SqliteStore(path) as store:
-            progress.append(store.progress(ota.name, key))
-        if finished:
-            break
-    assert progress[-1].complete
-    assert sum(one.samples > 0 and not one.complete for one in progress) >= 2  # killed on the way
-    undisturbed = MemoryStore()
-    expected = replay(ota, recorded[".mcap"], store=undisturbed, period=1, report_every=10)
-    with SqliteStore(path) as store:
-        assert store.ledger(ota.name) == undisturbed.ledger(ota.name)
-        assert list(store.history(ota.name)) == list(undisturbed.history(ota.name))
-        found = replay(ota, recorded[".mcap"], store=store, period=1, report_every=10)
-        assert store.ledger(ota.name) == undisturbed.ledger(ota.name)
-    assert found.to_json() == expected.to_json()
-
-
-def test_a_store_of_another_design_is_refused(ota: Robot, recorded: dict[str, Path]) -> None:
-    store = MemoryStore()
-    replay(ota, recorded[".mcap"], store=store)
-    other = parse(OTA.read_text(encoding="utf-8").replace("YSK-G", "YSK-H"))
-    with pytest.raises(
-        StoreError,
-        match=r"ledger was kept for other parts: .Computation/YSK-G \(operating, age scaling\). is in it alone",
-    ):
-        replay(other, recorded[".mcap"], store=store)
-
-
-def test_a_clock_that_came_to_be_measured_starts_then(ota: Robot, recorded: dict[str, Path]) -> None:
-    """The parts are the same, so that their past goes on; the robot's own clocks are kept by their names."""
-    text = OTA.read_text(encoding="utf-8")
-    before = parse(text[: text.index("clocks:")] + text[text.index("thresholds:") :])
-    store, whole = MemoryStore(), replay(ota, recorded[".mcap"]).clocks
-    replay(before, recorded[".mcap"], store=store)
-    after = replay(ota, recorded[".bag"], store=store).clocks  # the same drive: late, but for the open window
-    assert after["operating"] == pytest.approx(whole["operating"], rel=1e-3)
-    assert 0 < after["kilometres"] < whole["kilometres"]
-
-
-# Recordings that nobody here made.
-
-
-def raw(path: Path, topic: str) -> list[tuple[int, Any]]:
-    """Receipt times and messages, straight from rosbags."""
-    from rosbags.highlevel import AnyReader
-    from rosbags.typesys import Stores, get_typestore
-
-    with AnyReader([path], default_typestore=get_typestore(Stores.ROS1_NOETIC)) as reader:
-        chosen = [connection for connection in reader.connections if connection.topic == topic]
-        return [(at, reader.deserialize(data, c.msgtype)) for c, at, data in reader.messages(connections=chosen)]
-
-
-def test_turtle_drove_so_many_metres(shared: Path) -> None:
-    pose = {"kilometres": {"topic": "/turtle1/pose", "position": ["x", "y"]}}
-    report = replay(robot(clocks=pose), shared / "recordings" / "turtlesim.bag")
-    assert round(1000 * report.clocks["kilometres"], 4) == 28.3520
-    assert round(3600 * report.clocks["calendar"], 3) == 21.489
-    poses = raw(shared / "recordings" / "turtlesim.bag", "/turtle1/pose")
-    way = sum(mp.hypot(mpf(b.x) - mpf(a.x), mpf(b.y) - mpf(a.y)) for (_, a), (_, b) in pairwise(poses))
-    assert report.clocks["kilometres"] == exact(way / 1000)
-
-
-def test_temperature_as_it_was_received(shared: Path) -> None:
-    """All header stamps are zero, so that the receipt times count."""
-    path = shared / "recordings" / "temperature.bag"
-    messages = raw(path, "/my_temperature")
-    assert {message.header.stamp.sec for _, message in messages} == {0}
-    store = MemoryStore()
-    replay(robot(**bound("/my_temperature", "temperature")), path, store=store)
-    report = replay(robot(**bound("/my_temperature", "temperature")), path)
-    H = sum(
-        mpf("0.01") * mpf(2) ** ((mpf(float(message.temperature)) - 25) / 10) * (until - at) / HOUR
-        for (at, message), (until, _) in pairwise(messages)
-    )
-    assert report.system.sensor_based.unreliability == exact(-mp.expm1(-H))
-    assert report.clocks["operating"] == exact(Fraction(messages[-1][0] - messages[0][0], HOUR))
-    assert f"receipt time used for /my_temperature ({len(messages)} times)" in report.notes
 
 
 # Time is what samples say.
@@ -262,26 +117,6 @@ def test_a_journal_of_the_run_gives_its_ledger_bit_for_bit(tmp_path: Path) -> No
     assert report == live.report()
 
 
-def test_what_a_recording_lacks(recorded: dict[str, Path]) -> None:
-    missing = robot(**bound("/ota/motility/temperature", "temperature"))
-    with pytest.raises(SourceError, match=r"no topic '/ota/motility/temperature'.*/ota/mobility/temperature"):
-        replay(missing, recorded[".mcap"])
-    with pytest.raises(SourceError, match="none of the design's topics"):
-        replay(missing, recorded[".mcap"], skip_missing=True)
-    with pytest.raises(SourceError, match=r"no number 'temprature'.*temperature"):
-        replay(robot(**bound("/ota/mobility/temperature", "temprature")), recorded[".mcap"])
-    with pytest.raises(SourceError, match="voltage is in 'V'; the design expects 'degC'"):
-        replay(robot(**bound("/ota/battery", "voltage")), recorded[".mcap"])
-
-
-def test_one_missing_signal_stays_silent_if_that_is_wanted(recorded: dict[str, Path]) -> None:
-    clock = {"kilometres": {"topic": "/ota/odom", "position": ["pose.pose.position.x", "pose.pose.position.y"]}}
-    design = robot(**bound("/nowhere", "temperature"), clocks=clock)
-    report = replay(design, recorded[".mcap"], skip_missing=True)
-    assert report.system.flags == ("stale /nowhere.temperature",)
-    assert report.system.sensor_based.reliability == report.system.nominal.reliability < 1
-
-
 def test_ticks_are_whole_periods() -> None:
     ticks: list[int] = []
     observer = Monitor(robot(), period=7, on_tick=lambda monitor: ticks.append(monitor.ledger.integrated_to or 0))
@@ -289,19 +124,6 @@ def test_ticks_are_whole_periods() -> None:
         observer.observe(Sample(START + step * SECOND, CLOCK, 0.0))
     assert all(tick % (7 * SECOND) == 0 for tick in ticks)
     assert len(ticks) == 14
-
-
-def test_a_recording_older_than_the_ledger_is_refused(ota: Robot) -> None:
-    """Tuesday, then Monday: nothing of Monday could count, and nothing is marked as counted."""
-    monday, tuesday = (
-        SyntheticOta(start=START + day * 24 * HOUR, duration=600 * SECOND, working_hours=(0, 24)) for day in (0, 1)
-    )
-    store = MemoryStore()
-    replay(ota, tuesday, store=store)
-    before = store.ledger(ota.name)
-    with pytest.raises(SourceError, match="would not count; expected recordings in the order of their time"):
-        replay(ota, monday, store=store)
-    assert store.ledger(ota.name) == before
 
 
 def test_a_flood_within_one_window_is_bounded_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from robophm.health.fleet import Fleet
     from robophm.health.report import HealthReport
     from robophm.life import life_distribution
-    from robophm.monitor import Monitor, replay
+    from robophm.monitor import Monitor
+    from robophm.replaying import replay
     from robophm.transports.source import open_source
 
 __all__ = [
@@ -58,7 +59,8 @@ _HOMES = {
     "health.fleet": ("Fleet",),
     "health.report": ("HealthReport",),
     "life": ("life_distribution",),
-    "monitor": ("Monitor", "replay"),
+    "monitor": ("Monitor",),
+    "replaying": ("replay",),
     "transports.source": ("open_source",),
 }
 

@@ -22,7 +22,8 @@ from robophm.health.mission import Completion, Steps, completion, completion_of_
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, View, outlooks
 from robophm.health.report import VIEWS
-from robophm.monitor import Monitor, available
+from robophm.monitor import Monitor
+from robophm.replaying import available
 from robophm.transports.source import SignalSource
 from robophm.transports.tasks import DoneTask, PlannedTask
 

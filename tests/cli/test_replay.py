@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from robophm.cli import BREACHED, INTERRUPTED, INVALID, OK
+from robophm.core.signal import HOUR
+from robophm.transports.synthetic import SyntheticOta
 
 
 def edited(design, old, new):
@@ -118,7 +120,7 @@ def test_a_store_that_is_none(inside, design, recording, tmp_path):
     other.close()
     for name, says in (
         ("text.db", "text.db: file is not a database"),
-        ("other.db", "other.db: not a robophm store of version 1"),
+        ("other.db", "other.db: not a robophm store of version 2"),
         (".", "unable to open database file"),
         ("no/folder/past.db", "unable to open database file"),
     ):
@@ -164,20 +166,21 @@ def test_breached_and_still_kept(run, design, recording, tmp_path):
 SLOW = """
 import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)
-import robophm.monitor as monitor
-monitor.SAVE_EVERY = -1.0
-integrate = monitor.Monitor._integrate
-def slow(self, until):
-    integrate(self, until)
+import robophm.replaying as replaying
+replaying.SAVE_EVERY = -1.0
+report = replaying.Monitor.report
+def slow(*arguments, **options):
     print("tick", flush=True)
     time.sleep(0.2)
-monitor.Monitor._integrate = slow
+    return report(*arguments, **options)
+replaying.Monitor.report = slow
 from robophm.cli import main
 main()
 """
 
 
-def test_an_interrupted_replay_goes_on_where_it_was(run, design, recording, tmp_path):
+def test_an_interrupted_replay_goes_on_where_it_was(run, design, tmp_path):
+    recording = SyntheticOta(seed=1, duration=2 * HOUR).record(tmp_path / "drive.mcap")
     words = ["replay", str(design), str(recording), "--store", "past.db", "--json"]
     with subprocess.Popen([sys.executable, "-c", SLOW, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           text=True, cwd=tmp_path) as child:  # fmt: skip
@@ -190,9 +193,9 @@ def test_an_interrupted_replay_goes_on_where_it_was(run, design, recording, tmp_
     assert "{" not in rest
     with sqlite3.connect(tmp_path / "past.db") as store:
         assert store.execute("PRAGMA integrity_check").fetchone() == ("ok",)
-        samples, complete = store.execute("SELECT samples, complete FROM progress").fetchone()
+        position, complete = store.execute("SELECT position, complete FROM progress").fetchone()
     store.close()
-    assert samples > 0
+    assert position > 0
     assert not complete
     resumed = run(*words)
     assert resumed.returncode == OK

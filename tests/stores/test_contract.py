@@ -66,9 +66,9 @@ def test_history_is_in_order_and_a_time_is_told_once(store: Store) -> None:
 
 def test_progress_follows_the_last_save(store: Store) -> None:
     store.save("R", STATE, Progress("drive", 7, False))
-    store.save("R", STATE, Progress("drive", 12, True))
+    store.save("R", STATE, Progress("drive", 12, True, {"receipt time used for /t": 3}))
     store.save("R", STATE)
-    assert store.progress("R", "drive") == Progress("drive", 12, True)
+    assert store.progress("R", "drive") == Progress("drive", 12, True, {"receipt time used for /t": 3})
 
 
 @pytest.mark.parametrize("place", ["ledger", "report"])
@@ -103,7 +103,7 @@ def test_a_reader_beside_the_writer_sees_all_of_a_save_or_nothing(tmp_path: Path
         with pytest.raises(StoreError):  # the last of its rows cannot be kept
             writer.save("R", OTHER, Progress("drive", 7, True), [report(1, 0.1), {"time": None}])
         assert (reader.ledger("R"), list(reader.history("R"))) == (STATE, [])
-        assert reader.progress("R", "drive").samples == 0
+        assert reader.progress("R", "drive").position == 0
 
 
 def other_tables(path: Path) -> None:
@@ -115,7 +115,7 @@ def other_tables(path: Path) -> None:
 def later_version(path: Path) -> None:
     SqliteStore(path).close()
     with sqlite3.connect(path) as base:
-        base.execute("PRAGMA user_version = 2")
+        base.execute("PRAGMA user_version = 3")
     base.close()
 
 
@@ -130,8 +130,8 @@ def torn_state(path: Path) -> None:
 NOT_STORES: dict[str, tuple[Callable[[Path], object], str]] = {
     "text": (lambda path: path.write_text("name: OTA\n" * 100), "not a database"),
     "folder": (lambda path: path.mkdir(), "unable to open"),
-    "other tables": (other_tables, "not a robophm store of version 1 .its version is 0"),
-    "later version": (later_version, "not a robophm store of version 1 .its version is 2"),
+    "other tables": (other_tables, "not a robophm store of version 2 .its version is 0"),
+    "later version": (later_version, "not a robophm store of version 2 .its version is 3"),
     "torn": (torn_state, "expected a robophm store that can be read"),
     "no folder": (lambda _: None, "unable to open"),
 }

@@ -12,8 +12,10 @@ from rich.text import Text
 
 from robophm.cli.output import console, health_table, print_report, write
 from robophm.core.errors import RobophmError
+from robophm.core.signal import split_signal
 from robophm.design.file import load
-from robophm.monitor import Monitor, available, recording_key, replay
+from robophm.monitor import Monitor
+from robophm.replaying import replay
 from robophm.report.curve import sparkline
 from robophm.report.health_page import health_page
 from robophm.report.words import rate_text
@@ -70,8 +72,8 @@ def run(output: Path, seed: int) -> None:
         else:
             report = replay(robot, source, store=store)
         history = list(store.history(robot.name))
-        signals = available(robot, source, skip_missing=False)
-        samples = store.progress(robot.name, recording_key(source, signals)).samples
+        messages = {info.topic: info.messages for info in source.topics()}
+        samples = sum(messages[split_signal(signal)[0]] for signal in robot.signals)
     took = time.monotonic() - begun
     out.print(
         f"Replayed {samples:,} samples in {took:.1f} s, {hours * 3600 / took:,.0f} times as fast as they were lived.\n"

@@ -9,8 +9,8 @@ from pathlib import Path
 from robophm.cli.output import console, may_write, print_json, print_report, progress_console, warn, write
 from robophm.cli.progress import progress
 from robophm.design.file import load
-from robophm.monitor import available, recording_key
-from robophm.monitor import replay as replay_recording
+from robophm.replaying import available, recording_key
+from robophm.replaying import replay as replay_recording
 from robophm.report.health_page import health_page
 from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore

@@ -24,7 +24,7 @@ class MemoryStore(Store):
 
     def progress(self, robot: str, recording: str) -> Progress:
         """How far a recording has been replayed into this robot's ledger."""
-        return self._progress.get((robot, recording), Progress(recording, 0, False))
+        return self._progress.get((robot, recording), Progress(recording))
 
     def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
         """The robot's reports, oldest first."""

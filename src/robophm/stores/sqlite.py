@@ -13,13 +13,14 @@ from typing import Any
 from robophm.core.errors import StoreError
 from robophm.stores.store import Progress, Store
 
-VERSION = 1
+VERSION = 2
 """Of the tables; kept in the file's user_version."""
 
 _TABLES = """
 CREATE TABLE ledger (robot TEXT PRIMARY KEY, revision INTEGER NOT NULL, state TEXT NOT NULL) STRICT;
 CREATE TABLE progress (
-    robot TEXT NOT NULL, recording TEXT NOT NULL, samples INTEGER NOT NULL, complete INTEGER NOT NULL,
+    robot TEXT NOT NULL, recording TEXT NOT NULL, position INTEGER NOT NULL, complete INTEGER NOT NULL,
+    notes TEXT NOT NULL,
     PRIMARY KEY (robot, recording)
 ) STRICT;
 CREATE TABLE report (
@@ -66,9 +67,9 @@ class SqliteStore(Store):
     def progress(self, robot: str, recording: str) -> Progress:
         """How far a recording has been replayed into this robot's ledger."""
         with self._errors():
-            query = "SELECT samples, complete FROM progress WHERE robot = ? AND recording = ?"
+            query = "SELECT position, complete, notes FROM progress WHERE robot = ? AND recording = ?"
             row = self._base.execute(query, (robot, recording)).fetchone()
-        return Progress(recording, row[0], bool(row[1])) if row else Progress(recording, 0, False)
+        return Progress(recording, row[0], bool(row[1]), json.loads(row[2])) if row else Progress(recording)
 
     def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
         """The robot's reports, oldest first."""
@@ -97,7 +98,8 @@ class SqliteStore(Store):
                 values = robot, revision + 1, json.dumps(ledger)
                 self._base.execute("INSERT OR REPLACE INTO ledger VALUES (?, ?, ?)", values)
                 if progress:
-                    self._base.execute("INSERT OR REPLACE INTO progress VALUES (?, ?, ?, ?)", (robot, *progress))
+                    done = (robot, *progress[:3], json.dumps(progress.notes))
+                    self._base.execute("INSERT OR REPLACE INTO progress VALUES (?, ?, ?, ?, ?)", done)
                 self._base.executemany("INSERT OR REPLACE INTO report VALUES (?, ?, ?)", rows)
                 self._base.execute("COMMIT")
                 self._revisions[robot] = revision + 1

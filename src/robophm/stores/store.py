@@ -12,8 +12,11 @@ class Progress(NamedTuple):
 
     recording: str
     """Fingerprint of its content."""
-    samples: int
-    complete: bool
+    position: int = 0
+    """What of it is in the ledger: so many samples, or all that was received before this time [ns]."""
+    complete: bool = False
+    notes: Mapping[str, int] = {}
+    """What had to be decided so far, and how often."""
 
 
 class Store(ABC):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from heapq import merge
 from operator import itemgetter
@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import SECOND, Sample, split_signal
 from robophm.transports.message_type import field_getter, message_type, numeric_fields
-from robophm.transports.source import SignalSource, TopicInfo, existing, reading
+from robophm.transports.source import Heard, SignalSource, TopicInfo, existing, reading
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
@@ -44,6 +44,7 @@ class Recording(SignalSource):
 
     def __init__(self, *paths: str | Path) -> None:
         self.notes = Counter()
+        self._paths = paths
         self._files: list[_File] = []
         with ExitStack() as opened:
             for path in (part for given in paths for part in parts_of(existing(Path(given)))):
@@ -90,6 +91,21 @@ class Recording(SignalSource):
             topic, field = split_signal(signal)
             wanted.setdefault(topic, []).append((signal, field))
         return self._samples(self._raw(wanted))
+
+    def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, Heard]]:
+        """The samples of these signals, straight from the files; what of a file is damaged is in the notes."""
+        from robophm.transports.columns import read_columns  # which looks up here what a recording is
+
+        with closing(read_columns(self._paths, signals, since or None)) as columns:
+            self.notes = columns.notes
+            for block in columns:
+                heard = {}
+                for topic, part in block.items():
+                    times = part.times
+                    for field, values in part.values.items():
+                        one = Heard(part.received, times, values)
+                        heard[f"{topic}.{field}"] = one.rows(~part.absent[field]) if field in part.absent else one
+                yield heard
 
     def messages(self, topics: Collection[str], longest: int) -> Iterator[tuple[int, str, Any]]:
         """Receipt time [ns], topic and message, as rosbags decodes it, of these topics, in receipt order.

@@ -5,11 +5,14 @@ from __future__ import annotations
 import hashlib
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import CLOCK, Sample, split_signal
@@ -30,6 +33,20 @@ class TopicInfo:
     last: int | None
     fields: tuple[str, ...]
     """Paths of the numeric fields, ``pose.x``; of an array, ``effort[]``, a signal names one element."""
+
+
+class Heard(NamedTuple):
+    """Samples of one signal, in order of arrival."""
+
+    arrived: NDArray[np.int64]
+    """[ns]"""
+    times: NDArray[np.int64]
+    """[ns]"""
+    values: NDArray[np.float64]
+
+    def rows(self, rows: Any) -> Heard:
+        """Some of them."""
+        return Heard(self.arrived[rows], self.times[rows], self.values[rows])
 
 
 class SignalSource(ABC):
@@ -53,6 +70,13 @@ class SignalSource(ABC):
 
         Raises SourceError at once where a signal is not in the source, and on the way where it is damaged.
         """
+
+    def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, Heard]] | None:
+        """The same samples by signal, in blocks that arrived one after the other; None where it has no columns.
+
+        ``since`` [ns] leaves out what arrived before. Raises SourceError as ``samples``.
+        """
+        return None
 
     def close(self) -> None:  # noqa: B027  most sources hold nothing open
         """Let go of files and connections; closing twice does no harm."""

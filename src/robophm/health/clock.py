@@ -1,0 +1,107 @@
+"""How far a clock goes: with the calendar, with operation, or as signals drive it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from robophm.core.signal import HOUR, SECOND
+from robophm.design.robot import MeasuredClock
+from robophm.health.stretch import Array, Grid, Held, Stretch, Times, ascending
+
+
+@dataclass
+class Clock:
+    """One clock of a robot's parts."""
+
+    clock: str
+    measured: MeasuredClock | None
+    usage: float
+    """Per operating hour, where nothing measures it."""
+
+    def advance(self, grid: Grid) -> Array:
+        """How far it goes in each interval of a grid [unit of the clock]."""
+        if self.clock == "calendar":
+            hours: Array = np.diff(grid.edges) / HOUR
+            return hours
+        if self.measured is None:
+            return grid.operating * (self.usage / HOUR)
+        return {"position": self._path, "speed": self._speed, "edge": self._rises}[self.measured.kind](
+            grid, self.measured
+        )
+
+    @property
+    def keys(self) -> tuple[tuple[str, str], ...]:
+        """The signals that drive it, and what each one's last value is kept under."""
+        measured = self.measured
+        return tuple((signal, f"{measured.kind} {signal}") for signal in measured.signals) if measured else ()
+
+    def hold(self, stretch: Stretch) -> None:
+        """Hold what the signals say that drive it."""
+        if self.measured:
+            for signal, key in self.keys:
+                stretch.signal(signal, key, self.measured.max_age)
+
+    def count_silence(self, stretch: Stretch) -> None:
+        """Count the nanoseconds of operation in which a speed had no valid value."""
+        if self.measured and self.measured.kind == "speed":
+            ((signal, key),) = self.keys
+            grid = stretch.grid((key,))
+            fresh = grid.observed[key].fresh
+            if fresh is not None and (silence := round(float(np.sum(grid.operating, where=~fresh)))):
+                stretch.ledger.stale[signal] += silence
+
+    def _path(self, grid: Grid, measured: MeasuredClock) -> Array:
+        stretch = grid.stretch
+        coordinates = [stretch.held(key) for _, key in self.keys]
+        when = ascending(np.concatenate([held.times for held in coordinates]))
+        first = max(_first(held, stretch) for held in coordinates)
+        when = when[when >= first]
+        squares = np.zeros(max(len(when) - 1, 0))
+        for held in coordinates:
+            if len(when) > 1:
+                squares += np.diff(held.at(when).values) ** 2
+        # A step while the robot was off, if only in part, is none: odometers begin anew at every boot.
+        here = np.maximum(when, stretch.start)
+        driven = (np.diff(stretch.operating(here)) == np.diff(here)) & (when[:-1] >= stretch.off)
+        kilometres = np.sqrt(squares) * driven * measured.scale / 1000
+        return self._steps(grid, when[1:], kilometres) + self._unheard(grid, measured, first)
+
+    def _rises(self, grid: Grid, measured: MeasuredClock) -> Array:
+        held = grid.stretch.held(self.keys[0][1])
+        above = held.values > measured.threshold
+        rises = held.times[1:][above[1:] & ~above[:-1]]
+        unheard = self._unheard(grid, measured, _first(held, grid.stretch))
+        return self._steps(grid, rises, np.ones(len(rises))) + unheard
+
+    @staticmethod
+    def _steps(grid: Grid, when: Times, steps: Array) -> Array:
+        """A step belongs to the interval that it ends."""
+        count = len(grid.edges) - 1
+        ended = np.searchsorted(grid.edges, when) - 1
+        gone: Array = np.bincount(ended, steps, count).astype(float) if count else np.zeros(0)
+        return gone
+
+    def _unheard(self, grid: Grid, measured: MeasuredClock, first: int) -> Array:
+        """What counts until the first value: once that is max_age late, the design's usage. No silence is a zero."""
+        stretch = grid.stretch
+        late = max((stretch.ledger.started or 0) + measured.max_age, stretch.start)
+        unheard = np.diff(stretch.operating(np.clip(grid.edges, late, max(first, late))))
+        return unheard * (self.usage / HOUR)
+
+    def _speed(self, grid: Grid, measured: MeasuredClock) -> Array:
+        key = self.keys[0][1]
+        fine = grid.stretch.grid((*grid.observed, key))
+        speed, fresh = fine.observed[key]
+        rate = np.abs(speed) * (measured.scale * 1e-3 / SECOND)
+        if fresh is not None:  # silence is not standstill: the design's usage holds
+            rate[~fresh] = self.usage / HOUR
+        steps = rate * fine.operating
+        if len(steps):
+            steps = np.add.reduceat(steps, np.searchsorted(fine.edges, grid.edges[:-1]))
+        return steps
+
+
+def _first(held: Held, stretch: Stretch) -> int:
+    return int(held.times[0]) if len(held.times) else stretch.end

@@ -1,0 +1,225 @@
+"""A robot's life out of columns: what a monitor does sample by sample, for many samples at a time.
+
+The ledger is the monitor's bit for bit, whichever blocks the samples come in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.core.signal import SECOND, Sample
+from robophm.health.exposure import columns_of
+from robophm.monitor import WINDOW, Monitor
+from robophm.transports.source import Heard
+
+Flags = npt.NDArray[np.bool_]
+
+ENOUGH = 200_000
+"""Samples that are gone through at once."""
+
+MOST_WAITING = 4_000_000
+"""Samples that the open period holds at most; a flood beyond it is integrated early or dropped, as a monitor's is."""
+
+
+class VirtualLife:
+    """Carries a monitor's ledger on. Its ``on_tick`` follows the first end of a period in every ``step`` [ns]."""
+
+    def __init__(self, monitor: Monitor, step: int) -> None:
+        self.monitor = monitor
+        self.ledger = monitor.ledger
+        self.step = step
+        self.arrived: int | None = None
+        """At a tick: what had arrived until then [ns], and nothing else, is in the ledger, integrated or pending."""
+        self._new: dict[str, list[Heard]] = {}
+        self._waiting: dict[str, Heard] = {}
+        """Taken, and not yet integrated; ascending in time."""
+        self._missed: dict[str, npt.NDArray[np.int64]] = {}
+        """When what was not taken arrived, by reason; not yet counted."""
+        self._resume()
+
+    def observe(self, block: Mapping[str, Heard]) -> None:
+        """Take samples that arrived after those of the block before."""
+        for signal, heard in block.items():
+            self._new.setdefault(signal, []).append(heard)
+        if sum(len(heard.times) for parts in self._new.values() for heard in parts) >= ENOUGH:
+            self._go_on()
+
+    def finish(self) -> None:
+        """Go through what is left. The last period stays open, as a monitor leaves it."""
+        self._go_on()
+        self._leave_open(None)
+
+    def _resume(self) -> None:
+        columns = columns_of(sorted(self.ledger.pending))
+        self._waiting = {
+            signal: Heard(np.full(len(times), np.iinfo(np.int64).min), times, values)
+            for signal, (times, values) in columns.items()
+        }
+
+    def _go_on(self) -> None:
+        new = {signal: _joined(parts) for signal, parts in sorted(self._new.items())}
+        self._new = {}
+        if self.ledger.integrated_to is None and new:
+            new = self._begin(new)
+        if self.ledger.integrated_to is None or not new:
+            return
+        new = self._taken(new, self.ledger.integrated_to)
+        for signal, heard in new.items():
+            self._waiting[signal] = _in_time([*_some(self._waiting, signal), heard])
+        ends: list[int] = []
+        before = self.ledger.integrated_to
+        for end, arrived in self._ends(before, [*{id(heard.times): heard for heard in new.values()}.values()]):
+            ends.append(end)
+            if end // self.step != before // self.step:
+                self._integrate(ends)
+                self._tick(arrived)
+                ends = []
+            before = end
+        if ends:
+            self._integrate(ends)
+        newest = max((int(heard.times[-1]) for heard in self._waiting.values() if len(heard.times)), default=before)
+        self.ledger.newest = max(newest, self.ledger.newest or newest)
+        self._count(None)
+        self._hold_back(before, self.ledger.newest)
+
+    def _begin(self, new: Mapping[str, Heard]) -> dict[str, Heard]:
+        """The first period, sample by sample: until it is over, time may yet begin earlier. Gives what is left."""
+        arrived, times, values = _joined([*new.values()])
+        signals = [signal for signal, heard in new.items() for _ in heard.times]
+        monitor, on_tick = self.monitor, self.monitor.on_tick
+        monitor.on_tick = None
+        now = None
+        for row in np.argsort(arrived, kind="stable").tolist():
+            if self.ledger.integrated_to is not None and arrived[row] != now:
+                break
+            now = int(arrived[row])
+            monitor.observe(Sample(int(times[row]), signals[row], float(values[row])))
+        monitor.on_tick = on_tick
+        self._resume()
+        if now is None or self.ledger.integrated_to is None:
+            return {}
+        self._tick(now)
+        left = {signal: heard.rows(heard.arrived > now) for signal, heard in new.items()}
+        return {signal: heard for signal, heard in left.items() if len(heard.times)}
+
+    def _taken(self, new: Mapping[str, Heard], begun: int) -> dict[str, Heard]:
+        """Without what is late or not finite."""
+        taken = {}
+        late = self._late(new, begun)
+        for signal, heard in new.items():
+            finite = np.isfinite(heard.values)
+            if signal in late or not finite.all():
+                missed = late.get(signal, np.zeros(len(finite), dtype=bool))
+                self._missed[f"late: {signal}"] = heard.arrived[missed]
+                self._missed[f"not finite: {signal}"] = heard.arrived[~finite & ~missed]
+                heard = heard.rows(finite & ~missed)
+            if len(heard.times):
+                taken[signal] = heard
+        return taken
+
+    def _late(self, new: Mapping[str, Heard], begun: int) -> dict[str, Flags]:
+        """Of each signal that has them, which samples lie in a period that was over when they came."""
+        lags = [(heard.arrived - heard.times, int(heard.times.min())) for heard in new.values()]
+        slowest, fastest = (max(int(lag.max()) for lag, _ in lags), min(int(lag.min()) for lag, _ in lags))
+        if slowest - fastest < WINDOW and min(first for _, first in lags) > begun:
+            return {}  # whatever came before a sample is less than the window ahead of it
+        arrived, times, values = _joined([*new.values()])
+        order = np.argsort(arrived, kind="stable")
+        known = times[order] if np.isfinite(values).all() else np.where(np.isfinite(values), times, begun)[order]
+        newest = np.maximum.accumulate(np.append(begun if self.ledger.newest is None else self.ledger.newest, known))
+        over = np.maximum((newest[:-1] - WINDOW) // self.monitor.period * self.monitor.period, begun)
+        late = np.empty(len(order), dtype=bool)
+        late[order] = times[order] <= over
+        parts = np.split(late, np.cumsum([len(heard.times) for heard in new.values()])[:-1])
+        return {signal: part for signal, part in zip(new, parts, strict=True) if part.any()}
+
+    def _ends(self, begun: int, new: Sequence[Heard]) -> Iterator[tuple[int, int]]:
+        """The ends of periods that a monitor integrates to, and when the sample arrived that made it do so."""
+        period = self.monitor.period
+        newest = [(heard.arrived, np.maximum.accumulate(heard.times)) for heard in new]
+        while True:
+            due = (begun // period + 1) * period + WINDOW
+            found = [
+                (int(arrived[row]), order, int(times[row]))
+                for order, (arrived, times) in enumerate(newest)
+                if (row := int(np.searchsorted(times, due))) < len(times)
+            ]
+            if not found:
+                return
+            arrived, _, time = min(found)
+            begun = (time - WINDOW) // period * period
+            yield begun, arrived
+
+    def _integrate(self, ends: Sequence[int]) -> None:
+        columns, self.ledger.pending = {}, []
+        for signal, heard in self._waiting.items():
+            split = int(np.searchsorted(heard.times, ends[-1], side="right"))
+            columns[signal] = heard.times[:split], heard.values[:split]
+            self._waiting[signal] = heard.rows(slice(split, None))
+        self.monitor.exposure.integrate_columns(self.ledger, columns, ends)
+
+    def _tick(self, arrived: int) -> None:
+        if self.monitor.on_tick:
+            self.arrived = arrived
+            self._count(arrived)
+            self._leave_open(arrived)
+            self.monitor.on_tick(self.monitor)
+            self.ledger.pending = []
+
+    def _count(self, arrived: int | None) -> None:
+        """Count what was not taken of what had arrived until then."""
+        for reason, when in self._missed.items():
+            missed = len(when) if arrived is None else int(np.searchsorted(when, arrived, side="right"))
+            if missed:
+                self.ledger.counts[reason] += missed
+                self._missed[reason] = when[missed:]
+
+    def _leave_open(self, arrived: int | None) -> None:
+        """Leave in the ledger what had arrived until then, as a monitor would have."""
+        ledger = self.ledger
+        pending = []
+        for signal, heard in self._waiting.items():
+            times, values = heard.times, heard.values
+            if arrived is not None:
+                here = heard.arrived <= arrived
+                times, values = times[here], values[here]
+            pending += [
+                Sample(time, signal, value) for time, value in zip(times.tolist(), values.tolist(), strict=True)
+            ]
+        ledger.pending = sorted(pending)
+        if pending and (ledger.newest is None or ledger.pending[-1].time > ledger.newest):
+            ledger.newest = ledger.pending[-1].time
+
+    def _hold_back(self, begun: int, newest: int) -> None:
+        """Bound what waits: a flood is integrated before its period is over; what is too much for a window is lost."""
+        if self._waiting_samples() > MOST_WAITING and newest - WINDOW > begun:
+            self._integrate([newest - WINDOW])
+        if self._waiting_samples() > MOST_WAITING:
+            share = MOST_WAITING // len(self._waiting)
+            for signal, heard in self._waiting.items():
+                if (count := len(heard.times) - share) > 0:
+                    self.ledger.counts[f"more than {MOST_WAITING:,} within {WINDOW // SECOND} s: {signal}"] += count
+                    self._waiting[signal] = heard.rows(slice(share))
+
+    def _waiting_samples(self) -> int:
+        return sum(len(heard.times) for heard in self._waiting.values())
+
+
+def _some(waiting: Mapping[str, Heard], signal: str) -> list[Heard]:
+    return [waiting[signal]] if signal in waiting else []
+
+
+def _joined(parts: Sequence[Heard]) -> Heard:
+    if len(parts) == 1:
+        return parts[0]
+    return Heard(*(np.concatenate([part[column] for part in parts]) for column in range(3)))
+
+
+def _in_time(parts: Sequence[Heard]) -> Heard:
+    """Samples in order of time; of equal times the greatest value last."""
+    heard = _joined([part for part in parts if len(part.times)])
+    times = heard.times
+    return heard if (times[1:] > times[:-1]).all() else heard.rows(np.lexsort((heard.values, times)))
