@@ -20,7 +20,8 @@ from robophm.core.errors import SourceError, StoreError
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.file import parse
 from robophm.design.robot import Robot
-from robophm.replaying import recording_key, replay
+from robophm.drives import drives_of
+from robophm.replaying import replay
 from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.synthetic import SyntheticOta
@@ -94,8 +95,7 @@ def test_a_replay_killed_again_and_again_ends_as_one_that_was_not(
     ota: Robot, recorded: dict[str, Path], tmp_path: Path
 ) -> None:
     path, chance, progress = tmp_path / "killed.db", random.Random(4), []
-    with robophm.open_source(recorded[".mcap"]) as source:
-        key = recording_key(source, ota.signals)
+    (drive,) = drives_of(ota, recorded[".mcap"])
     for _ in range(20):
         command = [sys.executable, "-c", KILLED, str(OTA), str(recorded[".mcap"]), str(path)]
         with subprocess.Popen(command, stdout=subprocess.PIPE) as child:
@@ -105,7 +105,7 @@ def test_a_replay_killed_again_and_again_ends_as_one_that_was_not(
             child.kill()
             finished = child.wait() == 0
         with SqliteStore(path) as store:
-            progress.append(store.progress(ota.name, key))
+            progress.append(store.progress(ota.name, drive.key))
         if finished:
             break
     assert progress[-1].complete
@@ -213,3 +213,72 @@ def test_a_recording_older_than_the_ledger_is_refused(ota: Robot) -> None:
     with pytest.raises(SourceError, match="would not count; expected recordings in the order of their time"):
         replay(ota, monday, store=store)
     assert store.ledger(ota.name) == before
+
+
+# Many recordings.
+
+
+def hours(count: int, folder: Path, suffix: str = ".mcap") -> list[Path]:
+    """So many drives of 20 minutes, an hour apart."""
+    return [
+        SyntheticOta(
+            seed=3 + i, start=START + i * HOUR, duration=1200 * SECOND, working_hours=(0, 24)
+        ).record(folder / f"{'zyxwv'[i]}{suffix}")
+        for i in range(count)
+    ]  # fmt: skip
+
+
+def test_a_folder_is_gone_through_in_order_of_time(ota: Robot, tmp_path: Path) -> None:
+    """File by file, as one after the other by hand, and as all of them as one drive."""
+    bags = tmp_path / "bags"
+    bags.mkdir()
+    paths = hours(3, bags)
+    apart, together, whole = MemoryStore(), MemoryStore(), MemoryStore()
+    for path in paths:
+        last = replay(ota, path, store=apart)
+    assert replay(ota, bags, store=together) == last
+    with robophm.open_source(*paths) as source:
+        assert replay(ota, source, store=whole).to_json() == last.to_json()
+    assert together.ledger(ota.name) == apart.ledger(ota.name) == whole.ledger(ota.name)
+    assert last.clocks["calendar"] == pytest.approx(2 + 1199 / 3600, rel=1e-6)
+
+
+def test_a_recording_that_is_new_in_the_folder_is_counted_alone(ota: Robot, tmp_path: Path) -> None:
+    bags = tmp_path / "bags"
+    bags.mkdir()
+    paths = hours(3, tmp_path)
+    kept, fresh = MemoryStore(), MemoryStore()
+    for path in paths:
+        path.rename(bags / path.name)
+        replay(ota, bags, store=kept)
+    replay(ota, bags, store=fresh)
+    assert kept.ledger(ota.name) == fresh.ledger(ota.name)
+
+
+def test_recordings_that_overlap_are_one_drive(ota: Robot, tmp_path: Path) -> None:
+    from rosbags.rosbag1 import Reader, Writer
+
+    whole = hours(1, tmp_path, ".bag")[0]
+    parts = tmp_path / "parts"
+    parts.mkdir()
+    with Reader(whole) as reader, Writer(parts / "odom.bag") as odom, Writer(parts / "rest.bag") as rest:
+        known = {}
+        for connection, at, data in reader.messages():
+            writer = odom if connection.topic == "/ota/odom" else rest
+            if connection.id not in known:
+                known[connection.id] = writer.add_connection(
+                    connection.topic, connection.msgtype, msgdef=connection.msgdef.data, md5sum=connection.digest
+                )
+            writer.write(known[connection.id], at, data)
+    assert len(drives_of(ota, parts)) == 1
+    assert replay(ota, parts).to_json() == replay(ota, whole).to_json()
+
+
+def test_a_signal_must_be_in_one_of_them(ota: Robot, recorded: dict[str, Path], tmp_path: Path) -> None:
+    """One drive without an odometer is no mistake, all of them are."""
+    other = tmp_path / "other.csv"
+    other.write_text("time,/ota/power/temperature.temperature\n1600000000,24\n1600000010,24\n")
+    drives = drives_of(ota, [recorded[".mcap"], other])
+    assert [len(drive.signals) for drive in drives] == [1, len(ota.signals)]
+    with pytest.raises(SourceError, match="the recording has no topic '/ota/"):
+        drives_of(ota, [other])

@@ -17,13 +17,13 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Task
+from robophm.drives import available
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, Steps, completion, completion_of_steps
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, View, outlooks
 from robophm.health.report import VIEWS
 from robophm.monitor import Monitor
-from robophm.replaying import available
 from robophm.transports.source import SignalSource
 from robophm.transports.tasks import DoneTask, PlannedTask
 

@@ -17,7 +17,7 @@ from robophm.transports.source import Heard
 
 Flags = npt.NDArray[np.bool_]
 
-ENOUGH = 200_000
+ENOUGH = 500_000
 """Samples that are gone through at once."""
 
 MOST_WAITING = 4_000_000
@@ -73,7 +73,7 @@ class VirtualLife:
         before = self.ledger.integrated_to
         for end, arrived in self._ends(before, [*{id(heard.times): heard for heard in new.values()}.values()]):
             ends.append(end)
-            if end // self.step != before // self.step:
+            if self.monitor.on_tick and end // self.step != before // self.step:
                 self._integrate(ends)
                 self._tick(arrived)
                 ends = []
@@ -88,7 +88,7 @@ class VirtualLife:
     def _begin(self, new: Mapping[str, Heard]) -> dict[str, Heard]:
         """The first period, sample by sample: until it is over, time may yet begin earlier. Gives what is left."""
         arrived, times, values = _joined([*new.values()])
-        signals = [signal for signal, heard in new.items() for _ in heard.times]
+        signals, whose = [*new], np.repeat(np.arange(len(new)), [len(heard.times) for heard in new.values()])
         monitor, on_tick = self.monitor, self.monitor.on_tick
         monitor.on_tick = None
         now = None
@@ -96,7 +96,7 @@ class VirtualLife:
             if self.ledger.integrated_to is not None and arrived[row] != now:
                 break
             now = int(arrived[row])
-            monitor.observe(Sample(int(times[row]), signals[row], float(values[row])))
+            monitor.observe(Sample(int(times[row]), signals[whose[row]], float(values[row])))
         monitor.on_tick = on_tick
         self._resume()
         if now is None or self.ledger.integrated_to is None:

@@ -208,7 +208,7 @@ def task(
 @app.command()
 def replay(
     design: Design,
-    recordings: Annotated[list[Path], typer.Argument(help=".bag, .db3, .mcap, rosbag2 folders, a .csv or a .journal")],
+    recordings: Annotated[list[Path], typer.Argument(help=".bag, .db3, .mcap, folders of them, .csv or .journal")],
     store: Annotated[
         Path | None, typer.Option(help="keep the robot's past in this SQLite file, and go on from it")
     ] = None,
@@ -217,7 +217,7 @@ def replay(
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
-    """A robot's health after what it recorded."""
+    """A robot's health after what it recorded: drives in the order of their time, however many."""
     from robophm.cli.replay import run
 
     _leave(run(design, recordings, store, report, unit, skip_missing=skip_missing, as_json=as_json))

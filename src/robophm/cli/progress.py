@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 from robophm.monitor import Monitor
-from robophm.transports.source import SignalSource
 
 
 @contextmanager
-def progress(console: Console, source: SignalSource, what: str) -> Iterator[Callable[[Monitor], None] | None]:
-    """A callback for every tick of a replay that moves a bar along the recording's time; None off a terminal."""
-    topics = source.topics() if console.is_terminal else []
-    spans = [(info.first, info.last) for info in topics if info.first is not None and info.last is not None]
-    if not spans:
+def progress(
+    console: Console, spans: Iterable[tuple[int | None, int | None]], what: str
+) -> Iterator[Callable[[Monitor], None] | None]:
+    """A callback for every tick of a replay that moves a bar along these spans of time [ns]; None off a terminal."""
+    known = [(first, last) for first, last in spans if first is not None and last is not None]
+    if not known or not console.is_terminal:
         yield None
         return
-    first, last = min(begin for begin, _ in spans), max(end for _, end in spans)
+    first, last = min(begin for begin, _ in known), max(end for _, end in known)
     with _bar(console) as bar:
         task = bar.add_task(what, total=max(last - first, 1))
         yield lambda monitor: bar.update(task, completed=(monitor.ledger.integrated_to or first) - first)

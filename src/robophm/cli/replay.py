@@ -9,13 +9,12 @@ from pathlib import Path
 from robophm.cli.output import console, may_write, print_json, print_report, progress_console, warn, write
 from robophm.cli.progress import progress
 from robophm.design.file import load
-from robophm.replaying import available, recording_key
-from robophm.replaying import replay as replay_recording
+from robophm.drives import drives_of
+from robophm.replaying import replay_drives
 from robophm.report.health_page import health_page
 from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
 from robophm.stores.store import Store
-from robophm.transports.source import open_source
 
 
 def run(
@@ -27,15 +26,18 @@ def run(
     robot = load(design)
     for warning in robot.warnings:
         warn(warning)
-    with open_source(*recordings) as source:
-        signals = available(robot, source, skip_missing=skip_missing)  # before a store is made for it
-        # Without a store the course is kept only for a page that shows it: its reports cost time.
-        kept: Store | None = SqliteStore(store) if store else MemoryStore() if report else None
-        with kept or nullcontext(), progress(progress_console(), source, "replaying") as tick:
-            if kept and kept.progress(robot.name, recording_key(source, signals)).complete:
-                warn(f"this recording is already in {store}; it is not counted again")
-            health = replay_recording(robot, source, store=kept, skip_missing=skip_missing, on_tick=tick)
-            history = list(kept.history(robot.name)) if kept and report else []
+    drives = drives_of(robot, recordings, skip_missing=skip_missing)  # before a store is made for them
+    # Without a store the course is kept only for a page that shows it: its reports cost time.
+    kept: Store | None = SqliteStore(store) if store else MemoryStore() if report else None
+    spans = [(drive.first, drive.last) for drive in drives]
+    with kept or nullcontext(), progress(progress_console(), spans, "replaying") as tick:
+        done = [drive for drive in drives if kept and kept.progress(robot.name, drive.key).complete]
+        if done and len(drives) == 1:
+            warn(f"this recording is already in {store}; it is not counted again")
+        elif done:
+            warn(f"{len(done)} of {len(drives)} recordings are already in {store}; they are not counted again")
+        health = replay_drives(robot, drives, store=kept, on_tick=tick)
+        history = list(kept.history(robot.name)) if kept and report else []
     if report:
         write(report, health_page(robot, health, history))
     if as_json:

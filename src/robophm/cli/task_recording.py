@@ -48,7 +48,8 @@ def run(
             "or with where the robot was"
         )
     told.sort(key=lambda one: one.time if isinstance(one, PlannedTask) else one.end)
-    with progress(progress_console(), source, "replaying") as tick:
+    spans = [(info.first, info.last) for info in source.topics()]
+    with progress(progress_console(), spans, "replaying") as tick:
         records, _ = judge_tasks(
             robot, source, told, speed=speed, functions=functions, knowledge=knowledge, ledger=ledger,
             skip_missing=skip_missing, on_tick=tick,

@@ -234,9 +234,10 @@ class Model:
         result = np.asarray(explained.value, dtype=float)
         flags = [factor.outside for factor in explained.leaves()]
         for name, entry in self.numbers.items():
-            if name in lines:
-                flags.append((lines[name] < entry.low) | (lines[name] > entry.high))
-            elif name in inputs:
+            line = lines.get(name)
+            if line is not None and line.size and not (entry.low <= line.min() and line.max() <= entry.high):
+                flags.append((line < entry.low) | (line > entry.high))
+            elif line is None and name in inputs:
                 flags.append(inputs[name] < entry.low or inputs[name] > entry.high)
         # what is one for all samples costs no pass over them
         outside = np.asarray(any(flag for flag in flags if not np.ndim(flag)))

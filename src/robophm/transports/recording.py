@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
+from functools import cached_property
 from heapq import merge
 from operator import itemgetter
 from pathlib import Path
@@ -31,6 +32,10 @@ SUFFIXES = (".bag", ".db3", ".mcap")
 """Suffixes of the files that are read."""
 
 _EDGE = 64 * 1024
+
+
+class EmptyError(SourceError):
+    """A recording that has no message."""
 
 
 class Recording(SignalSource):
@@ -56,7 +61,7 @@ class Recording(SignalSource):
                 if one.fingerprint == other.fingerprint and one.reader.message_count:
                     raise SourceError(f"{one.path} and {other.path} are the same recording; expected it once")
             if not sum(file.reader.message_count for file in self._files):
-                raise SourceError(f"{', '.join(map(str, paths)) or 'no file'}: holds no messages")
+                raise EmptyError(f"{', '.join(map(str, paths)) or 'no file'}: holds no messages")
             self._opened = opened.pop_all()
         self._name = str(self._files[0].path) + (" …" if len(self._files) > 1 else "")
         digests = "".join(sorted(file.fingerprint for file in self._files))
@@ -69,6 +74,10 @@ class Recording(SignalSource):
 
     def topics(self) -> list[TopicInfo]:
         """What there is to ask for. ``fields`` is empty where the messages cannot be decoded."""
+        return list(self._topics)
+
+    @cached_property
+    def _topics(self) -> list[TopicInfo]:
         found: dict[str, TopicInfo] = {}
         for file in self._files:
             spans = file.spans()
@@ -94,18 +103,11 @@ class Recording(SignalSource):
 
     def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, Heard]]:
         """The samples of these signals, straight from the files; what of a file is damaged is in the notes."""
-        from robophm.transports.columns import read_columns  # which looks up here what a recording is
+        from robophm.transports.columns.columns import by_signal, read_columns  # which ask here what a recording is
 
         with closing(read_columns(self._paths, signals, since or None)) as columns:
             self.notes = columns.notes
-            for block in columns:
-                heard = {}
-                for topic, part in block.items():
-                    times = part.times
-                    for field, values in part.values.items():
-                        one = Heard(part.received, times, values)
-                        heard[f"{topic}.{field}"] = one.rows(~part.absent[field]) if field in part.absent else one
-                yield heard
+            yield from map(by_signal, columns)
 
     def messages(self, topics: Collection[str], longest: int) -> Iterator[tuple[int, str, Any]]:
         """Receipt time [ns], topic and message, as rosbags decodes it, of these topics, in receipt order.
@@ -329,7 +331,11 @@ def parts_of(path: Path) -> list[Path]:
         return [path]
     if (path / "metadata.yaml").exists():
         return [path]
-    parts = sorted(part for part in path.iterdir() if part.suffix in SUFFIXES and part.is_file())
+    parts = sorted(
+        part
+        for part in path.iterdir()
+        if (part.suffix in SUFFIXES and part.is_file()) or (part / "metadata.yaml").is_file()
+    )
     if not parts:
         raise SourceError(f"{path}: holds no recording; expected metadata.yaml or {', '.join(SUFFIXES)} files")
     return parts

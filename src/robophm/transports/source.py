@@ -6,7 +6,7 @@ import hashlib
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, Self
@@ -145,6 +145,8 @@ class TextSource(SignalSource):
 def open_source(*paths: str | Path) -> SignalSource:
     """The source that reads these files, by suffix: one .csv, one .journal, or any number of recordings.
 
+    Of a damaged recording what is whole is read, and the notes say what is lost.
+
     Raises SourceError where a file is missing or cannot be read.
     """
     suffixes = {Path(path).suffix.lower() for path in paths}
@@ -160,7 +162,14 @@ def open_source(*paths: str | Path) -> SignalSource:
         raise SourceError(f"a {min(alone)} file is read alone; {len(paths)} files were given")
     from robophm.transports.recording import Recording
 
-    return Recording(*paths)
+    try:
+        return Recording(*paths)
+    except SourceError as error:
+        from robophm.transports.columns.salvage import Salvage
+
+        with suppress(SourceError):
+            return Salvage(*paths, damage=str(error))
+        raise
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from operator import itemgetter
 from pathlib import Path, PurePath
@@ -22,7 +23,7 @@ from robophm.transports.columns.pieces import MOST_TIME, Messages, Piece, Pieced
 from robophm.transports.columns.walk import Ints, Program
 from robophm.transports.message_type import MessageType, field_getter, message_type
 from robophm.transports.recording import STAMP_LIMIT, SUFFIXES, parts_of
-from robophm.transports.source import existing, reading
+from robophm.transports.source import Heard, existing, reading
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
 
@@ -43,16 +44,26 @@ class TopicColumns:
     def __len__(self) -> int:
         return len(self.received)
 
-    @property
+    @cached_property
     def times(self) -> Ints:
         """The time of each sample [ns]: the header stamp, or receipt where that is zero or more than 10 s off."""
         if self.stamps is None:
             return self.received
         return np.where(_believed(self.stamps, self.received), self.stamps, self.received)
 
+    def heard(self, field: str) -> Heard:
+        """The samples of one field."""
+        one = Heard(self.received, self.times, self.values[field])
+        return one.rows(~self.absent[field]) if field in self.absent else one
+
 
 Block = dict[str, TopicColumns]
 """By topic: its messages of a stretch of time."""
+
+
+def by_signal(block: Block) -> dict[str, Heard]:
+    """The samples of every field in a block."""
+    return {f"{topic}.{field}": part.heard(field) for topic, part in block.items() for field in part.values}
 
 
 class Columns(Iterator[Block]):
@@ -99,16 +110,7 @@ def read_columns(
         wanted.setdefault(topic, []).append(field)
     notes: Counter[str] = Counter()
     with ExitStack() as stack:
-        files = []
-        for part in (part for given in paths for part in _files(existing(Path(given)), notes)):
-            with reading(part):
-                file = _open(part, notes)
-            stack.callback(file.close)
-            files.append(file)
-        files.sort(key=lambda file: (file.begin(), file.fingerprint))  # of equal times the earlier file's come first
-        for one, other in pairwise(files):
-            if one.fingerprint == other.fingerprint and one.begin() < MOST_TIME:
-                raise SourceError(f"{one.path} and {other.path} are the same recording; expected it once")
+        files = opened(paths, notes, stack)
         known = {connection.topic for file in files for connection in file.connections}
         for topic in wanted:
             if topic not in known:
@@ -118,10 +120,25 @@ def read_columns(
         return Columns(_blocks(sources, notes), notes, stack.pop_all())
 
 
+def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -> list[PiecedFile]:
+    """The files of one drive in order of time, left to the stack to close. Raises SourceError as ``read_columns``."""
+    files = []
+    for part in (part for given in paths for part in _files(existing(Path(given)), notes)):
+        with reading(part):
+            file = _open(part, notes)
+        stack.callback(file.close)
+        files.append(file)
+    files.sort(key=lambda file: (file.begin(), file.fingerprint))  # of equal times the earlier file's come first
+    for one, other in pairwise(files):
+        if one.fingerprint == other.fingerprint and one.begin() < MOST_TIME:
+            raise SourceError(f"{one.path} and {other.path} are the same recording; expected it once")
+    return files
+
+
 def _files(path: Path, notes: Counter[str]) -> list[Path]:
     """The files to open; a rosbag2 folder is one where only rosbags can open it."""
     if not path.is_dir() or not (path / "metadata.yaml").exists():
-        return parts_of(path)
+        return [file for part in parts_of(path) for file in (_files(part, notes) if part.is_dir() else [part])]
     import yaml
 
     with reading(path), (path / "metadata.yaml").open(encoding="utf-8") as file:

@@ -1,0 +1,142 @@
+"""What there is to replay: recordings in the order of their time, each with what a design listens to in it."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from robophm.core.errors import SourceError, UnitError, nearest
+from robophm.core.signal import split_signal
+from robophm.core.units import conversion
+from robophm.design.robot import Robot
+from robophm.transports.message_units import field_unit
+from robophm.transports.recording import EmptyError, parts_of
+from robophm.transports.source import SignalSource, TopicInfo, existing, open_source
+
+Opening = Callable[[], AbstractContextManager[SignalSource]]
+Recorded = SignalSource | str | os.PathLike[str]
+
+
+@dataclass(frozen=True)
+class Drive:
+    """One drive: a source, or files that overlap in time."""
+
+    name: str
+    key: str
+    """What the progress of its replay is kept under: what is in it, as the design listens to it."""
+    signals: tuple[str, ...]
+    """The bound signals that it has."""
+    first: int | None
+    """When its first message was received [ns], where that is known."""
+    last: int | None
+    open: Opening
+
+
+def drives_of(robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_missing: bool = False) -> list[Drive]:
+    """The drives in a source, or in files and folders, that have a bound signal, in the order of their time.
+
+    ``skip_missing``: signals that all of them lack stay silent instead of being an error.
+
+    Raises SourceError where a file is missing or no recording, all are empty, a bound signal is in none of them, or
+    its messages measure something else.
+    """
+    if not robot.signals:
+        raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
+    drives: list[Drive] = []
+    missing, topics = dict.fromkeys(robot.signals, ""), set[str]()
+    for name, opens in _opened(recorded):
+        with opens() as source:
+            infos = source.topics()
+            fingerprint = source.fingerprint
+        topics |= {info.topic for info in infos}
+        words = _missing(robot, infos)
+        signals = tuple(signal for signal in robot.signals if signal not in words)
+        missing = {signal: words[signal] for signal in missing if signal in words}
+        key = hashlib.sha256("\n".join((fingerprint, *sorted(signals))).encode()).hexdigest()
+        if signals:
+            drives.append(Drive(name, key, signals, *_span(infos), opens))
+    if missing and not (skip_missing and drives):
+        hint = nearest(split_signal(next(iter(robot.signals)))[0], topics)
+        nowhere = f"the recording has none of the design's topics{hint}"
+        raise SourceError(nowhere if skip_missing else next(iter(missing.values())))
+    return drives
+
+
+def available(robot: Robot, source: SignalSource, *, skip_missing: bool) -> list[str]:
+    """The bound signals that a source has, checked for what they measure. Raises SourceError as ``drives_of``."""
+    return [*drives_of(robot, source, skip_missing=skip_missing)[0].signals]
+
+
+def _missing(robot: Robot, infos: Sequence[TopicInfo]) -> dict[str, str]:
+    """What a source lacks, in words, by bound signal."""
+    topics = {info.topic: info for info in infos}
+    missing = {}
+    for signal, unit in robot.signals.items():
+        topic, field = split_signal(signal)
+        info = topics.get(topic)
+        element = re.sub(r"\[\d+\]", "[]", field)
+        if info is None:
+            missing[signal] = f"the recording has no topic '{topic}'{nearest(topic, topics)}"
+            continue
+        if info.fields and element not in info.fields and field not in info.fields:
+            missing[signal] = f"topic '{topic}' ({info.type}) has no number '{field}'{nearest(field, info.fields)}"
+            continue
+        measured = field_unit(info.type, field)
+        if unit is not None and measured is not None:
+            try:
+                conversion(measured, unit)
+            except UnitError:
+                measures = f"{field} is in '{measured or 'no unit'}'; the design expects '{unit or 'no unit'}'"
+                raise SourceError(f"topic '{topic}' ({info.type}): {measures}") from None
+    return missing
+
+
+def _opened(recorded: Recorded | Sequence[Recorded]) -> Iterator[tuple[str, Opening]]:
+    """Names, and what opens each."""
+    if isinstance(recorded, SignalSource):
+        yield "the recording", lambda: nullcontext(recorded)
+        return
+    given = [recorded] if isinstance(recorded, str | os.PathLike) else recorded
+    for paths in _in_order([Path(os.fspath(path)) for path in given if not isinstance(path, SignalSource)]):
+        yield str(paths[0]) + (" …" if len(paths) > 1 else ""), partial(open_source, *paths)
+
+
+def _in_order(given: Sequence[Path]) -> list[list[Path]]:
+    """The files in order of time, those together that overlap; what has no message is left out."""
+    parts: list[Path] = []
+    for path in given:
+        parts += [path] if path.suffix.lower() in (".csv", ".journal") else parts_of(existing(path))
+    if len(parts) < 2:
+        return [parts] if parts else [[*given]]
+    spans: list[tuple[int, int, Path]] = []
+    for part in parts:
+        try:
+            with open_source(part) as source:
+                first, last = _span(source.topics())
+        except EmptyError:
+            continue
+        if first is not None:
+            spans.append((first, first if last is None else last, part))
+    if not spans:
+        raise EmptyError(f"{', '.join(map(str, given))}: holds no messages")
+    spans.sort()
+    groups, until = [[spans[0][2]]], spans[0][1]
+    for first, last, part in spans[1:]:
+        if first <= until:
+            groups[-1].append(part)
+        else:
+            groups.append([part])
+        until = max(until, last)
+    return groups
+
+
+def _span(infos: Sequence[TopicInfo]) -> tuple[int | None, int | None]:
+    firsts = [info.first for info in infos if info.first is not None]
+    lasts = [info.last for info in infos if info.last is not None]
+    return min(firsts, default=None), max(lasts, default=None)
