@@ -1,0 +1,91 @@
+"""Message types by the text of their definition: compiled, and proven by the md5 sum that ROS makes of it."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import threading
+from functools import lru_cache
+
+from robophm.core.errors import SourceError
+from robophm.transports.message_type import MessageType, message_type
+
+MOST_PARTS = 200
+"""Types in a type, beyond which a definition is taken to be damaged."""
+
+_PARTS = re.compile(r"^={80}\nMSG: *(\S+)[^\n]*\n", re.M)
+_FIELD = re.compile(r"([\w/]+)(\[\d*\])?\s+(\w+)\Z")
+_CONSTANT = re.compile(r"(\w+)\s+(\w+)\s*=(.*)", re.S)
+_BUILT_IN = {"bool", "byte", "char", "string", "time", "duration", "float32", "float64"} | {
+    f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
+}
+_TYPE_NAME = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*\Z", re.ASCII)
+_COMPILING = threading.Lock()
+"""rosbags compiles in a module of one name: one after the other."""
+
+
+def compiled(topic: str, type_: str, text: str) -> MessageType:
+    """How messages of a type, ``sensor_msgs/Temperature``, decode. Raises SourceError where they cannot be."""
+    from rosbags.interfaces import Connection, ConnectionExtRosbag1, MessageDefinition, MessageDefinitionFormat
+
+    if not _TYPE_NAME.match(type_):
+        raise SourceError(f"topic '{topic}': '{type_[:200]}' is not a type; expected e.g. 'std_msgs/Float64'")
+    definition = MessageDefinition(MessageDefinitionFormat.MSG, text)
+    extension = ConnectionExtRosbag1(None, None)
+    with _COMPILING:
+        return message_type(Connection(0, topic, ros2_name(type_), definition, "", 0, extension, None))
+
+
+def ros2_name(type_: str) -> str:
+    """``sensor_msgs/Temperature`` as recordings and rosbags spell it, ``sensor_msgs/msg/Temperature``."""
+    return type_.replace("/", "/msg/", 1)
+
+
+def known_definition(type_: str) -> str:
+    """The text of a type that came with ROS Noetic. Raises SourceError where it did not."""
+    from rosbags.typesys import Stores, get_typestore
+
+    try:
+        return str(get_typestore(Stores.ROS1_NOETIC).generate_msgdef(ros2_name(type_), ros_version=1)[0])
+    except Exception:  # its type is a matter of rosbags
+        raise SourceError(f"type '{type_[:200]}' is not of ROS Noetic, and comes without a definition") from None
+
+
+@lru_cache(maxsize=256)
+def md5_of(type_: str, text: str) -> str:
+    """The md5 sum of a type by the full text of its definition, as genmsg makes it (genmsg/gentools.py).
+
+    Of the text, not of what rosbags reads in it: constants count as they are written, ``1e3`` is not ``1000``.
+    Raises ValueError where a line is none, or a part is missing or contains itself.
+    """
+    names_and_texts = _PARTS.split(text)
+    texts = dict(zip(names_and_texts[1::2], names_and_texts[2::2], strict=True)) | {type_: names_and_texts[0]}
+    return _md5(type_, texts, {})
+
+
+def _md5(type_: str, texts: dict[str, str], known: dict[str, str | None]) -> str:
+    if type_ not in texts or len(known) > MOST_PARTS:
+        raise ValueError(f"{type_} is missing")
+    if type_ in known:
+        if (done := known[type_]) is None:
+            raise ValueError(f"{type_} contains itself")
+        return done
+    known[type_] = None
+    package = type_.partition("/")[0]
+    constants, fields = [], []
+    for line in texts[type_].split("\n"):
+        plain = line.partition("#")[0].strip()
+        if constant := "=" in plain and _CONSTANT.match(plain):
+            # in a text '#' begins no comment
+            value = line.partition("=")[2] if constant[1] == "string" else constant[3]
+            constants.append(f"{constant[1]} {constant[2]}={value.strip()}")
+        elif field := _FIELD.match(plain):
+            part, array, name = field.groups()
+            if part not in _BUILT_IN:
+                inner = part if "/" in part else f"std_msgs/{part}" if part == "Header" else f"{package}/{part}"
+                part, array = _md5(inner, texts, known), ""
+            fields.append(f"{part}{array or ''} {name}")
+        elif plain:
+            raise ValueError(f"'{plain[:100]}' is no field")
+    known[type_] = done = hashlib.md5("\n".join(constants + fields).encode(), usedforsecurity=False).hexdigest()
+    return done

@@ -1,0 +1,229 @@
+"""One thread that serves all sockets of a node; none of them can hold it up."""
+
+from __future__ import annotations
+
+import logging
+import selectors
+import socket
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+
+from robophm.transports.ros1.environment import Notes
+
+TICK = 0.5
+"""Seconds between ticks."""
+
+MOST_HELD = 128 << 20
+"""Bytes of unfinished messages over all sockets, beyond which the one that holds most is closed."""
+
+MOST_GUESTS = 200
+"""Connections that others have made to us, beyond which one more is refused."""
+
+_READ = 1 << 18
+
+
+class Peer:
+    """One connection of a loop. A subclass takes what it can from ``received``; all its methods run in the loop."""
+
+    guest = True
+    """Others have made it."""
+    deadline: float | None = None
+    """By time.monotonic(): when it is closed if it is still there."""
+
+    def __init__(self, loop: Loop, connection: socket.socket) -> None:
+        self.loop = loop
+        self.connection = connection
+        self.received = bytearray()
+        self.sending: deque[memoryview] = deque()
+        self.closed = False
+        connection.setblocking(False)
+
+    def taken(self) -> None:
+        """Take whole messages out of ``received``. Raises ValueError, which closes, where there can be none."""
+        raise NotImplementedError
+
+    def ended(self) -> None:
+        """The connection is closed."""
+
+    def send(self, data: bytes) -> None:
+        """Send in time."""
+        self.sending.append(memoryview(data))
+        self.flush()
+
+    def flush(self) -> None:
+        """Send as much as the other side takes."""
+        try:
+            while self.sending:
+                data = self.sending[0]
+                sent = self.connection.send(data)
+                if sent < len(data):
+                    self.sending[0] = data[sent:]
+                    break
+                self.sending.popleft()
+                self.drained()
+        except BlockingIOError:
+            pass
+        except OSError:
+            self.close()
+        if not self.closed:
+            self.loop.watch(self)
+
+    def drained(self) -> None:
+        """One piece has been sent."""
+
+    def read(self) -> None:
+        """Receive, once, so that no connection starves another."""
+        try:
+            data = self.connection.recv(_READ)
+        except BlockingIOError:
+            return
+        except OSError:
+            data = b""
+        if not data:
+            self.close()
+            return
+        before = len(self.received)
+        self.received += data
+        try:
+            self.taken()
+        except ValueError:
+            self.close()
+        if not self.closed:
+            self.loop.hold(self, len(self.received) - before)
+
+    def close(self) -> None:
+        """Close; twice does no harm."""
+        if not self.closed:
+            self.closed = True
+            self.loop.forget(self)
+            with suppress(OSError):
+                self.connection.close()
+            self.received = bytearray()
+            self.sending.clear()
+            self.ended()
+
+
+class Loop(threading.Thread):
+    """Serves peers, ticks twice a second, and does what other threads post, until it is closed."""
+
+    def __init__(self, name: str, notes: Notes) -> None:
+        super().__init__(name=name, daemon=True)
+        self.notes = notes
+        self.ticks: list[Callable[[], None]] = []
+        self.peers: set[Peer] = set()
+        self._posted: deque[Callable[[], None]] = deque()
+        self._held = 0
+        self._stopped = False
+        self._selector = selectors.DefaultSelector()
+        self._listening: list[socket.socket] = []
+        self._ear, self._mouth = socket.socketpair()
+        self._ear.setblocking(False)
+        self._mouth.setblocking(False)
+        self._selector.register(self._ear, selectors.EVENT_READ, self._heard)
+
+    def listen(self, host: str, make: Callable[[socket.socket], Peer]) -> int:
+        """A port where each connection becomes a peer. To be called before the loop starts."""
+        server = socket.create_server((host, 0), backlog=128)
+        server.setblocking(False)
+        self._listening.append(server)
+        self._selector.register(server, selectors.EVENT_READ, lambda: self._accept(server, make))
+        port: int = server.getsockname()[1]
+        return port
+
+    def post(self, action: Callable[[], None]) -> None:
+        """Do this in the loop, soon; from any thread."""
+        self._posted.append(action)
+        with suppress(OSError):  # full: it is awake; closed: nothing is done any more
+            self._mouth.send(b".")
+
+    def add(self, peer: Peer) -> None:
+        """Serve a peer, from within the loop."""
+        self.peers.add(peer)
+        self._selector.register(peer.connection, selectors.EVENT_READ, peer)
+
+    def watch(self, peer: Peer) -> None:
+        """Look whether a peer can be written to only while there is something to send."""
+        events = selectors.EVENT_READ | (selectors.EVENT_WRITE if peer.sending else 0)
+        if self._selector.get_key(peer.connection).events != events:
+            self._selector.modify(peer.connection, events, peer)
+
+    def forget(self, peer: Peer) -> None:
+        """Serve it no longer."""
+        if peer in self.peers:
+            self.peers.remove(peer)
+            self._selector.unregister(peer.connection)
+            self._held = sum(len(other.received) for other in self.peers)
+
+    def hold(self, peer: Peer, more: int) -> None:
+        """So many more bytes are held for a peer; too many of all, and the one with most goes."""
+        self._held += more
+        if self._held > MOST_HELD:
+            self.notes.add("connection closed: too much unfinished")
+            max(self.peers, key=lambda other: len(other.received)).close()
+
+    def run(self) -> None:
+        """Until ``close``."""
+        due = 0.0
+        while not self._stopped:
+            for key, mask in self._selector.select(TICK):
+                if isinstance(key.data, Peer):
+                    self._serve(key.data, mask)
+                else:
+                    key.data()
+            while self._posted and not self._stopped:
+                self._safely(self._posted.popleft())
+            now = time.monotonic()
+            if now >= due:
+                due = now + TICK
+                for peer in [peer for peer in self.peers if peer.deadline is not None and peer.deadline < now]:
+                    self.notes.add("connection closed: nothing came in time")
+                    peer.close()
+                for tick in self.ticks:
+                    self._safely(tick)
+        for peer in list(self.peers):
+            peer.close()
+        self._selector.close()
+        for each in (*self._listening, self._ear, self._mouth):
+            each.close()
+
+    def close(self) -> None:
+        """Close all connections and end the thread; twice does no harm."""
+        if self.is_alive():
+            self.post(self._stop)
+            if threading.current_thread() is not self:
+                self.join()
+
+    def _stop(self) -> None:
+        self._stopped = True
+
+    def _serve(self, peer: Peer, mask: int) -> None:
+        if mask & selectors.EVENT_WRITE and not peer.closed:
+            self._safely(peer.flush)
+        if mask & selectors.EVENT_READ and not peer.closed:
+            self._safely(peer.read)
+
+    def _safely(self, action: Callable[[], None]) -> None:
+        """A fault of ours in one connection must not end the others; it is counted and logged."""
+        try:
+            action()
+        except Exception:
+            self.notes.add("internal error")
+            logging.getLogger(__name__).exception("in %s", action)
+
+    def _heard(self) -> None:
+        with suppress(OSError):
+            self._ear.recv(4096)
+
+    def _accept(self, server: socket.socket, make: Callable[[socket.socket], Peer]) -> None:
+        try:
+            connection, _ = server.accept()
+        except OSError:
+            return
+        if sum(peer.guest for peer in self.peers) >= MOST_GUESTS:
+            self.notes.add("connection refused: too many")
+            connection.close()
+        else:
+            self.add(make(connection))

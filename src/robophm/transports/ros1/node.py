@@ -1,0 +1,157 @@
+"""A node: a name that the master knows, kept known also when the master is started anew."""
+
+from __future__ import annotations
+
+import os
+import re
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from itertools import count
+from typing import TYPE_CHECKING, Any, Self
+
+from robophm.core.errors import SourceError
+from robophm.transports.ros1.environment import Notes, PeerError, place
+from robophm.transports.ros1.loop import Loop
+from robophm.transports.ros1.slave import Caller, Slave, believed
+from robophm.transports.ros1.subscriber import Greeting
+from robophm.transports.ros1.xmlrpc import call
+
+if TYPE_CHECKING:
+    from robophm.transports.ros1.publisher import Publisher
+
+POLL_SECONDS = 2.0
+"""Between two looks at what the master knows; in between it tells what changes."""
+
+_NUMBERS = count(1)
+_NAME = re.compile(r"/[A-Za-z]\w*(/[A-Za-z]\w*)*\Z", re.ASCII)
+
+
+class Node:
+    """A node of ROS 1; a context manager.
+
+    Without a name it has one of its own, ``/robophm_PID_NUMBER``. A node of the same name is ended by the master.
+
+    Raises SourceError where the name is none, or there is no master.
+    """
+
+    def __init__(self, name: str | None = None, master: str | None = None, notes: Notes | None = None) -> None:
+        self.name = name or f"/robophm_{os.getpid()}_{next(_NUMBERS)}"
+        if not _NAME.match(self.name):
+            raise SourceError(f"'{self.name}' is not the name of a ROS node; expected e.g. '/robophm'")
+        self.place = place(master)
+        self.notes = Notes() if notes is None else notes
+        try:
+            self.ask("getSystemState")
+        except PeerError as error:
+            raise SourceError(f"no ROS master: {error}; start roscore, or set ROS_MASTER_URI") from None
+        self.subscribed: dict[str, Callable[[list[str]], None]] = {}
+        """By topic: who wants to know its publishers."""
+        self.published: dict[str, Publisher] = {}
+        self.told_to_end: Callable[[], None] = lambda: None
+        """What happens when the master, or ``rosnode kill``, ends the node."""
+        self.bus: Callable[[], list[list[Any]]] = list
+        """Its connections, as getBusInfo has them."""
+        self._registering = threading.Lock()
+        self._stale: set[str] = set()
+        self._publishers: dict[str, frozenset[str]] = {}
+        self._away = False
+        self._closed = False
+        self._woken = threading.Event()
+        self.loop = Loop(f"ros1 {self.name}", self.notes)
+        slave = Slave(self)
+        slave_port = self.loop.listen(self.place.bind, lambda each: Caller(self.loop, each, slave.answer))
+        self.port = self.loop.listen(self.place.bind, lambda each: Greeting(self.loop, each, self))
+        self.uri = f"http://{self.place.host}:{slave_port}/"
+        self._keeper = threading.Thread(target=self._keep, name=f"ros1 {self.name} registration", daemon=True)
+        self.loop.start()
+        self._keeper.start()
+
+    def ask(self, method: str, *arguments: Any) -> Any:
+        """What the master answers. Raises PeerError as ``call``."""
+        return call(self.place.master, method, self.name, *arguments)
+
+    def subscribe(self, topic: str, heard: Callable[[list[str]], None]) -> None:
+        """Tell who publishes the topic, whenever it may have changed; from another thread."""
+        self.subscribed[topic] = heard
+
+    def publish(self, topic: str, publisher: Publisher) -> None:
+        """Make a publisher known. Raises SourceError where the node has one of this topic."""
+        if topic in self.published:
+            raise SourceError(f"{self.name} publishes {topic} already")
+        self.published[topic] = publisher
+        self.renew()
+
+    def unpublish(self, topic: str) -> None:
+        """It is published no longer."""
+        if self.published.pop(topic, None) and not self._away:
+            with suppress(PeerError):
+                self.ask("unregisterPublisher", topic, self.uri)
+
+    def renew(self, topic: str | None = None) -> None:
+        """Look at once what the master knows; of this topic also whether its publishers have moved."""
+        if topic:
+            self._stale.add(topic)
+        self._woken.set()
+
+    def close(self) -> None:
+        """Unregister, close all connections, end the threads; twice does no harm."""
+        if not self._closed:
+            self._closed = True
+            self._woken.set()
+            self._keeper.join()
+            try:  # one that does not answer is not asked again
+                for topic in self.subscribed:
+                    self.ask("unregisterSubscriber", topic, self.uri)
+                for topic in self.published:
+                    self.ask("unregisterPublisher", topic, self.uri)
+            except PeerError:
+                self.notes.add("master not reachable to unregister")
+            self.loop.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def register(self) -> None:
+        """One look at what the master knows, and register with it what it does not. Raises PeerError."""
+        with self._registering:
+            self._register()
+
+    def _register(self) -> None:
+        stale, self._stale = self._stale, set()
+        state = self.ask("getSystemState")
+        try:
+            publishers, subscribers = (
+                {topic: frozenset(nodes) for topic, nodes in table if isinstance(topic, str)} for table in state[:2]
+            )
+        except (TypeError, ValueError, LookupError):
+            raise PeerError(f"{self.place.master}: getSystemState: no system state", "malformed answer") from None
+        for topic, publisher in list(self.published.items()):
+            if self.name not in publishers.get(topic, ()):
+                self.ask("registerPublisher", topic, publisher.type, self.uri)
+        for topic, heard in list(self.subscribed.items()):
+            known = publishers.get(topic, frozenset())
+            unknown = self.name not in subscribers.get(topic, ())
+            if unknown or topic in stale or known != self._publishers.get(topic):
+                heard(believed(self.ask("registerSubscriber", topic, "*", self.uri)))
+                self._publishers[topic] = known
+
+    def _keep(self) -> None:
+        while not self._closed:
+            self._woken.clear()
+            try:
+                self.register()
+            except PeerError:
+                if not self._away:
+                    self.notes.add("master lost")
+                self._away = True
+            else:
+                if self._away:
+                    self.notes.add("master came back")
+                self._away = False
+            time.sleep(0.05)  # however often it is woken
+            self._woken.wait(POLL_SECONDS)

@@ -1,0 +1,124 @@
+"""What a node answers to the master and to tools, by XML-RPC (wiki.ros.org/ROS/Slave_API)."""
+
+from __future__ import annotations
+
+import os
+import socket
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+from xmlrpc.server import SimpleXMLRPCDispatcher
+
+from robophm.transports.ros1.loop import Loop, Peer
+from robophm.transports.ros1.xmlrpc import CALL_SECONDS, LONGEST_HEAD, body_length, parsed
+
+if TYPE_CHECKING:
+    from robophm.transports.ros1.node import Node
+
+MOST_PUBLISHERS = 1000
+"""Publishers of one topic that are believed."""
+
+
+class Caller(Peer):
+    """One call: it is read, answered and closed."""
+
+    def __init__(self, loop: Loop, connection: socket.socket, answer: Callable[[bytes], bytes]) -> None:
+        super().__init__(loop, connection)
+        self.deadline = time.monotonic() + CALL_SECONDS
+        self._answer = answer
+        self._answered = False
+
+    def taken(self) -> None:
+        """Answer when the call is whole."""
+        end = self.received.find(b"\r\n\r\n")
+        if end < 0:
+            if len(self.received) > LONGEST_HEAD:
+                self._refuse()
+            return
+        try:
+            whole = end + 4 + body_length(bytes(self.received[:end]))
+        except ValueError:
+            self._refuse()
+        if len(self.received) >= whole and not self._answered:
+            self._answered = True
+            body = self._answer(bytes(self.received[end + 4 : whole]))
+            head = f"HTTP/1.0 200 OK\r\nContent-Type: text/xml\r\nContent-Length: {len(body)}\r\n\r\n"
+            self.send(head.encode() + body)
+
+    def drained(self) -> None:
+        """The answer is sent."""
+        self.close()
+
+    def _refuse(self) -> None:
+        self.loop.notes.add("malformed call")
+        raise ValueError("malformed call")
+
+
+class Slave:
+    """Answers calls for a node."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._dispatcher = SimpleXMLRPCDispatcher(allow_none=True)
+        self._dispatcher.register_instance(_Methods(node))
+
+    def answer(self, body: bytes) -> bytes:
+        """The answer to a call, or the fault that it is."""
+        try:
+            parsed(body)
+        except Exception:  # the parser raises whatever it comes upon
+            self._node.notes.add("malformed call")
+            body = b""
+        return bytes(self._dispatcher._marshaled_dispatch(body))  # type: ignore[arg-type]
+
+
+class _Methods:
+    """The methods by their names in ROS; each answers code, message, value."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+
+    def getPid(self, _: str) -> tuple[int, str, int]:  # noqa: N802
+        return 1, "", os.getpid()
+
+    def getMasterUri(self, _: str) -> tuple[int, str, str]:  # noqa: N802
+        return 1, "", self._node.place.master
+
+    def getBusStats(self, _: str) -> tuple[int, str, list[list[Any]]]:  # noqa: N802
+        return 1, "not kept", [[], [], []]
+
+    def getBusInfo(self, _: str) -> tuple[int, str, list[list[Any]]]:  # noqa: N802
+        return 1, "", self._node.bus()
+
+    def getSubscriptions(self, _: str) -> tuple[int, str, list[list[str]]]:  # noqa: N802
+        return 1, "", [[topic, "*"] for topic in self._node.subscribed]
+
+    def getPublications(self, _: str) -> tuple[int, str, list[list[str]]]:  # noqa: N802
+        return 1, "", [[topic, each.type] for topic, each in list(self._node.published.items())]
+
+    def paramUpdate(self, _: str, __: str, ___: Any) -> tuple[int, str, int]:  # noqa: N802
+        return 1, "", 0
+
+    def shutdown(self, _: str, __: str = "") -> tuple[int, str, int]:
+        self._node.told_to_end()
+        return 1, "shutdown", 0
+
+    def publisherUpdate(self, _: str, topic: str, publishers: list[str]) -> tuple[int, str, int]:  # noqa: N802
+        heard = self._node.subscribed.get(topic)
+        if heard is None or not isinstance(publishers, list):
+            return 0, "not subscribed", 0
+        heard(believed(publishers))
+        return 1, "", 0
+
+    def requestTopic(self, _: str, topic: str, protocols: list[list[Any]]) -> tuple[int, str, list[Any]]:  # noqa: N802
+        if topic not in self._node.published:
+            return 0, f"{topic} is not published here", []
+        if not any(isinstance(each, list) and each[:1] == ["TCPROS"] for each in protocols):
+            return 0, "only TCPROS is spoken here", []
+        return 1, "", ["TCPROS", self._node.place.host, self._node.port]
+
+
+def believed(publishers: Any) -> list[str]:
+    """The addresses in a list that somebody sent."""
+    found = publishers if isinstance(publishers, list) else []
+    return [uri for uri in found if isinstance(uri, str) and len(uri) < 1000][:MOST_PUBLISHERS]

@@ -1,0 +1,167 @@
+"""The live source of ROS 1."""
+
+from __future__ import annotations
+
+import threading
+import uuid
+from collections.abc import Collection, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from queue import SimpleQueue
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import CLOCK, Sample, split_signal
+from robophm.transports.message_type import MessageType, numeric_fields
+from robophm.transports.ros1.definition import ros2_name
+from robophm.transports.ros1.environment import Notes, PeerError, place
+from robophm.transports.ros1.listening import CONNECTORS, Count, Listening
+from robophm.transports.ros1.node import Node
+from robophm.transports.ros1.reading import type_of
+from robophm.transports.ros1.tcpros import connect
+from robophm.transports.ros1.xmlrpc import call
+from robophm.transports.source import SignalSource, TopicInfo
+
+QUEUE = 100_000
+"""Samples that may wait to be taken; further ones are dropped and counted."""
+
+START_SECONDS = 8.0
+"""Within which what is published when listening begins is connected, or is left for later."""
+
+CALLER = "/robophm"
+"""By which we ask before we have a node."""
+
+
+class Ros1(SignalSource):
+    """Live topics of ROS 1, of any type, through the master at ``master`` or ROS_MASTER_URI; a context manager.
+
+    ``samples`` is endless: it goes on through a master, publishers and types that come and go, until ``close``, which
+    may come from any thread. Topics that nobody publishes yet are waited for. A sample's time is its header's
+    stamp, or its receipt where that is zero or 10 s off; under use_sim_time receipt is the time of /clock. ``notes``
+    counts what was dropped, refused, unreadable, missing in the sequence of a publisher, and made anew.
+
+    Raises SourceError where there is no master.
+    """
+
+    def __init__(self, master: str | None = None, *, queue: int = QUEUE) -> None:
+        self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
+        self.notes = Notes()
+        self._queue = queue
+        self._master = place(master).master
+        self._closed = False
+        self._run: _Run | None = None
+        self._types: dict[tuple[str, str], MessageType] = {}
+        try:
+            call(self._master, "getPid", CALLER)
+        except PeerError as error:
+            raise SourceError(f"no ROS master: {error}; start roscore, or set ROS_MASTER_URI") from None
+
+    def topics(self) -> list[TopicInfo]:
+        """What is published now; messages and their times are counted since they are listened to.
+
+        ``fields`` is empty where no publisher tells the definition. Raises SourceError where the master is gone.
+        """
+        published = call(self._master, "getPublishedTopics", CALLER, "")
+        publishers = dict(call(self._master, "getSystemState", CALLER)[0])
+        counts = self._run.listening.counts if self._run else {}
+        with ThreadPoolExecutor(CONNECTORS) as pool:
+            return list(
+                pool.map(
+                    lambda each: self._topic(each[0], each[1], publishers.get(each[0], []), counts.get(each[0])),
+                    sorted(published),
+                )
+            )
+
+    def _topic(self, topic: str, type_: str, nodes: list[str], count: Count | None) -> TopicInfo:
+        for node in nodes if (topic, type_) not in self._types else []:
+            with suppress(PeerError):
+                connection, header = connect(CALLER, topic, call(self._master, "lookupNode", CALLER, node))
+                connection.close()
+                self._types[topic, type_] = type_of(topic, header, Notes())
+                break
+        known = self._types.get((topic, type_))
+        fields = tuple(numeric_fields(known.definitions, known.name)) if known else ()
+        name = "" if type_ == "*" else ros2_name(type_)
+        if count is None:
+            return TopicInfo(topic, name, 0, None, None, fields)
+        return TopicInfo(topic, name, count.messages, count.first, count.last, fields)
+
+    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
+        """The samples of these signals in order of arrival, and clock samples, until ``close``.
+
+        What an earlier call gave ends. Raises SourceError where a signal is none, a topic that is published has no
+        such field or its type cannot be read, or there is no master.
+        """
+        wanted: dict[str, list[str]] = {}
+        for signal in sorted({*signals} - {CLOCK}):
+            topic, _ = split_signal(signal)
+            if not topic.startswith("/"):
+                raise SourceError(f"signal '{signal}' has no topic of ROS; expected it to begin with '/'")
+            wanted.setdefault(topic, []).append(signal)
+        if self._run:
+            self._run.close()
+        if self._closed:
+            raise SourceError("the source is closed")
+        self.notes = Notes()
+        self._run = run = _Run(self._master, wanted, self.notes, self._queue)
+        try:
+            run.listening.start(START_SECONDS)
+        except BaseException:
+            run.close()
+            raise
+        return run.samples()
+
+    def close(self) -> None:
+        """End ``samples``, unregister, let go of all connections and threads; twice does no harm."""
+        self._closed = True
+        if self._run:
+            self._run.close()
+
+
+class _Run:
+    """One call of ``samples``."""
+
+    def __init__(self, master: str, wanted: dict[str, list[str]], notes: Notes, most: int) -> None:
+        self._waiting: SimpleQueue[Sample | None] = SimpleQueue()
+        self._notes = notes
+        self._most = most
+        self._over = False
+        self._closing = threading.Lock()
+        self._node = Node(master=master, notes=notes)
+        self._node.told_to_end = self._told_to_end
+        try:
+            simulated = self._node.ask("getParam", "/use_sim_time") is True
+        except PeerError:  # it is not set
+            simulated = False
+        self.listening = Listening(self._node, wanted, self._put, simulated)
+
+    def samples(self) -> Iterator[Sample]:
+        """Until the end."""
+        try:
+            while (sample := self._waiting.get()) is not None and not self._over:
+                yield sample
+        finally:
+            self.close()
+
+    def close(self) -> None:
+        """Let go of all."""
+        self._end()
+        with self._closing:  # who comes second returns when it is done
+            self.listening.close()
+            self._node.close()
+
+    def _put(self, samples: Sequence[Sample]) -> None:
+        """All samples of one message, or none."""
+        if self._waiting.qsize() + len(samples) > self._most:
+            for sample in samples:
+                self._notes.add(f"queue full, dropped {sample.signal}")
+        else:
+            for sample in samples:
+                self._waiting.put(sample)
+
+    def _told_to_end(self) -> None:
+        self._notes.add("ended through ROS")
+        self._end()
+
+    def _end(self) -> None:
+        self._over = True
+        self._waiting.put(None)

@@ -1,0 +1,134 @@
+"""What rospy publishes arrives as it was sent."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import pytest
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import SECOND
+from robophm.transports.ros1 import Ros1
+
+from .conftest import Heard, System, free_port, within
+
+
+def test_values_stamps_and_elements_of_nested_arrays_arrive(ros: System, live: Ros1) -> None:
+    ros.talk("""
+rospy.init_node("joints", anonymous=True)
+joints = rospy.Publisher("/joint_states", JointState, queue_size=10)
+odometry = rospy.Publisher("/poses", __import__("geometry_msgs.msg").msg.PoseArray, queue_size=10)
+from geometry_msgs.msg import Pose, Point, Quaternion
+say("ready"); heard(joints); heard(odometry)
+now = rospy.Time.now()
+joints.publish(JointState(header=Header(stamp=now), name=["a", "b", "c"], effort=[1.5, -2.5, 3.25]))
+joints.publish(JointState(header=Header(stamp=now), name=["a"], effort=[7.0]))
+joints.publish(JointState(header=Header(stamp=rospy.Time(5, 6)), effort=[0, 0, 9.0]))
+odometry.publish(header=Header(stamp=now), poses=[Pose(), Pose(position=Point(1, 2, 3))])
+say(str(now.to_nsec())); rospy.sleep(30)
+""")
+    talker = ros._started[-1]
+    heard = Heard(live, "/joint_states.effort[2]", "/joint_states.effort[0]", "/poses.poses[1].position.z")
+    assert talker.stdout is not None
+    stamp = int(talker.stdout.readline())
+    within(5, lambda: len(heard.of("/joint_states.effort[0]")) == 3 and heard.of("/poses.poses[1].position.z"))
+    samples = [sample for sample in heard.samples if sample.signal.startswith("/joint")]
+    before = time.time_ns() - 10 * SECOND
+    assert [(s.signal[-9:], s.value) for s in samples] == [
+        ("effort[0]", 1.5),
+        ("effort[2]", 3.25),
+        ("effort[0]", 7.0),
+        ("effort[0]", 0.0),
+        ("effort[2]", 9.0),
+    ]
+    assert [s.time for s in samples[:3]] == [stamp] * 3
+    assert before < samples[3].time == samples[4].time < time.time_ns()
+    assert heard.of("/poses.poses[1].position.z") == [3.0]
+    assert live.notes["no element for /joint_states.effort[2]"] == 1
+    assert live.notes["receipt time used for /joint_states"] == 1
+
+
+def test_topics_say_type_fields_and_what_was_heard(ros: System, live: Ros1) -> None:
+    ros.talk("""
+rospy.init_node("battery", anonymous=True)
+out = rospy.Publisher("/told/battery", BatteryState, queue_size=10, latch=True)
+out.publish(BatteryState(voltage=12.5)); say("ready"); rospy.sleep(30)
+""")
+    (info,) = [each for each in live.topics() if each.topic == "/told/battery"]
+    assert (info.type, info.messages, info.first) == ("sensor_msgs/msg/BatteryState", 0, None)
+    assert {"voltage", "header.stamp.sec", "cell_voltage[]"} <= set(info.fields)
+    heard = Heard(live, "/told/battery.voltage")
+    within(5, lambda: heard.of("/told/battery.voltage") == [12.5])
+    (info,) = [each for each in live.topics() if each.topic == "/told/battery"]
+    assert info.messages == 1
+    assert info.first == info.last
+    assert info.first is not None
+    assert abs(info.first - time.time_ns()) < 10 * SECOND
+
+
+def test_a_field_that_is_not_there_is_said_at_once(ros: System, live: Ros1) -> None:
+    ros.talk("""
+rospy.init_node("t", anonymous=True)
+out = rospy.Publisher("/plain/temperature", Temperature, queue_size=10); say("ready"); rospy.sleep(30)
+""")
+    with pytest.raises(SourceError, match=r"no field 'temprature'; did you mean 'temperature'"):
+        live.samples(["/plain/temperature.temprature"])
+    with pytest.raises(SourceError, match="expected it to begin with '/'"):
+        live.samples(["plain.temperature"])
+
+
+def test_silence_is_heard_and_a_topic_that_comes_later(ros: System, live: Ros1) -> None:
+    heard = Heard(live, "/later/level.data")
+    within(4, lambda: len(heard.of("clock")) >= 4)
+    clocks = [sample.time for sample in heard.samples]
+    assert all(0 < after - before < SECOND for before, after in zip(clocks, clocks[1:], strict=False))
+    assert abs(clocks[-1] - time.time_ns()) < 2 * SECOND
+    ros.talk("""
+rospy.init_node("later", anonymous=True)
+out = rospy.Publisher("/later/level", Float32, queue_size=10); say("ready"); heard(out)
+[out.publish(x) for x in (1, 2, 3)]; rospy.sleep(30)
+""")
+    within(8, lambda: heard.of("/later/level.data") == [1, 2, 3])
+
+
+def test_close_ends_the_iterator_at_once_and_leaves_nothing(ros: System) -> None:
+    ros.talk("""
+rospy.init_node("steady", anonymous=True)
+out = rospy.Publisher("/steady", Float64, queue_size=10); say("ready")
+while True: out.publish(1.0); rospy.sleep(0.01)
+""")
+    before = set(threading.enumerate())
+    source = Ros1(ros.uri)
+    heard = Heard(source, "/steady.data", "/never.data")
+    within(5, lambda: len(heard.of("/steady.data")) > 10)
+    assert "Subscribers: \n * /robophm_" in ros.run("/usr/bin/rostopic", "info", "/steady")
+    begun = time.monotonic()
+    source.close()
+    heard.join(1)
+    assert not heard.is_alive()
+    assert time.monotonic() - begun < 2
+    assert set(threading.enumerate()) <= before
+    assert "robophm" not in ros.run("/usr/bin/rosnode", "list")
+    assert "Subscribers: None" in ros.run("/usr/bin/rostopic", "info", "/steady")
+    source.close()
+    with pytest.raises(SourceError, match="closed"):
+        source.samples([])
+
+
+def test_rosnode_sees_and_ends_us(ros: System, live: Ros1) -> None:
+    heard = Heard(live, "/nobody/says.data")
+    (name,) = [line for line in ros.run("/usr/bin/rosnode", "list").split() if line.startswith("/robophm_")]
+    assert f"* {'/nobody/says'}" in ros.run("/usr/bin/rosnode", "info", name)
+    assert "xmlrpc reply" in ros.run("/usr/bin/rosnode", "ping", "-c", "1", name)
+    ros.run("/usr/bin/rosnode", "kill", name)
+    heard.join(5)
+    assert not heard.is_alive()
+    assert live.notes["ended through ROS"] == 1
+
+
+def test_no_master_is_one_line() -> None:
+    with pytest.raises(SourceError, match="no ROS master: .* start roscore, or set ROS_MASTER_URI"):
+        Ros1(f"http://127.0.0.1:{free_port()}")
+    with pytest.raises(SourceError, match="is not the address of a ROS node"):
+        Ros1("somewhere")
