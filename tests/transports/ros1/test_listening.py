@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from itertools import pairwise
 
 import pytest
 
@@ -82,7 +83,7 @@ def test_silence_is_heard_and_a_topic_that_comes_later(ros: System, live: Ros1) 
     heard = Heard(live, "/later/level.data")
     within(4, lambda: len(heard.of("clock")) >= 4)
     clocks = [sample.time for sample in heard.samples]
-    assert all(0 < after - before < SECOND for before, after in zip(clocks, clocks[1:], strict=False))
+    assert all(0 < after - before < SECOND for before, after in pairwise(clocks))
     assert abs(clocks[-1] - time.time_ns()) < 2 * SECOND
     ros.talk("""
 rospy.init_node("later", anonymous=True)
@@ -128,7 +129,7 @@ def test_rosnode_sees_and_ends_us(ros: System, live: Ros1) -> None:
 
 
 def test_no_master_is_one_line() -> None:
-    with pytest.raises(SourceError, match="no ROS master: .* start roscore, or set ROS_MASTER_URI"):
+    with pytest.raises(SourceError, match=r"no ROS master: .* start roscore, or set ROS_MASTER_URI"):
         Ros1(f"http://127.0.0.1:{free_port()}")
     with pytest.raises(SourceError, match="is not the address of a ROS node"):
         Ros1("somewhere")

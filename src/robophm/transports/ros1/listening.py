@@ -15,7 +15,7 @@ from robophm.core.signal import CLOCK, SECOND, Sample
 from robophm.transports.recording import STAMP_LIMIT
 from robophm.transports.ros1.environment import PeerError
 from robophm.transports.ros1.node import Node
-from robophm.transports.ros1.reading import Reading, WishError
+from robophm.transports.ros1.reading import Reading, TypeRefusedError
 from robophm.transports.ros1.stream import Stream
 from robophm.transports.ros1.tcpros import connect
 
@@ -199,8 +199,8 @@ class Listening:
 
     def _refused(self, key: tuple[str, str], error: PeerError) -> None:
         topic = key[0]
-        self._notes.add(error.kind if topic in error.kind else f"{error.kind} on {topic}")
-        if self.mistake is None and (isinstance(error, WishError) or error.kind.startswith("definition")):
+        self._notes.add(f"{error.kind} on {topic}")
+        if self.mistake is None and isinstance(error, TypeRefusedError):
             self.mistake = error
         self._connecting.discard(key)
         self._failed(key)

@@ -55,6 +55,8 @@ class Node:
         """Its connections, as getBusInfo has them."""
         self._registering = threading.Lock()
         self._stale: set[str] = set()
+        self._registered: set[str] = set()
+        """Topics whose publisher the master knows from us, not from one of our name that ended without a word."""
         self._publishers: dict[str, frozenset[str]] = {}
         self._away = False
         self._closed = False
@@ -85,6 +87,7 @@ class Node:
 
     def unpublish(self, topic: str) -> None:
         """It is published no longer."""
+        self._registered.discard(topic)
         if self.published.pop(topic, None) and not self._away:
             with suppress(PeerError):
                 self.ask("unregisterPublisher", topic, self.uri)
@@ -131,8 +134,9 @@ class Node:
         except (TypeError, ValueError, LookupError):
             raise PeerError(f"{self.place.master}: getSystemState: no system state", "malformed answer") from None
         for topic, publisher in list(self.published.items()):
-            if self.name not in publishers.get(topic, ()):
+            if topic not in self._registered or self.name not in publishers.get(topic, ()):
                 self.ask("registerPublisher", topic, publisher.type, self.uri)
+                self._registered.add(topic)
         for topic, heard in list(self.subscribed.items()):
             known = publishers.get(topic, frozenset())
             unknown = self.name not in subscribers.get(topic, ())

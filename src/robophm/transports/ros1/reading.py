@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
@@ -16,17 +16,19 @@ from robophm.transports.ros1.definition import compiled, known_definition, md5_o
 from robophm.transports.ros1.environment import Notes, PeerError
 from robophm.transports.ros1.tcpros import ANY
 
+if TYPE_CHECKING:
+    from rosbags.interfaces.typing import Typesdict
+
 LARGE = 1 << 18
 """Bytes of a message, beyond which it is not decoded but walked: a byte can decode to an object of 150."""
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
 _SEQUENCE = "header.seq"
-_TIME = "builtin_interfaces/msg/Time"
-"""The types ``time`` and ``duration`` of ROS 1 are messages to rosbags."""
+_ONLY_IN_CDR = "structure_needs_at_least_one_member"
 
 
-class WishError(PeerError):
-    """A signal that the type of its topic does not have: the wish is wrong, not the publisher."""
+class TypeRefusedError(PeerError):
+    """A type that cannot be read: one without a definition, or without a field that is wanted."""
 
 
 class Numbers(NamedTuple):
@@ -44,8 +46,8 @@ class Numbers(NamedTuple):
 class Reading:
     """Reads the messages of one connection.
 
-    Raises PeerError where the header has no type, no definition that can be found and read, or another md5 sum than
-    its definition; WishError where the type has no such field.
+    Raises TypeRefusedError where the header has no type whose definition can be found and read, or it has no such
+    field; PeerError where its md5 sum is not that of its definition.
     """
 
     def __init__(self, topic: str, header: Mapping[str, str], signals: Collection[str], notes: Notes) -> None:
@@ -59,9 +61,10 @@ class Reading:
             try:
                 getter = field_getter(self.type.definitions, self.type.name, split_signal(signal)[1])
             except SourceError as error:
-                raise WishError(f"topic '{topic}' {error}", f"no field for {signal}") from None
+                raise TypeRefusedError(f"topic '{topic}' {error}", f"no field {split_signal(signal)[1]}") from None
             self._getters.append((signal, getter))
         self._program = self._compiled()
+        self._longest_decoded = -1 if _bottomless(self.type.definitions) else LARGE
 
     def _compiled(self) -> Program | None:
         fields = [split_signal(signal)[1] for signal, _ in self._getters]
@@ -74,7 +77,7 @@ class Reading:
 
     def read(self, raw: bytes) -> Numbers:
         """The numbers of one message. Raises whatever the decoder raises where it is not of the type."""
-        if len(raw) > LARGE:
+        if len(raw) > self._longest_decoded:
             return self._walked(raw)
         message = self.type.decode(raw)
         stamp, sequence = 0, None
@@ -111,25 +114,47 @@ class Reading:
 
 
 def type_of(topic: str, header: Mapping[str, str], notes: Notes) -> MessageType:
-    """The type that a publisher's header names and defines. Raises PeerError where it does not."""
+    """The type that a publisher's header names and defines. Raises PeerError as ``Reading``."""
     name = header.get("type", "")
     text = header.get("message_definition", "")
-    damaged = f"definition missing or damaged on {topic}"
+    damaged = "definition missing or damaged"
     try:
         if not text:
             text = known_definition(name)
         type_ = compiled(topic, name, text)
         md5 = md5_of(name, text)
     except SourceError as error:
-        raise PeerError(str(error), damaged) from None
+        raise TypeRefusedError(str(error), damaged) from None
     except ValueError as error:
-        raise PeerError(f"topic '{topic}': the definition of '{name[:200]}' is damaged: {error}", damaged) from None
+        what = f"topic '{topic}': the definition of '{name[:200]}' is damaged: {error}"
+        raise TypeRefusedError(what, damaged) from None
     if header.get("md5sum", ANY) not in (ANY, md5):
         said = header["md5sum"][:64]
         raise PeerError(
             f"topic '{topic}': md5 sum of its type '{name}' is {said}; expected {md5} by its definition",
-            f"wrong md5 sum on {topic}",
+            "wrong md5 sum",
         )
     if not header.get("message_definition"):
         notes.add(f"definition of {name} taken from ROS Noetic")
     return type_
+
+
+def _bottomless(definitions: Typesdict) -> bool:
+    """Whether a type has a sequence of messages that take no bytes, so that four of them can say 4 billion."""
+    from rosbags.interfaces import Nodetype
+
+    known: dict[str, bool] = {}
+
+    def nothing(node: Any, detail: Any) -> bool:
+        if node == Nodetype.ARRAY:
+            return bool(detail[1] == 0 or nothing(*detail[0]))
+        if node != Nodetype.NAME:
+            return False
+        if detail not in known:
+            known[detail] = True
+            fields = definitions[detail][1]
+            known[detail] = all(name == _ONLY_IN_CDR or nothing(*part) for name, part in fields)
+        return known[detail]
+
+    parts = (part for _, fields in definitions.values() for _, part in fields)
+    return any(node == Nodetype.SEQUENCE and nothing(*cast(Any, detail)[0]) for node, detail in parts)
