@@ -4,7 +4,7 @@ PYTHON ?= $(shell sh tools/find-python)
 BIN := .venv/bin
 CHECKED := src tests benchmarks
 
-.PHONY: help setup demo lint test test-full calibrate bench clean
+.PHONY: help setup demo lint peers test test-full calibrate bench clean
 .DEFAULT_GOAL := help
 
 help:
@@ -26,7 +26,10 @@ lint: setup
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-test: lint
+peers:
+	@sh tools/ros1-peers
+
+test: lint peers
 	$(BIN)/pytest -n 2
 
 # `make test` has a tenth of the calibration, by a fixed seed.

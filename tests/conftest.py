@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import textwrap
 from collections import Counter
 from collections.abc import Callable
@@ -10,6 +11,7 @@ from typing import Any
 import pytest
 
 NO_SHARED = "no shared/ folder beside the project"
+NO_ROSCORE = "no roscore (sudo sh tools/ros1-peers installs it)"
 ANSWER = "published answer"
 """The property by which a test says which published answer it has compared."""
 
@@ -23,6 +25,13 @@ def shared() -> Path:
     return folder
 
 
+@pytest.fixture(scope="session")
+def roscore() -> str:
+    """Where Debian's roscore is; tests that talk to it are skipped without it."""
+    found = shutil.which("roscore", path="/usr/bin")
+    return found or pytest.skip(NO_ROSCORE)
+
+
 @pytest.fixture
 def answer(record_property: Callable[[str, object], None]) -> Callable[..., None]:
     """Say that a test compares a published answer: of which kind of part, of which file, and whether it is disputed."""
@@ -34,10 +43,11 @@ def answer(record_property: Callable[[str, object], None]) -> Callable[..., None
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Say how many tests the absence of shared/ has cost, and which published answers were compared."""
-    skipped = [report for report in terminalreporter.stats.get("skipped", []) if NO_SHARED in str(report.longrepr)]
-    if skipped:
-        terminalreporter.write_line(f"{len(skipped)} tests skipped: {NO_SHARED}", yellow=True)
+    """Say how many tests what is absent has cost, and which published answers were compared."""
+    reasons = [str(report.longrepr) for report in terminalreporter.stats.get("skipped", [])]
+    for absent in (NO_SHARED, NO_ROSCORE):
+        if skipped := sum(absent in reason for reason in reasons):
+            terminalreporter.write_line(f"{skipped} tests skipped: {absent}", yellow=True)
     answers = [
         {**said, "failed": outcome == "failed"}
         for outcome in ("passed", "failed")

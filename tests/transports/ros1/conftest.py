@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 import socket
 import subprocess
@@ -17,7 +16,6 @@ import pytest
 from robophm.core.signal import Sample
 from robophm.transports.ros1 import Ros1
 
-NO_ROSCORE = "no roscore (sudo sh tools/ros1-peers installs it)"
 LOOPBACK = "127.0.0.1"
 
 PRELUDE = """
@@ -148,10 +146,8 @@ class Heard(threading.Thread):
 
 
 @pytest.fixture
-def system(tmp_path: Path) -> Iterator[System]:
+def system(roscore: str, tmp_path: Path) -> Iterator[System]:
     """A ROS system whose master the test starts, and may end."""
-    if not shutil.which("roscore", path="/usr/bin"):
-        pytest.skip(NO_ROSCORE)
     system = System(tmp_path)
     try:
         yield system
@@ -160,9 +156,7 @@ def system(tmp_path: Path) -> Iterator[System]:
 
 
 @pytest.fixture(scope="session")
-def _running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[System]:
-    if not shutil.which("roscore", path="/usr/bin"):
-        pytest.skip(NO_ROSCORE)
+def _running(roscore: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[System]:
     system = System(tmp_path_factory.mktemp("ros"))
     try:
         system.start_master()

@@ -171,6 +171,15 @@ def test_a_type_without_a_definition(ros: System, live: Ros1, evil: Callable[...
         live.samples(["/unknown.data"])
 
 
+LINE = "=" * 80
+DOUBLING = (
+    "D0 data\n"
+    + "".join(f"{LINE}\nMSG: odd_msgs/D{n}\nD{n + 1} a\nD{n + 1} b\n" for n in range(40))
+    + f"{LINE}\nMSG: odd_msgs/D40\nfloat64 x\n"
+)
+"""A thousand billion fields."""
+
+
 @pytest.mark.parametrize(
     "definition",
     [
@@ -179,7 +188,11 @@ def test_a_type_without_a_definition(ros: System, live: Ros1, evil: Callable[...
         "x" * 100_000,
         "float64 import\nfloat64 data\nodd_msgs/Odd self",
         "\0\1\2",
+        DOUBLING,
+        "float64[1000] data\n" * 1000,
+        "Odd data\n",
     ],
+    ids=range(8),
 )
 def test_definitions_that_are_none(ros: System, live: Ros1, evil: Callable[..., Evil], definition: str) -> None:
     evil("/odd", sends(header("odd_msgs/Odd", definition)))

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import signal
 import threading
 import time
 from itertools import pairwise
+from pathlib import Path
 
 import pytest
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
+from robophm.transports.recording import Recording
 from robophm.transports.ros1 import Ros1
 
 from .conftest import Heard, System, free_port, within
@@ -77,6 +80,39 @@ out = rospy.Publisher("/plain/temperature", Temperature, queue_size=10); say("re
         live.samples(["/plain/temperature.temprature"])
     with pytest.raises(SourceError, match="expected it to begin with '/'"):
         live.samples(["plain.temperature"])
+
+
+def test_live_samples_are_those_of_what_rosbag_records(ros: System, live: Ros1, tmp_path: Path) -> None:
+    recorder = ros.start("/usr/bin/rosbag", "record", "-O", str(tmp_path / "drive.bag"), "/bag/joints", "/bag/level")
+    ros.talk("""
+rospy.init_node("recorded", anonymous=True)
+joints = rospy.Publisher("/bag/joints", JointState, queue_size=None)
+level = rospy.Publisher("/bag/level", Float32, queue_size=None)
+say("ready"); heard(joints, 2); heard(level, 2)
+for n in range(200):
+    at = rospy.Time.now() if n % 10 else rospy.Time(0)
+    joints.publish(JointState(header=Header(stamp=at), name=["a"], position=[n / 7.0] * (n % 3)))
+    level.publish(n / 3.0); rospy.sleep(0.005)
+rospy.spin()
+""")
+    signals = ["/bag/joints.position[1]", "/bag/joints.header.seq", "/bag/level.data"]
+    heard = Heard(live, *signals)
+    within(15, lambda: len(heard.of("/bag/level.data")) == 200 and len(heard.of("/bag/joints.header.seq")) == 200)
+    recorder.send_signal(signal.SIGINT)
+    recorder.wait(20)
+    with Recording(tmp_path / "drive.bag") as recording:
+        recorded = list(recording.samples(signals))
+        for name in signals:
+            ours = [sample for sample in heard.samples if sample.signal == name]
+            theirs = [sample for sample in recorded if sample.signal == name]
+            assert [sample.value for sample in ours] == [sample.value for sample in theirs]
+            for one, other in zip(ours, theirs, strict=True):
+                # a stamp is the same; receipt is each one's own
+                assert one.time == other.time or abs(one.time - other.time) < SECOND / 2
+        stamped = [sample for sample in heard.samples if sample.signal == signals[1]]
+        assert len({sample.time for sample in stamped} & {sample.time for sample in recorded}) >= 180
+        counts = ("no element for /bag/joints.position[1]", "receipt time used for /bag/joints")
+        assert [live.notes[count] for count in counts] == [recording.notes[count] for count in counts] == [134, 20]
 
 
 def test_silence_is_heard_and_a_topic_that_comes_later(ros: System, live: Ros1) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import socket
 import threading
 import time
@@ -153,7 +154,7 @@ class Listening:
         now = self._now if self._simulated else time.time_ns()
         if now:
             self._told = now
-            self._put([Sample(now, CLOCK, 0.0)])
+            self._put([Sample(now, CLOCK, math.nan)])
 
     def _tick(self) -> None:
         self._tell()

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import os
 import re
 import threading
 import time
+import uuid
 from collections.abc import Callable
 from contextlib import suppress
-from itertools import count
 from typing import TYPE_CHECKING, Any, Self
 
 from robophm.core.errors import SourceError
 from robophm.transports.ros1.environment import Notes, PeerError, place
 from robophm.transports.ros1.loop import Loop
+from robophm.transports.ros1.master import system_state
 from robophm.transports.ros1.slave import Caller, Slave, believed
 from robophm.transports.ros1.subscriber import Greeting
 from robophm.transports.ros1.xmlrpc import call
@@ -24,26 +24,25 @@ if TYPE_CHECKING:
 POLL_SECONDS = 2.0
 """Between two looks at what the master knows; in between it tells what changes."""
 
-_NUMBERS = count(1)
 _NAME = re.compile(r"/[A-Za-z]\w*(/[A-Za-z]\w*)*\Z", re.ASCII)
 
 
 class Node:
     """A node of ROS 1; a context manager.
 
-    Without a name it has one of its own, ``/robophm_PID_NUMBER``. A node of the same name is ended by the master.
+    Without a name it has one of its own, ``/robophm_1f0c…``. A node of the same name is ended by the master.
 
     Raises SourceError where the name is none, or there is no master.
     """
 
     def __init__(self, name: str | None = None, master: str | None = None, notes: Notes | None = None) -> None:
-        self.name = name or f"/robophm_{os.getpid()}_{next(_NUMBERS)}"
+        self.name = name or f"/robophm_{uuid.uuid4().hex[:12]}"
         if not _NAME.match(self.name):
             raise SourceError(f"'{self.name}' is not the name of a ROS node; expected e.g. '/robophm'")
         self.place = place(master)
         self.notes = Notes() if notes is None else notes
         try:
-            self.ask("getSystemState")
+            system_state(self.place.master, self.name)
         except PeerError as error:
             raise SourceError(f"no ROS master: {error}; start roscore, or set ROS_MASTER_URI") from None
         self.subscribed: dict[str, Callable[[list[str]], None]] = {}
@@ -126,19 +125,13 @@ class Node:
 
     def _register(self) -> None:
         stale, self._stale = self._stale, set()
-        state = self.ask("getSystemState")
-        try:
-            publishers, subscribers = (
-                {topic: frozenset(nodes) for topic, nodes in table if isinstance(topic, str)} for table in state[:2]
-            )
-        except (TypeError, ValueError, LookupError):
-            raise PeerError(f"{self.place.master}: getSystemState: no system state", "malformed answer") from None
+        publishers, subscribers = system_state(self.place.master, self.name)
         for topic, publisher in list(self.published.items()):
             if topic not in self._registered or self.name not in publishers.get(topic, ()):
                 self.ask("registerPublisher", topic, publisher.type, self.uri)
                 self._registered.add(topic)
         for topic, heard in list(self.subscribed.items()):
-            known = publishers.get(topic, frozenset())
+            known = frozenset(publishers.get(topic, ()))
             unknown = self.name not in subscribers.get(topic, ())
             if unknown or topic in stale or known != self._publishers.get(topic):
                 heard(believed(self.ask("registerSubscriber", topic, "*", self.uri)))

@@ -15,6 +15,7 @@ from robophm.transports.message_type import MessageType, numeric_fields
 from robophm.transports.ros1.definition import ros2_name
 from robophm.transports.ros1.environment import Notes, PeerError, place
 from robophm.transports.ros1.listening import CONNECTORS, Count, Listening
+from robophm.transports.ros1.master import published_topics, system_state
 from robophm.transports.ros1.node import Node
 from robophm.transports.ros1.reading import type_of
 from robophm.transports.ros1.tcpros import connect
@@ -60,14 +61,14 @@ class Ros1(SignalSource):
 
         ``fields`` is empty where no publisher tells the definition. Raises SourceError where the master is gone.
         """
-        published = call(self._master, "getPublishedTopics", CALLER, "")
-        publishers = dict(call(self._master, "getSystemState", CALLER)[0])
+        published = published_topics(self._master, CALLER)
+        publishers, _ = system_state(self._master, CALLER)
         counts = self._run.listening.counts if self._run else {}
         with ThreadPoolExecutor(CONNECTORS) as pool:
             return list(
                 pool.map(
                     lambda each: self._topic(each[0], each[1], publishers.get(each[0], []), counts.get(each[0])),
-                    sorted(published),
+                    published,
                 )
             )
 

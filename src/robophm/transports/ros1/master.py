@@ -1,0 +1,37 @@
+"""What the master knows (wiki.ros.org/ROS/Master_API), in the shape that it should have."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from robophm.transports.ros1.environment import PeerError
+from robophm.transports.ros1.xmlrpc import call
+
+Nodes = dict[str, list[str]]
+"""By topic: the names of nodes."""
+
+
+def published_topics(master: str, caller: str) -> list[tuple[str, str]]:
+    """Topics that are published, and their types, ``sensor_msgs/Temperature``. Raises PeerError."""
+    table = call(master, "getPublishedTopics", caller, "")
+    if not _pairs(table) or not all(isinstance(type_, str) for _, type_ in table):
+        raise PeerError(f"{master}: getPublishedTopics: no list of topics and types", "malformed answer")
+    return sorted((topic, type_) for topic, type_ in table)
+
+
+def system_state(master: str, caller: str) -> tuple[Nodes, Nodes]:
+    """Publishers and subscribers of each topic. Raises PeerError."""
+    tables = call(master, "getSystemState", caller)
+    if not isinstance(tables, list) or len(tables) < 2 or not all(map(_pairs, tables[:2])):
+        raise PeerError(f"{master}: getSystemState: no lists of topics and nodes", "malformed answer")
+    publishers, subscribers = (
+        {topic: [node for node in nodes if isinstance(node, str)] for topic, nodes in table if isinstance(nodes, list)}
+        for table in tables[:2]
+    )
+    return publishers, subscribers
+
+
+def _pairs(table: Any) -> bool:
+    return isinstance(table, list) and all(
+        isinstance(each, list) and len(each) == 2 and isinstance(each[0], str) for each in table
+    )
