@@ -13,7 +13,7 @@ import os
 import re
 import time
 from bisect import bisect_right
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any, TypedDict, Unpack
 
@@ -217,27 +217,31 @@ def _not_before(source: SignalSource, integrated_to: int) -> None:
 
 def available(robot: Robot, source: SignalSource, *, skip_missing: bool) -> list[str]:
     """The bound signals that a source has, checked for what they measure. Raises SourceError as ``replay``."""
+    return bound(robot, {info.topic: (info.type, info.fields) for info in source.topics()}, skip_missing=skip_missing)
+
+
+def bound(robot: Robot, topics: Mapping[str, tuple[str, tuple[str, ...]]], *, skip_missing: bool) -> list[str]:
+    """The same of topics, each with the type of its messages and its fields."""
     if not robot.signals:
         raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
-    topics = {info.topic: info for info in source.topics()}
     found = []
     for signal, unit in robot.signals.items():
         topic, field = split_signal(signal)
-        info = topics.get(topic)
+        type_, fields = topics.get(topic, ("", ()))
         element = re.sub(r"\[\d+\]", "[]", field)
-        if info is None or (info.fields and element not in info.fields and field not in info.fields):
+        if topic not in topics or (fields and element not in fields and field not in fields):
             if skip_missing:
                 continue
-            if info is None:
+            if topic not in topics:
                 raise SourceError(f"the recording has no topic '{topic}'{nearest(topic, topics)}")
-            raise SourceError(f"topic '{topic}' ({info.type}) has no number '{field}'{nearest(field, info.fields)}")
-        measured = field_unit(info.type, field)
+            raise SourceError(f"topic '{topic}' ({type_}) has no number '{field}'{nearest(field, fields)}")
+        measured = field_unit(type_, field)
         if unit is not None and measured is not None:
             try:
                 conversion(measured, unit)
             except UnitError:
                 measures = f"{field} is in '{measured or 'no unit'}'; the design expects '{unit or 'no unit'}'"
-                raise SourceError(f"topic '{topic}' ({info.type}): {measures}") from None
+                raise SourceError(f"topic '{topic}' ({type_}): {measures}") from None
         found.append(signal)
     if not found:
         hint = nearest(split_signal(next(iter(robot.signals)))[0], topics)

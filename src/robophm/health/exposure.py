@@ -23,11 +23,17 @@ Columns = Mapping[str, tuple[Times, Array]]
 """Of each signal, times [ns since the epoch] and values."""
 
 
+Witness = Callable[[Sequence[int], Array, Array, Mapping[str, Array]], None]
+"""Is told what some failure modes went through: which, by index; of each interval how far their clock went (a calendar
+clock: while the robot was on), the stress factor, and every measured input in the unit of its model."""
+
+
 class Exposure:
     """How the samples of one robot become exposure. Holds no state: that is the ledger's."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, witness: Witness | None = None) -> None:
         self.robot = robot
+        self._witness = witness
         self.modes = robot.modes
         clocks: dict[tuple[object, ...], _Clock] = {}
         groups: dict[tuple[object, ...], _Group] = {}
@@ -84,6 +90,9 @@ class Exposure:
             gone = clock(edges)
             steps = np.diff(gone)
             factor, outside = group.factor(series, begins)
+            if self._witness and factor is not None:
+                on = np.diff(block.operating(edges)) / HOUR if group.clock.clock == "calendar" else steps
+                self._witness(group.members, on, factor, group.inputs(series, begins))
             age[group.members] = clock(block.ends)[1]
             effective[group.members] = age[group.members] if factor is None else np.sum(factor * steps)
             if factor is not None and np.any(outside):
@@ -471,3 +480,7 @@ class _Group:
             product = value if product is None else product * value
             outside = outside | beyond
         return product, outside
+
+    def inputs(self, series: Mapping[str, _Series], at: Times) -> dict[str, Array]:
+        """Every measured input at the given times, by name."""
+        return {one.name: one.observed(series[one.key], at) for _, inputs in self.stresses for one in inputs}

@@ -1,0 +1,149 @@
+"""Statistics of signals over equal stretches of time, or over all: weighted by the time that each value held."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robophm.core.errors import RobophmError
+from robophm.core.signal import HOUR, SECOND
+from robophm.measured.held import Floats, Held, Ints, held
+from robophm.measured.levels import Levels
+from robophm.measured.recordings import Recorded, Signal
+from robophm.measured.series import Series
+
+MOST_WINDOWS = 1_000_000
+"""Windows without a sample of their own, in which the value from before still held, in one recording."""
+
+
+@dataclass(frozen=True)
+class Window:
+    """One signal in one stretch of time, in its unit."""
+
+    begin: int
+    """[ns since the epoch]; without a length of windows, the first sample."""
+    samples: int
+    held: int
+    """Nanoseconds in which its value was known."""
+    lowest: float
+    highest: float
+    mean: float
+    """Over the time in which it was known; NaN where that is none."""
+    deviation: float
+    """Standard deviation over that time."""
+
+
+class Windows:
+    """The windows of one signal, of ``every`` [ns] from the epoch on, or one in all; each is given when it is over."""
+
+    def __init__(self, every: int | None) -> None:
+        self._every = every
+        self._count = 0
+        self._base: float | None = None
+        self._numbers: Ints = np.empty(0, np.int64)
+        self._sums: Floats = np.empty((0, 6))
+
+    def feed(self, here: Held) -> list[Window]:
+        """Windows that are over with these stretches. Raises RobophmError where there are too many."""
+        begins, ends, values = here.times, here.ends, here.values
+        if not len(begins):
+            return []
+        if self._base is None:
+            self._base = float(values[0])
+            self._first = int(begins[0])
+        numbers, lengths = self._cut(begins, ends)
+        owner = np.repeat(np.arange(len(begins)), lengths)
+        number = numbers[owner] + np.arange(len(owner)) - np.repeat(np.cumsum(lengths) - lengths, lengths)
+        if self._every is None:
+            time = (ends - begins).astype(float)
+        else:
+            low, high = np.maximum(begins[owner], number * self._every), ends[owner]
+            time = (np.minimum(high, (number + 1) * self._every) - low).astype(float)
+        value = values[owner]
+        apart = value - self._base  # sums of squares of large values would lose the small differences
+        is_sample = np.zeros(len(owner))
+        is_sample[np.cumsum(lengths) - lengths] = 1.0
+        sums = np.column_stack((is_sample, time, value, value, apart * time, apart * apart * time))
+        number, sums = np.concatenate((self._numbers, number)), np.concatenate((self._sums, sums))
+        first = np.flatnonzero(np.append(True, number[1:] != number[:-1]))
+        joined = np.add.reduceat(sums, first)
+        joined[:, 2] = np.minimum.reduceat(sums[:, 2], first)
+        joined[:, 3] = np.maximum.reduceat(sums[:, 3], first)
+        self._numbers, self._sums = number[first][-1:], joined[-1:]
+        return [self._window(*one) for one in zip(number[first][:-1].tolist(), joined[:-1], strict=True)]
+
+    def rest(self) -> list[Window]:
+        """The last window."""
+        numbers, self._numbers = self._numbers, self._numbers[:0]
+        return [self._window(*one) for one in zip(numbers.tolist(), self._sums, strict=True)]
+
+    def _cut(self, begins: Ints, ends: Ints) -> tuple[Ints, Ints]:
+        """The first window of each stretch, and how many windows it is in."""
+        if self._every is None:
+            return np.zeros(len(begins), np.int64), np.ones(len(begins), np.int64)
+        numbers = begins // self._every
+        lengths = np.maximum(ends - 1, begins) // self._every - numbers + 1
+        self._count += int(lengths.sum()) - len(lengths)
+        if self._count > MOST_WINDOWS:
+            raise RobophmError(
+                f"more than {MOST_WINDOWS:,} windows of {self._every / SECOND:g} s; expected longer ones"
+            )
+        return numbers, lengths
+
+    def _window(self, number: int, sums: Floats) -> Window:
+        samples, time, lowest, highest, apart, squares = sums.tolist()
+        begin = self._first if self._every is None else number * self._every
+        if not time:
+            return Window(begin, int(samples), 0, lowest, highest, math.nan, math.nan)
+        mean = apart / time
+        spread = math.sqrt(max(squares / time - mean * mean, 0.0))
+        return Window(begin, int(samples), round(time), lowest, highest, (self._base or 0.0) + mean, spread)
+
+
+@dataclass
+class Look:
+    """What is gathered of one signal on one pass, besides its windows: what is drawn, and its time at level."""
+
+    series: Series
+    levels: Levels
+
+
+def statistics(
+    recorded: Recorded,
+    signals: Sequence[Signal],
+    every: int | None,
+    max_age: int,
+    notes: Counter[str],
+    looks: dict[str, Look] | None = None,
+    advance: Callable[[int], None] = lambda time: None,
+) -> Iterator[tuple[Signal, Window]]:
+    """The windows of every signal that a recording has, each as it is over; ``every`` and ``max_age`` in ns.
+
+    Where ``looks`` are given, by signal, they are filled on the way.
+
+    Raises RobophmError where there would be more windows than MOST_WINDOWS.
+    """
+    windows = {signal.name: Windows(every) for signal in signals}
+    for block in held(recorded, signals, max_age, notes):
+        for signal in signals:
+            if signal.name in block:
+                here = block[signal.name]
+                if looks is not None:
+                    look(looks[signal.name], here)
+                for window in windows[signal.name].feed(here):
+                    yield signal, window
+        advance(max((int(here.times[-1]) for here in block.values() if len(here.times)), default=0))
+    for signal in signals:
+        for window in windows[signal.name].rest():
+            yield signal, window
+
+
+def look(at: Look, here: Held) -> None:
+    """Take stretches of a signal into what is drawn and into its time at level [h]."""
+    at.series.add(here)
+    hours = (here.ends - here.times) / HOUR
+    at.levels.add(here.values[:, None], hours[:, None], here.values)
