@@ -44,7 +44,6 @@ def export(
     signals: Sequence[Signal],
     path: Path,
     notes: Counter[str],
-    advance: Callable[[int], None] = lambda time: None,
 ) -> int:
     """Write all samples of the signals in order of time; how many rows. A file that was there is replaced at the end.
 
@@ -58,7 +57,6 @@ def export(
             count += len(times)
             if len(times):
                 writer.rows(times, values, there)
-                advance(int(times[-1]))
     return count
 
 

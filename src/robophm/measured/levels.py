@@ -122,9 +122,9 @@ def marginal(levels: Levels, signal: int) -> tuple[Floats, Floats]:
     if not len(levels.keys):
         return np.empty(0), np.empty(0)
     keys = levels.keys[:, signal]
-    steps = np.arange(int(keys.min()), int(keys.max()) + 1).astype(np.float64)
-    begins: Floats = steps * levels.widths[signal]
-    sums: Floats = np.bincount(keys - keys.min(), levels.sums[:, 0], len(steps))
+    steps = np.arange(int(keys.min()), int(keys.max()) + 1)
+    begins: Floats = steps * np.float64(levels.widths[signal])
+    sums: Floats = np.bincount(keys - keys.min(), levels.sums[:, 0], len(steps)).astype(np.float64)
     return begins, sums
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import fsum
 
@@ -112,7 +112,6 @@ def lived(
     steps: int,
     *,
     skip_missing: bool = False,
-    advance: Callable[[int], None] = lambda time: None,
 ) -> Lived:
     """What a robot went through in a recording, or in several together, at most ``steps`` levels of each input.
 
@@ -138,7 +137,6 @@ def lived(
     try:
         for block in columns:
             _integrate(exposure, ledger, _finite(ordered.feed(block), notes), ordered.complete - 1)
-            advance(ordered.complete)
     finally:
         columns.close()
     notes.update(columns.notes)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,10 +76,10 @@ class Windows:
         self._numbers, self._sums = number[first][-1:], joined[-1:]
         return [self._window(*one) for one in zip(number[first][:-1].tolist(), joined[:-1], strict=True)]
 
-    def rest(self) -> list[Window]:
-        """The last window."""
-        numbers, self._numbers = self._numbers, self._numbers[:0]
-        return [self._window(*one) for one in zip(numbers.tolist(), self._sums, strict=True)]
+    @property
+    def so_far(self) -> list[Window]:
+        """The window that is not over, if there is one: the last, when nothing more comes."""
+        return [self._window(*one) for one in zip(self._numbers.tolist(), self._sums, strict=True)]
 
     def _cut(self, begins: Ints, ends: Ints) -> tuple[Ints, Ints]:
         """The first window of each stretch, and how many windows it is in."""
@@ -106,10 +106,22 @@ class Windows:
 
 @dataclass
 class Look:
-    """What is gathered of one signal on one pass, besides its windows: what is drawn, and its time at level."""
+    """What is gathered of one signal besides its windows: all in one, what is drawn, and its time at level [h]."""
 
+    whole: Windows
     series: Series
     levels: Levels
+
+    @classmethod
+    def new(cls, levels: int) -> Look:
+        """Nothing yet; at most so many levels."""
+        return cls(Windows(None), Series(), Levels(1, 1, levels))
+
+    def add(self, here: Held) -> None:
+        """Take stretches of the signal."""
+        self.whole.feed(here)
+        self.series.add(here)
+        self.levels.add(here.values[:, None], ((here.ends - here.times) / HOUR)[:, None], here.values)
 
 
 def statistics(
@@ -118,8 +130,7 @@ def statistics(
     every: int | None,
     max_age: int,
     notes: Counter[str],
-    looks: dict[str, Look] | None = None,
-    advance: Callable[[int], None] = lambda time: None,
+    looks: Mapping[str, Look] | None = None,
 ) -> Iterator[tuple[Signal, Window]]:
     """The windows of every signal that a recording has, each as it is over; ``every`` and ``max_age`` in ns.
 
@@ -133,17 +144,9 @@ def statistics(
             if signal.name in block:
                 here = block[signal.name]
                 if looks is not None:
-                    look(looks[signal.name], here)
+                    looks[signal.name].add(here)
                 for window in windows[signal.name].feed(here):
                     yield signal, window
-        advance(max((int(here.times[-1]) for here in block.values() if len(here.times)), default=0))
     for signal in signals:
-        for window in windows[signal.name].rest():
+        for window in windows[signal.name].so_far:
             yield signal, window
-
-
-def look(at: Look, here: Held) -> None:
-    """Take stretches of a signal into what is drawn and into its time at level [h]."""
-    at.series.add(here)
-    hours = (here.ends - here.times) / HOUR
-    at.levels.add(here.values[:, None], hours[:, None], here.values)
