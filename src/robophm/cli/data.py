@@ -32,7 +32,7 @@ SignalNames = Annotated[list[str], typer.Option("--signal", help="/topic.field, 
 Gap = Annotated[str, typer.Option("--gap", help="a value holds so long at most; after that nothing is known")]
 Together = Annotated[bool, typer.Option("--together", help="the recordings are one drive, not each for itself")]
 Force = Annotated[bool, typer.Option("--force", help="also where the file exists")]
-Bins = Annotated[int, typer.Option("--bins", help="levels at most", min=1, max=1000)]
+Bins = Annotated[int, typer.Option("--bins", help="levels at most", min=2, max=1000)]
 Most = Annotated[int, typer.Option("--most", help="to list", min=1, max=100_000)]
 Page = Annotated[Path | None, typer.Option("--report", help="write a page about it, HTML")]
 

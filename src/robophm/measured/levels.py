@@ -33,8 +33,8 @@ class Levels:
 
     def __init__(self, signals: int, sums: int, wanted: int) -> None:
         """``sums`` are kept of each cell; the first is the time, or whatever levels are weighted by."""
-        if not 1 <= wanted <= MOST_STEPS:
-            raise RobophmError(f"{wanted} levels; expected 1 to {MOST_STEPS}")
+        if not 2 <= wanted <= MOST_STEPS:  # no one step holds values on both sides of zero
+            raise RobophmError(f"{wanted} levels; expected 2 to {MOST_STEPS}")
         self._most = max(2, math.floor(MOST_CELLS ** (1 / signals) + 1e-9))
         self._wanted = min(wanted, self._most)
         self._exponent = np.full(signals, -1100)

@@ -17,6 +17,9 @@ MOST_COLUMNS = 2048
 class Series:
     """Lowest and highest value by stretch; a stretch in which nothing is known has none."""
 
+    begin = 0
+    """Time of the first sample [ns since the epoch]."""
+
     def __init__(self) -> None:
         self._shift = 0
         self._numbers: Ints = np.empty(0, np.int64)
@@ -27,6 +30,7 @@ class Series:
         """Take stretches of a signal, later than those before."""
         if not len(here.times):
             return
+        self.begin = self.begin if len(self._numbers) else int(here.times[0])
         first = int(self._numbers[0]) << self._shift if len(self._numbers) else int(here.times[0])
         last = int(here.ends[-1])
         shift = self._shift

@@ -43,7 +43,6 @@ class Windows:
     def __init__(self, every: int | None) -> None:
         self._every = every
         self._count = 0
-        self._base: float | None = None
         self._numbers: Ints = np.empty(0, np.int64)
         self._sums: Floats = np.empty((0, 6))
 
@@ -52,8 +51,7 @@ class Windows:
         begins, ends, values = here.times, here.ends, here.values
         if not len(begins):
             return []
-        if self._base is None:
-            self._base = float(values[0])
+        if not len(self._numbers):
             self._first = int(begins[0])
         numbers, lengths = self._cut(begins, ends)
         owner = np.repeat(np.arange(len(begins)), lengths)
@@ -64,17 +62,23 @@ class Windows:
             low, high = np.maximum(begins[owner], number * self._every), ends[owner]
             time = (np.minimum(high, (number + 1) * self._every) - low).astype(float)
         value = values[owner]
-        apart = value - self._base  # sums of squares of large values would lose the small differences
         is_sample = np.zeros(len(owner))
         is_sample[np.cumsum(lengths) - lengths] = 1.0
-        sums = np.column_stack((is_sample, time, value, value, apart * time, apart * apart * time))
-        number, sums = np.concatenate((self._numbers, number)), np.concatenate((self._sums, sums))
         first = np.flatnonzero(np.append(True, number[1:] != number[:-1]))
-        joined = np.add.reduceat(sums, first)
-        joined[:, 2] = np.minimum.reduceat(sums[:, 2], first)
-        joined[:, 3] = np.maximum.reduceat(sums[:, 3], first)
-        self._numbers, self._sums = number[first][-1:], joined[-1:]
-        return [self._window(*one) for one in zip(number[first][:-1].tolist(), joined[:-1], strict=True)]
+        window = np.repeat(np.arange(len(first)), np.diff(np.append(first, len(number))))
+        known = np.add.reduceat(time, first)
+        mean = np.add.reduceat(value * time, first) / np.where(known > 0, known, 1.0)
+        spread = np.add.reduceat((value - mean[window]) ** 2 * time, first)  # of differences: large values lose none
+        samples = np.add.reduceat(is_sample, first)
+        low, high = np.minimum.reduceat(value, first), np.maximum.reduceat(value, first)
+        sums = np.column_stack((samples, known, low, high, mean, spread))
+        number = number[first]
+        if len(self._numbers) and self._numbers[0] == number[0]:
+            sums[0] = _joined(self._sums[0], sums[0])
+        else:
+            number, sums = np.concatenate((self._numbers, number)), np.concatenate((self._sums, sums))
+        self._numbers, self._sums = number[-1:], sums[-1:]
+        return [self._window(*one) for one in zip(number[:-1].tolist(), sums[:-1], strict=True)]
 
     @property
     def so_far(self) -> list[Window]:
@@ -95,13 +99,22 @@ class Windows:
         return numbers, lengths
 
     def _window(self, number: int, sums: Floats) -> Window:
-        samples, time, lowest, highest, apart, squares = sums.tolist()
+        samples, time, lowest, highest, mean, spread = sums.tolist()
         begin = self._first if self._every is None else number * self._every
         if not time:
             return Window(begin, int(samples), 0, lowest, highest, math.nan, math.nan)
-        mean = apart / time
-        spread = math.sqrt(max(squares / time - mean * mean, 0.0))
-        return Window(begin, int(samples), round(time), lowest, highest, (self._base or 0.0) + mean, spread)
+        return Window(begin, int(samples), round(time), lowest, highest, mean, math.sqrt(spread / time))
+
+
+def _joined(one: Floats, other: Floats) -> Floats:
+    """Two parts of one window; mean and sum of squares of differences from it after Chan, Golub, LeVeque (1979)."""
+    known = one[1] + other[1]
+    share = other[1] / known if known else 0.0
+    apart = other[4] - one[4] if one[1] and other[1] else 0.0
+    mean = one[4] + share * apart if one[1] else other[4]
+    spread = one[5] + other[5] + apart * apart * one[1] * share
+    low, high = min(one[2], other[2]), max(one[3], other[3])
+    return np.array([one[0] + other[0], known, low, high, mean, spread])
 
 
 @dataclass

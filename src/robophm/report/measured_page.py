@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
+from os.path import commonprefix
 
 import numpy as np
 
@@ -50,6 +51,15 @@ def level_rows(begins: Floats, sums: Floats, width: float, unit: str) -> dict[st
     return dict(zip(names, shares(sums).tolist(), strict=True))
 
 
+def where(profile: Profile) -> str:
+    """The part of a profile, or the module that all its parts are in, else the first of them."""
+    if len(profile.parts) == 1:
+        return profile.parts[0]
+    common = commonprefix([path.split("/")[:-1] for path in profile.parts])
+    module, count = "/".join(common), len(profile.parts)
+    return f"{module}, {count} parts" if module else f"{profile.parts[0]} and {count - 1} more"
+
+
 def parts_text(profile: Profile) -> str:
     """The parts of a profile, the first by name."""
     more = len(profile.parts) - MOST_NAMED
@@ -82,12 +92,13 @@ def _course(series: Series, unit: str) -> Html:
     begins, lowest, highest = series.columns
     if not len(begins):
         return figure(curve_svg([Line("", [], [])], title="Course", x_label="h", y_label=unit or "value"))
-    hours = (begins - begins[0]) / HOUR
+    hours = (np.maximum(begins, series.begin) - series.begin) / HOUR
     x, y = np.repeat(hours, 2), np.column_stack((lowest, highest)).ravel()
     silent = np.flatnonzero(np.diff(begins) > series.width) + 1
-    x, y = np.insert(x, 2 * silent, hours[silent - 1]), np.insert(y, 2 * silent, np.nan)
+    between = (hours[silent - 1] + hours[silent]) / 2
+    x, y = np.insert(x, 2 * silent, between), np.insert(y, 2 * silent, np.nan)
     drawn = curve_svg(
-        [Line("", x, y)], title="Course", x_label=f"h after {moment_text(int(begins[0]))}", y_label=unit or "value",
+        [Line("", x, y)], title="Course", x_label=f"h after {moment_text(series.begin)}", y_label=unit or "value",
         width=520,
     )  # fmt: skip
     return figure(drawn, "The lowest and the highest value at every point; gaps are where nothing is known.")
@@ -103,15 +114,14 @@ def _profile(lived: Lived, source: str, notes: Sequence[str]) -> Iterator[Html |
     on, whole = duration_text(lived.operating), duration_text(lived.calendar)
     yield f"{lived.robot.name} in {source}: on for {on} of {whole}."
     for profile in lived.profiles:
-        yield section(parts_text(profile), *_levels(profile))
+        yield section(where(profile), *_levels(profile))
     yield from _notes(notes)
 
 
 def _levels(profile: Profile) -> Iterator[Html | str]:
-    yield (
-        f"{len(profile.parts)} {'parts' if len(profile.parts) > 1 else 'part'}, {_counted(profile)}; mean stress "
-        f"factor {number_text(profile.factor)}."
-    )
+    if len(profile.parts) > 1:
+        yield parts_text(profile)
+    yield f"{_counted(profile)}, mean stress factor {number_text(profile.factor)}."
     drawings = []
     for i, one in enumerate(profile.inputs):
         begins, sums = marginal(profile.levels, i)
@@ -135,5 +145,5 @@ def _counted(profile: Profile) -> str:
 
 
 def _notes(notes: Iterable[str]) -> Iterator[Html]:
-    yield section("What was decided on the way", *(notes or ("Nothing: every sample was taken.",)))
-    yield section("Made by", f"robophm {version('robophm')}")
+    taken = (*notes, f"robophm {version('robophm')}.")
+    yield section("How it was taken", *(taken if notes else ("Every sample was taken.", *taken)))
