@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-ROOMS = ("blocks", "monte_carlo", "health", "fleets", "life", "hazard", "design", "transports", "package")
+ROOMS = ("blocks", "monte_carlo", "health", "fleets", "life", "hazard", "design", "transports", "measured", "package")
 
 
 class DisagreementError(Exception):

@@ -10,5 +10,5 @@ from robophm.transports.synthetic import SyntheticOta
 
 @pytest.fixture(scope="session")
 def day(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Three hours of a day of the synthetic robot."""
-    return SyntheticOta(seed=1, duration=3 * HOUR).record(tmp_path_factory.mktemp("recorded") / "day.mcap")
+    """Two hours of a day of the synthetic robot."""
+    return SyntheticOta(seed=1, duration=2 * HOUR).record(tmp_path_factory.mktemp("recorded") / "day.mcap")

@@ -22,7 +22,9 @@ def write(path, messages, chunk_size=1 << 20):
         channels = {}
         for topic, type_ in (("/motor/temperature", "sensor_msgs/msg/Temperature"), ("/level", "std_msgs/msg/Float64")):
             definition = STORE.generate_msgdef(type_, ros_version=2)[0].encode()
-            channels[topic] = writer.register_channel(topic, "cdr", writer.register_schema(type_, "ros2msg", definition))
+            channels[topic] = writer.register_channel(
+                topic, "cdr", writer.register_schema(type_, "ros2msg", definition)
+            )
         for received, stamp, value in messages:
             if stamp is None:
                 topic, type_, message = "/level", "std_msgs/msg/Float64", types["std_msgs/msg/Float64"](value)

@@ -1,5 +1,6 @@
 """What is found is what a plain loop over the samples finds, however the file is cut into chunks."""
 
+import itertools
 import math
 
 import pytest
@@ -11,6 +12,7 @@ from robophm.core.signal import SECOND
 from robophm.measured.find import MOST_HITS, Condition, find
 from robophm.measured.recordings import recordings, signal_of
 from robophm.transports.recording import Recording
+
 from .plain import BARE, START, TEMPERATURE, hits, samples, write
 
 apart = st.sampled_from([0, 100_000_000, SECOND, 2 * SECOND, 3 * SECOND, 7 * SECOND, 40 * SECOND])
@@ -66,7 +68,7 @@ def test_missing_is_the_time_between_samples_and_to_the_ends(tmp_path_factory, d
     for signal in (TEMPERATURE, BARE):
         found = find(each, signal_of(signal, each), Condition(missing=True, at_least=at_least), 1)
         times = [messages[0][0], *(time for time, _ in samples(path, signal)), messages[-1][0]]
-        expected = [(a, b) for a, b in zip(times, times[1:], strict=False) if b - a >= at_least]
+        expected = [(a, b) for a, b in itertools.pairwise(times) if b - a >= at_least]
         assert [(hit.begin, hit.end) for hit in found.hits] == expected
 
 

@@ -1,5 +1,6 @@
 """What a recording holds is what its messages, one after the other, say."""
 
+import itertools
 import statistics
 
 import pytest
@@ -30,7 +31,7 @@ def check(path):
     ]
     for one in seen.topics:
         times = received[one.name]
-        apart = [b - a for a, b in zip(times, times[1:], strict=False)]
+        apart = [b - a for a, b in itertools.pairwise(times)]
         if not apart:
             continue
         assert one.interval == int(statistics.median(apart))
@@ -60,7 +61,7 @@ def test_a_day(day):
     plan = next(one for one in seen.topics if one.name == "/ota/plan")
     (_, received) = told(day)
     times = received["/ota/plan"]
-    gaps = [(a, b - a) for a, b in zip(times, times[1:], strict=False) if b - a >= 20 * SECOND]
+    gaps = [(a, b - a) for a, b in itertools.pairwise(times) if b - a >= 20 * SECOND]
     assert plan.gaps == gaps
     heard = times[-1] - times[0] - sum(length for _, length in gaps)
     if heard:

@@ -52,7 +52,7 @@ drives = st.lists(
 )
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(drives, st.sampled_from([SECOND // 2, 2 * SECOND, 60 * SECOND]), st.sampled_from([2 * SECOND, 5 * SECOND]))
 def test_windows_are_those_of_a_plain_loop(tmp_path_factory, drive, every, max_age):
     received, messages = START, []
@@ -111,7 +111,7 @@ cells = st.lists(
 )
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(cells, st.integers(2, 30), st.data())
 def test_levels_do_not_depend_on_the_blocks(rows, wanted, data):
     table = np.array(rows)
