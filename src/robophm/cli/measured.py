@@ -107,15 +107,15 @@ def _print_overview(out: Console, one: Overview) -> None:
             at, length = max(topic.gaps, key=lambda gap: gap[1])
             gaps = f"{topic.gap_count:,}; {duration_text(length / HOUR)} from {moment_text(at)[5:19]}"
         per = "–" if rate is None else number_text(rate, 3)
-        rows.append((topic.name, topic.type.replace("/msg/", "/") or "?", f"{topic.messages:,}", per, *heard, gaps))
-    columns = ("topic", "type", "messages", "per s", "first after", "for", "gaps; longest")
-    print_table(out, table(f"{one.name}: {span}", columns, rows, figures=(2, 3, 4, 5)))
-    fields = [
-        (topic.name, ", ".join(f"{name} [{unit}]" if unit else name for name, unit in topic.fields.items()
-                               if not name.startswith("header.")) or "no numbers")
-        for topic in one.topics
-    ]  # fmt: skip
-    print_table(out, table("", ("topic", "fields [unit]"), fields))
+        rows.append((topic.name, f"{topic.messages:,}", per, *heard, gaps))
+    columns = ("topic", "messages", "per s", "first after", "for", "gaps; longest")
+    print_table(out, table(f"{one.name}: {span}", columns, rows, figures=(1, 2, 3, 4)))
+    out.print()
+    fields = []
+    for topic in one.topics:
+        names = [f"{name} [{unit}]" if unit else name for name, unit in topic.fields.items() if "header." not in name]
+        fields.append((topic.name, topic.type.replace("/msg/", "/") or "?", ", ".join(names) or "no numbers"))
+    print_table(out, table("", ("topic", "type", "fields [unit]"), fields))
     out.print()
 
 
@@ -149,13 +149,15 @@ def _print_found(out: Console, hits: Found, signal: Signal, search: Search, most
     unit = f" [{unit or '1'}/s]" if search.faster is not None else f" [{unit}]" if unit else ""
     rows = [
         (*([hit.recording] if recordings > 1 else []), moment_text(hit.begin),
-         duration_text((hit.end - hit.begin) / HOUR), number_text(hit.lowest, 6), number_text(hit.highest, 6))
+         duration_text((hit.end - hit.begin) / HOUR),
+         *([] if search.missing else [number_text(hit.lowest, 6), number_text(hit.highest, 6)]))
         for hit in hits.hits[:most]
     ]  # fmt: skip
-    columns = (*(["recording"] if recordings > 1 else []), "from", "for", "lowest" + unit, "highest" + unit)
+    named = ["recording"] if recordings > 1 else []
+    columns = (*named, "from", "for", *([] if search.missing else ["lowest" + unit, "highest" + unit]))
     if rows:
-        last = len(columns)
-        print_table(out, table(f"{signal.name} {search}", columns, rows, figures=range(last - 3, last)))
+        out.print(f"{signal.name} {search}", style="bold", markup=False)
+        print_table(out, table("", columns, rows, figures=range(len(named) + 1, len(columns))))
     where = f" in {recordings:,} recordings" if recordings > 1 else ""
     times = f"{hits.count:,} time{'s' * (hits.count != 1)}"
     out.print(f"Found {times}{where}, {duration_text(hits.length / HOUR)} in all", markup=False)
@@ -301,7 +303,8 @@ def _print_windows(
         for name, signal, window in kept
     ]
     last = len(columns)
-    print_table(out, table(f"Every {every}", columns, rows, figures=range(last - 6, last)))
+    out.print(f"\nEvery {every}", style="bold", markup=False)
+    print_table(out, table("", columns, rows, figures=range(last - 6, last)))
     if count > len(rows):
         out.print(f"Listed are the first {len(rows):,} of {count:,}; --most lists more, --to writes all", markup=False)
 

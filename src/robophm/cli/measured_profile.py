@@ -13,7 +13,7 @@ from robophm.design.file import load
 from robophm.measured.levels import marginal
 from robophm.measured.profile import Lived, Profile, lived, task_text
 from robophm.measured.recordings import recordings, said
-from robophm.report.measured_page import level_rows, parts_text, profile_page
+from robophm.report.measured_page import level_rows, parts_text, profile_page, where
 from robophm.report.words import duration_text, number_text
 
 
@@ -42,7 +42,9 @@ def profiled(
     out.print(f"{robot.name} in {source}: on for {on} of {whole}", markup=False)
     for profile in found.profiles:
         gone = number_text(float(profile.levels.sums[:, 0].sum()))
-        out.print(f"\n{parts_text(profile)}", style="bold", markup=False)
+        out.print(f"\n{where(profile)}", style="bold", markup=False)
+        if len(profile.parts) > 1:
+            out.print(parts_text(profile), markup=False)
         out.print(
             f"{gone} {profile.unit} on the {profile.clock} clock, mean stress factor {number_text(profile.factor)}",
             markup=False,

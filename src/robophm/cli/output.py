@@ -82,9 +82,9 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], *, 
     for i, column in enumerate(columns):
         if i in figures:
             widest = max(map(cell_len, (column, *(row[i] for row in rows))))
-            result.add_column(column, justify="right", no_wrap=True, min_width=widest)
+            result.add_column(Text(column), justify="right", no_wrap=True, min_width=widest)
         else:
-            result.add_column(column, overflow="fold")
+            result.add_column(Text(column), overflow="fold")
     for row in rows:
         result.add_row(*(Text(cell) for cell in row))
     return result

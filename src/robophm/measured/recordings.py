@@ -92,6 +92,8 @@ def signal_of(name: str, found: Sequence[Recorded]) -> Signal:
     type_, fields = topics[topic]
     signal = Signal(name, topic, field, field_unit(type_, field))
     if not any(one.has(signal) for one in found):
+        if f"{field}[]" in fields:
+            raise SourceError(f"topic '{topic}' ({type_}) has an array in '{field}'; expected e.g. '{field}[0]'")
         what = f"topic '{topic}' ({type_ or 'unknown type'}) has no number '{field}'"
         raise SourceError(f"{what}{nearest(field, fields) if fields else '; it has none that can be read'}")
     return signal

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from os.path import commonprefix
+from itertools import takewhile
 
 import numpy as np
 
@@ -55,8 +55,9 @@ def where(profile: Profile) -> str:
     """The part of a profile, or the module that all its parts are in, else the first of them."""
     if len(profile.parts) == 1:
         return profile.parts[0]
-    common = commonprefix([path.split("/")[:-1] for path in profile.parts])
-    module, count = "/".join(common), len(profile.parts)
+    levels = zip(*(path.split("/")[:-1] for path in profile.parts), strict=False)
+    module = "/".join(names[0] for names in takewhile(lambda names: len(set(names)) == 1, levels))
+    count = len(profile.parts)
     return f"{module}, {count} parts" if module else f"{profile.parts[0]} and {count - 1} more"
 
 
