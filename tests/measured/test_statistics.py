@@ -1,6 +1,7 @@
 """Statistics, courses and time at level, as plain loops over the samples have them."""
 
 import math
+import tracemalloc
 from collections import Counter
 
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 
 from robophm.core.errors import RobophmError
 from robophm.core.signal import HOUR, SECOND
+from robophm.measured.find import Condition, find
 from robophm.measured.held import Held
 from robophm.measured.levels import MOST_STEPS, Levels, marginal
 from robophm.measured.recordings import recordings, signal_of
@@ -170,6 +172,24 @@ def test_windows_so_short_that_there_would_be_no_end_of_them(tmp_path):
     (recorded,) = recordings([path])
     with pytest.raises(RobophmError, match=r"more than 1,000,000 windows of 1e-09 s; expected longer ones"):
         list(statistics(recorded, [signal_of(BARE, [recorded])], 1, 5 * SECOND, Counter()))
+
+
+def test_memory_does_not_grow_with_the_recording(tmp_path):
+    """Eight times the messages, in chunks as recorders write them, small beside what all of them would take."""
+    peaks = []
+    for count in (5_000, 40_000):
+        path = write(tmp_path / f"{count}.mcap",
+                     [(START + i * 10**8, START + i * 10**8, i % 97) for i in range(count)], 1 << 15)  # fmt: skip
+        (recorded,) = recordings([path])
+        signal = signal_of(TEMPERATURE, [recorded])
+        tracemalloc.start()
+        look = Look.new(20)
+        for _ in statistics(recorded, [signal], SECOND, 5 * SECOND, Counter(), {TEMPERATURE: look}):
+            pass
+        find([recorded], signal, Condition(above=48.0), 5 * SECOND)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 1.5 * peaks[0]
 
 
 def test_samples_too_far_apart_are_said_to_be(tmp_path):
