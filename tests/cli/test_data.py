@@ -127,6 +127,19 @@ def test_names_that_are_not_there(inside, recording, name, says):
 def test_the_unit_of_a_bare_number_is_its_own(inside, bags):
     says = refused(inside("data", "find", "bags", "--signal", "/level.data", "--above", "7 V"))
     assert "its unit is not known; expected a bare number, as recorded" in says
+    faster = refused(inside("data", "find", "bags", "--signal", "/level.data", "--faster", "7 V/s"))
+    assert "as recorded, per s" in faster
+    assert "not a finite number" in refused(inside("data", "find", "bags", "--signal", "/level.data", "--above", "inf"))
+
+
+def test_ratios_are_bare_or_in_percent(inside, recording):
+    def hits(*words):
+        name = "/ota/battery.percentage"
+        return document(inside("data", "find", recording, "--signal", name, *words, "--json"))["count"]
+
+    assert hits("--above", "0.5") == hits("--above", "50 percent") > 0
+    assert hits("--faster", "1e-9 /s") == hits("--faster", "6e-8 /min")
+    refused(inside("data", "find", recording, "--signal", "/ota/battery.percentage", "--above", "e"))
 
 
 def test_places_without_recordings(inside, tmp_path):

@@ -47,15 +47,17 @@ class Signal:
 
     def level(self, text: str, per: str = "") -> float:
         """A written value in the signal's unit, or the change of it ``per`` a unit of time. Raises UnitError."""
+        try:
+            bare: float | None = float(text)
+        except ValueError:
+            bare = None
         if self.unit is None:
-            try:
-                return quantity(float(text), "")
-            except ValueError:
-                raise UnitError(
-                    f"'{text[:60]}' for {self.name}: its unit is not known; expected a bare number, as recorded"
-                ) from None
+            if bare is None:
+                says = "its unit is not known; expected a bare number, as recorded"
+                raise UnitError(f"'{text[:60]}' for {self.name}: {says}{f', per {per}' if per else ''}")
+            return quantity(bare, "")
         unit = f"{self.unit or '1'}/{per}" if per else self.unit
-        return quantity(text if unit else float(text) if re.fullmatch(r"[-+.\deE]+", text) else text, unit)
+        return quantity(text if unit or bare is None else bare, unit)
 
     @property
     def label(self) -> str:
