@@ -175,21 +175,21 @@ def test_windows_so_short_that_there_would_be_no_end_of_them(tmp_path):
 
 
 def test_memory_does_not_grow_with_the_recording(tmp_path):
-    """Eight times the messages, in chunks as recorders write them, small beside what all of them would take."""
-    peaks = []
-    for count in (5_000, 40_000):
-        path = write(tmp_path / f"{count}.mcap",
-                     [(START + i * 10**8, START + i * 10**8, i % 97) for i in range(count)], 1 << 15)  # fmt: skip
+    """Of eight times the messages, far less is kept than even their times and values would take."""
+    peaks, counts = [], (5_000, 40_000)
+    for count in (counts[0], *counts):  # the first warms up
+        path = write(tmp_path / f"{len(peaks)}.mcap",
+                     [(START + i * 10**8, START + i * 10**8, i % 97) for i in range(count)], 1 << 16)  # fmt: skip
         (recorded,) = recordings([path])
         signal = signal_of(TEMPERATURE, [recorded])
         tracemalloc.start()
         look = Look.new(20)
         for _ in statistics(recorded, [signal], SECOND, 5 * SECOND, Counter(), {TEMPERATURE: look}):
             pass
-        find([recorded], signal, Condition(above=48.0), 5 * SECOND)
+        find([recorded], signal, Condition(above=1000.0), 5 * SECOND)  # hits are kept, up to a number of them
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
-    assert peaks[1] < 1.5 * peaks[0]
+    assert peaks[2] - peaks[1] < 0.25 * 16 * (counts[1] - counts[0])
 
 
 def test_samples_too_far_apart_are_said_to_be(tmp_path):
