@@ -109,6 +109,15 @@ def numeric_fields(definitions: Typesdict, type_: str, prefix: str = "") -> Iter
             yield path
 
 
+def fields_of(connection: Connection) -> tuple[str, ...]:
+    """The numeric fields of a connection's messages; none where they cannot be decoded."""
+    try:
+        type_ = message_type(connection)
+        return tuple(numeric_fields(type_.definitions, type_.name))
+    except SourceError:
+        return ()
+
+
 def field_getter(definitions: Typesdict, type_: str, field: str) -> Callable[[Any], Any]:
     """The function that takes one number, ``pose.x`` or ``effort[2]``, out of a decoded message.
 
