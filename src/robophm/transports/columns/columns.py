@@ -258,7 +258,10 @@ class _Source:
 
     def _reading(self, connection: Any, fields: Sequence[str]) -> _Reading:
         with reading(self._file.path):
-            type_ = message_type(connection)
+            try:
+                type_ = message_type(connection)
+            except SourceError as error:
+                raise SourceError(f"{self._file.path}: {error}") from error
             if type_.borrowed:
                 self._notes[f"definition of {type_.name} taken from ROS 2 Humble"] += 1
             try:

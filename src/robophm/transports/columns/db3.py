@@ -134,5 +134,5 @@ class Db3File(RowsFile):
         return [
             Connection(id_, topic, type_, definitions.get(type_, missing), "", 0, ConnectionExtRosbag2(kind, []), self)
             for id_, topic, type_, kind in topics
-            if isinstance(topic, str) and isinstance(type_, str)
+            if isinstance(id_, int) and isinstance(topic, str) and isinstance(type_, str)
         ]
