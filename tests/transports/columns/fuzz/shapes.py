@@ -1,4 +1,4 @@
-"""Where in a sound recording its numbers and records lie: what a mutation aims at, and what it must not be able to do."""
+"""Where in a sound recording numbers and records lie: what a mutation aims at, and what it must not be able to do."""
 
 from __future__ import annotations
 
