@@ -41,6 +41,9 @@ if TYPE_CHECKING:
 MAGIC = b"\x89MCAP0\r\n"
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, DATA_END = 2, 3, 4, 5, 6, 7, 8, 11, 15
 
+_SUMMARY = (CHUNK_INDEX, 10, STATISTICS, 13, 14)
+"""What there is in a summary besides schemas and channels."""
+
 _HEAD = np.dtype(
     [
         ("opcode", "u1"),
@@ -206,11 +209,15 @@ class McapFile(ChunkedFile):
             raise DamageError("no footer")
         if not summary or summary > start:
             raise DamageError("no summary")
+        if self.content[summary] not in (SCHEMA, CHANNEL, *_SUMMARY):  # before all up to the end is gone through
+            raise DamageError("no summary")
         if checksum and zlib.crc32(self.view(summary, start + 25)) != checksum:
             raise DamageError("summary does not have its checksum")
         position, counted = summary, 0
         while position < start:
             opcode, length = struct.unpack("<BQ", self.between(position, position + 9))
+            if not opcode:
+                raise DamageError(f"no record at byte {position}")
             content = self.view(position + 9, position + 9 + length)
             if opcode in (SCHEMA, CHANNEL):
                 self._define(opcode, content)
@@ -266,6 +273,8 @@ class McapFile(ChunkedFile):
             (position,) = struct.unpack("<Q", self.between(start + 9, start + 17))
             while position < start:
                 opcode, length = struct.unpack("<BQ", self.between(position, position + 9))
+                if opcode not in (SCHEMA, CHANNEL, *_SUMMARY):
+                    break
                 if opcode == CHUNK_INDEX:
                     places += struct.unpack_from("<16xQ", self.view(position + 9, position + 9 + length))
                 position += 9 + length

@@ -8,6 +8,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -36,22 +37,21 @@ class Tally:
         self.memory = max(self.memory, result.memory)
 
 
-def tallied(work: dict[str, int], seed: int, jobs: int, findings: list[Result]) -> dict[str, Tally]:
-    """Read all files; progress goes to standard error, findings to the list."""
+def tallied(work: dict[str, int], seed: int, jobs: int, found: Callable[[Result], None]) -> dict[str, Tally]:
+    """Read all files; progress goes to standard error."""
     tallies = {format_: Tally() for format_ in work}
     start = shown = time.monotonic()
     total = sum(work.values())
     for done, result in enumerate(run(work, seed, jobs), 1):
         tallies[result.format].add(result)
         if result.fault:
-            findings.append(result)
+            found(result)
         now = time.monotonic()
         if now - shown > (1 if sys.stderr.isatty() else 60):
             shown = now
+            faults = sum(tally.outcomes["fault"] for tally in tallies.values())
             end = "\r" if sys.stderr.isatty() else "\n"
-            print(
-                f"{done:,} of {total:,} files, {len(findings)} findings, {now - start:.0f} s", end=end, file=sys.stderr
-            )
+            print(f"{done:,} of {total:,} files, {faults} findings, {now - start:.0f} s", end=end, file=sys.stderr)
     return tallies
 
 
@@ -94,15 +94,16 @@ def main() -> int:
         return repeat(arguments.format, arguments.number, seed)
     formats = [arguments.format] if arguments.format else FORMATS
     print(f"{arguments.files:,} files of each format, seed {seed}")
-    findings: list[Result] = []
-    tallies = tallied(dict.fromkeys(formats, arguments.files), seed, arguments.jobs, findings)
-    print(table(tallies))
-    for finding in findings:
+
+    def keep(finding: Result) -> None:
         FOUND.mkdir(exist_ok=True)
         path = FOUND / f"{seed}-{finding.number}.{finding.format}"
         path.write_bytes(mutant(finding.format, finding.number, seed).content)
-        print(f"\n{path}: {finding.fault}")
-    return 1 if findings else 0
+        print(f"{path}: {finding.fault}\n", flush=True)
+
+    tallies = tallied(dict.fromkeys(formats, arguments.files), seed, arguments.jobs, keep)
+    print(table(tallies))
+    return 1 if any(tally.outcomes["fault"] for tally in tallies.values()) else 0
 
 
 if __name__ == "__main__":

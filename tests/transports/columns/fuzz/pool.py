@@ -19,8 +19,8 @@ from .judge import compare, judge, read
 from .mutate import mutant, stock
 from .seeds import MEMORY
 
-TIME = 5
-"""Seconds that a file may take."""
+TIME, MOST_TIME = 5, 60
+"""Seconds that a file may take: of the processor's time, and with waiting for the processor."""
 
 SPACE = 512 << 20
 """Bytes of address space that reading a file may take beyond what the process has when it begins."""
@@ -49,9 +49,9 @@ def examine(format_: str, number: int, seed: int, folder: Path) -> Iterator[Resu
     path = folder / f"{format_}{damaged.suffix}"
     path.write_bytes(damaged.content)
     yield Result(format_, number, "begun")
-    begun = time.perf_counter()
+    begun = time.process_time()
     verdict, ours = judge(damaged, path)
-    seconds = time.perf_counter() - begun
+    seconds = time.process_time() - begun
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
     result = Result(format_, number, verdict.outcome, verdict.fault, seconds, (), memory)
     if number % PEERS_EVERY == 0 and not verdict.fault:
@@ -76,7 +76,9 @@ def _work(format_: str, first: int, behind: int, seed: int, results: Connection)
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         for number in range(first, behind):
             for result in examine(format_, number, seed, Path(folder)):
-                signal.setitimer(signal.ITIMER_REAL, TIME if result.outcome.endswith("begun") else 0)
+                begun = result.outcome.endswith("begun")
+                signal.setitimer(signal.ITIMER_PROF, TIME * begun)
+                signal.setitimer(signal.ITIMER_REAL, MOST_TIME * begun)
                 results.send(result)
     results.close()
 
@@ -115,9 +117,11 @@ class _Worker:
 
     def _died(self) -> Result:
         code = self.process.exitcode or 0
+        if self.last.outcome == "not begun":
+            raise RuntimeError(f"a process ended with {code} before its first file")
         name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
         result = self.last._replace(number=self.number, outcome="fault", fault=f"the process ended: {name}")
-        if code == -signal.SIGALRM:
+        if code in (-signal.SIGALRM, -signal.SIGPROF):
             result = result._replace(fault=f"hangs: longer than {TIME} s", seconds=float(TIME))
         if self.last.outcome == "peers begun":  # theirs is the fault, not ours
             result = result._replace(outcome="refused", fault="", peers=(("a peer hangs or crashes", ""),))
