@@ -39,15 +39,19 @@ class Verdict(NamedTuple):
 def read(path: Path, topics: Iterable[str] = TOPICS) -> Read | SourceError:
     """The columns of these topics, or of those that are still there."""
     known = [f"{topic}.{field}" for topic in topics for field in FIELDS[topic]]
+    refused: Counter[str] = Counter()
     while True:
         try:
-            return _columns(path, known)
+            ours = _columns(path, known)
+            ours.notes.update(refused)
+            return ours
         except SourceError as error:
             # a topic alone may be damaged: the others are to be read all the same
             gone = next((topic for topic in TOPICS if f"topic '{topic}'" in str(error)), None)
             left = [signal for signal in known if gone is None or not signal.startswith(f"{gone}.")]
             if not left or len(left) == len(known):
                 return error
+            refused[f"lost: {error}"] += 1
             known = left
 
 
