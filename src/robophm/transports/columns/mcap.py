@@ -71,12 +71,16 @@ class McapFile(ChunkedFile):
         super().__init__(path, notes)
         if self.content[: len(MAGIC)].tobytes() != MAGIC:
             raise SourceError(f"{path}: cannot be read: is no MCAP file, or not of version 0")
+        self._checked = False
+        """Whether the summary has its checksum: nothing else says as surely what schemas and channels there are."""
         self._clear()
         try:
             self._read_summary()
         except (DamageError, struct.error, UnicodeDecodeError) as error:
             self.notes[f"{path.name}: looked through for want of an index: {error}"] += 1
+            believed = (self._schemas, self._channels) if self._checked else ({}, {})
             self._clear()
+            self._schemas, self._channels = believed
             self._look_through()
         self.connections = self._connections()
 
@@ -213,6 +217,7 @@ class McapFile(ChunkedFile):
             raise DamageError("no summary")
         if checksum and zlib.crc32(self.view(summary, start + 25)) != checksum:
             raise DamageError("summary does not have its checksum")
+        self._checked = bool(checksum)
         position, counted = summary, 0
         while position < start:
             opcode, length = struct.unpack("<BQ", self.between(position, position + 9))
