@@ -316,6 +316,13 @@ def test_definitions_in_chunks_are_better_than_a_damaged_summary(numbered: Path)
     assert values(list(columns)) == [float(n) for n in range(100)]
 
 
+def test_definitions_of_a_sound_summary_are_better_than_those_among_the_data(numbered: Path) -> None:
+    path = rewrite_mcap(numbered, numbered.with_name("loose.mcap"), use_chunking=False)
+    at = path.read_bytes().index(b"float64 temperature")
+    columns = read_columns(changed(path, at, b"float32 "), [SIGNAL])
+    assert values(list(columns)) == [float(n) for n in range(100)]
+
+
 def test_an_index_that_is_cut_loses_no_message(recorded: dict[str, Path], tmp_path: Path) -> None:
     """Of the last chunk's index only the first record is there."""
     path = rewrite_mcap(recorded[".mcap"], tmp_path / "x.mcap", chunk_size=2000)

@@ -78,9 +78,11 @@ class McapFile(ChunkedFile):
             self._read_summary()
         except (DamageError, struct.error, UnicodeDecodeError) as error:
             self.notes[f"{path.name}: looked through for want of an index: {error}"] += 1
-            believed = (self._schemas, self._channels) if self._checked else ({}, {})
+            schemas, channels = self._schemas, self._channels
             self._clear()
-            self._schemas, self._channels = believed
+            if self._checked:
+                self._schemas |= schemas
+                self._channels |= channels
             self._look_through()
         self.connections = self._connections()
 
