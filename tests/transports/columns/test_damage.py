@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sqlite3
 import struct
 import time
@@ -259,6 +260,29 @@ def test_definitions_that_cannot_be_followed(text: str, tmp_path: Path) -> None:
         read_columns(path, ["/a.x"])
     with pytest.raises(SourceError, match="'/j' is encoded as 'json'; expected cdr or ros1"):
         read_columns(path, ["/j.x"])
+
+
+def test_headers_whose_time_is_no_number(tmp_path: Path) -> None:
+    """A Header of somebody's own, of floats: receipt is the time."""
+    from mcap.writer import Writer
+
+    text = "std_msgs/Header header\nfloat64 x\n" + "=" * 80 + "\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\n"
+    text += "=" * 80 + "\nMSG: builtin_interfaces/Time\nfloat64 sec\nfloat32 nanosec"
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start(profile="ros2")
+        schema = writer.register_schema("a_msgs/msg/A", "ros2msg", text.encode())
+        channel = writer.register_channel("/a", "cdr", schema)
+        for number, sec in enumerate([math.nan, math.inf, 1e300, T0 / SECOND]):
+            raw = b"\0\1\0\0" + struct.pack("<dfxxxxd", sec, 0.0, number)
+            writer.add_message(channel, T0 + number, raw, T0)
+        writer.finish()
+    columns = read_columns(path, ["/a.x"])
+    (block,) = columns
+    assert block["/a"].values["x"].tolist() == [0, 1, 2, 3]
+    assert block["/a"].times.tolist() == [T0, T0 + 1, T0 + 2, T0]
+    assert columns.notes["receipt time used for /a"] == 3
 
 
 def test_numbers_too_large_to_count_with(tmp_path: Path) -> None:

@@ -208,7 +208,11 @@ class _Reading:
     def _finished(self, received: Ints, numbers: list[NDArray[Any]], absent: list[NDArray[Any]]) -> TopicColumns:
         stamps = None
         if self._stamps:
-            stamps = numbers[0].astype(np.int64) * SECOND + numbers[1]
+            with np.errstate(
+                invalid="ignore"
+            ):  # a Header of somebody's own may have any numbers: they are not believed
+                seconds, nanoseconds = (column.astype(np.int64) for column in numbers[:2])
+            stamps = seconds * SECOND + nanoseconds
         count = len(received) if stamps is None else int((~_believed(stamps, received)).sum())
         if count:
             self._notes[f"receipt time used for {self.topic}"] += count
