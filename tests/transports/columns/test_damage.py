@@ -266,8 +266,8 @@ def test_headers_whose_time_is_no_number(tmp_path: Path) -> None:
     """A Header of somebody's own, of floats: receipt is the time."""
     from mcap.writer import Writer
 
-    text = "std_msgs/Header header\nfloat64 x\n" + "=" * 80 + "\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\n"
-    text += "=" * 80 + "\nMSG: builtin_interfaces/Time\nfloat64 sec\nfloat32 nanosec"
+    text = "std_msgs/Header header\nfloat64 x\n" + "=" * 80 + "\nMSG: std_msgs/Header\nstd_msgs/Clock stamp\n"
+    text += "=" * 80 + "\nMSG: std_msgs/Clock\nfloat64 sec\nfloat32 nanosec"
     path = tmp_path / "a.mcap"
     with path.open("wb") as file:
         writer = Writer(file)
@@ -283,6 +283,15 @@ def test_headers_whose_time_is_no_number(tmp_path: Path) -> None:
     assert block["/a"].values["x"].tolist() == [0, 1, 2, 3]
     assert block["/a"].times.tolist() == [T0, T0 + 1, T0 + 2, T0]
     assert columns.notes["receipt time used for /a"] == 3
+
+
+def test_a_nan_that_signals_is_a_nan(tmp_path: Path) -> None:
+    path = defined(tmp_path / "a.mcap", "float32 x\nfloat32[15] rest")
+    content = path.read_bytes()
+    at = content.index(b"\0\1\0\0" + bytes(64)) + 4
+    path.write_bytes(content[:at] + struct.pack("<I", 0x7FA00000) + content[at + 4 :])
+    (block,) = read_columns(path, ["/a.x"])
+    assert math.isnan(block["/a"].values["x"][0])
 
 
 def test_numbers_too_large_to_count_with(tmp_path: Path) -> None:
@@ -389,10 +398,11 @@ def test_definitions_that_double(fields: str, tmp_path: Path) -> None:
 
 
 def defined(path: Path, text: str) -> Path:
-    from mcap.writer import Writer
+    """One message of zeros."""
+    from mcap.writer import CompressionType, Writer
 
     with path.open("wb") as file:
-        writer = Writer(file)
+        writer = Writer(file, compression=CompressionType.NONE, enable_crcs=False)
         writer.start(profile="ros2")
         schema = writer.register_schema("a_msgs/msg/A", "ros2msg", text.encode())
         writer.add_message(writer.register_channel("/a", "cdr", schema), T0, b"\0\1\0\0" + bytes(64), T0)

@@ -208,23 +208,25 @@ class _Reading:
     def _finished(self, received: Ints, numbers: list[NDArray[Any]], absent: list[NDArray[Any]]) -> TopicColumns:
         stamps = None
         if self._stamps:
-            with np.errstate(
-                invalid="ignore"
-            ):  # a Header of somebody's own may have any numbers: they are not believed
-                seconds, nanoseconds = (column.astype(np.int64) for column in numbers[:2])
-            stamps = seconds * SECOND + nanoseconds
+            stamps = _cast(numbers[0], np.int64) * SECOND + _cast(numbers[1], np.int64)
         count = len(received) if stamps is None else int((~_believed(stamps, received)).sum())
         if count:
             self._notes[f"receipt time used for {self.topic}"] += count
         values, missing = {}, {}
         for field, slot in zip(self._fields, self._slots, strict=True):
-            values[field] = numbers[slot].astype(np.float64)
+            values[field] = _cast(numbers[slot], np.float64)
             gone = absent[slot]
             if gone.any():
                 values[field][gone] = np.nan
                 missing[field] = gone
                 self._notes[f"no element for {self.topic}.{field}"] += int(gone.sum())
         return TopicColumns(received, stamps, values, missing)
+
+
+def _cast(numbers: NDArray[Any], type_: Any) -> NDArray[Any]:
+    """A copy; NumPy warns of NaN that signals, and of times that somebody's own Header has as floats."""
+    with np.errstate(invalid="ignore"):
+        return numbers.astype(type_)
 
 
 def _believed(stamps: Ints, received: Ints) -> NDArray[np.bool_]:
