@@ -47,11 +47,12 @@ def tallied(work: dict[str, int], seed: int, jobs: int, found: Callable[[Result]
         if result.fault:
             found(result)
         now = time.monotonic()
-        if now - shown > (1 if sys.stderr.isatty() else 60):
+        terminal = sys.stderr.isatty()
+        if now - shown > (1 if terminal else 60):
             shown = now
             faults = sum(tally.outcomes["fault"] for tally in tallies.values())
-            end = "\r" if sys.stderr.isatty() else "\n"
-            print(f"{done:,} of {total:,} files, {faults} findings, {now - start:.0f} s", end=end, file=sys.stderr)
+            line = f"{done:,} of {total:,} files, {faults} findings, {now - start:.0f} s"
+            print(line, end="\r" if terminal else f"\n{table(tallies)}\n", file=sys.stderr)
     return tallies
 
 
