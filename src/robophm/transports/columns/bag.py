@@ -102,10 +102,14 @@ class BagFile(ChunkedFile):
         """The index record of this connection, among those that begin at this place."""
         for record in self._indices(offset):
             if record.number(b"conn") == connection:
-                if record.number(b"ver") != 1 or record.number(b"count") * 12 != record.end - record.start:
-                    break
-                return np.frombuffer(self.view(record.start, record.end), _INDEX)
+                return self._entries(record)
         raise DamageError("damage")
+
+    def _entries(self, record: _Record) -> NDArray[Any]:
+        """What an index record holds."""
+        if record.number(b"ver") != 1 or record.number(b"count") * 12 != record.end - record.start:
+            raise DamageError("damage")
+        return np.frombuffer(self.view(record.start, record.end), _INDEX)
 
     def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
         """The messages at these offsets of a chunk, whose headers have their fields in one order."""
@@ -235,12 +239,13 @@ class BagFile(ChunkedFile):
         """Find chunks from record to record; connections and times in them, where no index says them."""
         position = len(MAGIC)
         repeated = []
+        places = iter(sorted(self._places(header)))
         while position < self.size:
             try:
                 record = self._record(position)
             except DamageError:
                 try:
-                    position = self.next_chunk(position, self._places(header))
+                    position = self.next_chunk(position, places)
                 except DamageError:
                     self._cut(position)
                     break
@@ -277,11 +282,10 @@ class BagFile(ChunkedFile):
         connections = set()
         try:
             for record in self._indices(chunk.end):
-                id_ = record.number(b"conn")
-                index = self.index(chunk.end, id_)
+                index = self._entries(record)
                 seconds = index["sec"].astype(np.int64) * SECOND + index["nsec"]
                 times += [int(seconds.min()), int(seconds.max())] if len(index) else []
-                connections.add(id_)
+                connections.add(record.number(b"conn"))
         except DamageError:
             connections.clear()
         if not connections or connections - self._defined.keys():

@@ -252,9 +252,10 @@ class McapFile(ChunkedFile):
         """Find chunks and messages from record to record; what is defined in chunks only is looked for there."""
         found, behind = self._scan(self.content, len(MAGIC))
         parts = [found]
+        places = iter(sorted(self._places()))
         while behind < self.size:
             try:
-                place = self.next_chunk(behind, self._places())
+                place = self.next_chunk(behind, places)
             except DamageError:
                 self._cut(behind)
                 break

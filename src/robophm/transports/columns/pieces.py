@@ -237,13 +237,17 @@ class ChunkedFile(MappedFile):
             raise DamageError("chunk does not have its checksum")
         return content
 
-    def next_chunk(self, behind: int, places: Collection[int]) -> int:
-        """The next of these places where a chunk lies; what is between is lost. Raises DamageError where none does."""
-        for place in sorted(place for place in places if place > behind):
+    def next_chunk(self, behind: int, places: Iterator[int]) -> int:
+        """The next of these places, which rise, where a chunk lies; what is between is lost.
+
+        Raises DamageError where none does.
+        """
+        for place in places:
             with suppress(DamageError):
-                self.chunk_at(place)
-                self.lost(f"{place - behind} bytes of a damaged file", behind)
-                return place
+                if place > behind:
+                    self.chunk_at(place)
+                    self.lost(f"{place - behind} bytes of a damaged file", behind)
+                    return place
         raise DamageError("no chunk")
 
     @abstractmethod
