@@ -272,6 +272,11 @@ class McapFile(ChunkedFile):
                     self._scan(self.unpacked(chunk), 0)
         for opcode, start, end in self._repeated:  # what the summary says, where there was no better word
             self._define(opcode, self.content.data[start:end])
+        sound = {topic for schema, topic, _ in self._channels.values() if schema in self._schemas}
+        for id_, (schema, topic, _) in [*self._channels.items()]:
+            if topic in sound and schema not in self._schemas:
+                self.notes[f"{self.path.name}: a damaged schema or channel"] += 1
+                del self._channels[id_]
 
     def _places(self) -> list[int]:
         """Where chunks lie, as far as the summary says it."""

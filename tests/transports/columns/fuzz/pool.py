@@ -29,6 +29,9 @@ PEERS_EVERY = 8
 """Of so many files one is given to the peers too."""
 
 
+_PEERS = ", peers begun"
+
+
 class Result(NamedTuple):
     """What became of one file."""
 
@@ -55,7 +58,7 @@ def examine(format_: str, number: int, seed: int, folder: Path) -> Iterator[Resu
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
     result = Result(format_, number, verdict.outcome, verdict.fault, seconds, (), memory)
     if number % PEERS_EVERY == 0 and not verdict.fault:
-        yield result._replace(outcome="peers begun")
+        yield result._replace(outcome=verdict.outcome + _PEERS)
         result = result._replace(peers=tuple(compare(ours, damaged, path)))
         if faults := [f"{what}: {how}" for what, how in result.peers if how]:
             result = result._replace(outcome="fault", fault=faults[0])
@@ -120,11 +123,14 @@ class _Worker:
         if self.last.outcome == "not begun":
             raise RuntimeError(f"a process ended with {code} before its first file")
         name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-        result = self.last._replace(number=self.number, outcome="fault", fault=f"the process ended: {name}")
-        if code in (-signal.SIGALRM, -signal.SIGPROF):
-            result = result._replace(fault=f"hangs: longer than {TIME} s", seconds=float(TIME))
-        if self.last.outcome == "peers begun":  # theirs is the fault, not ours
-            result = result._replace(outcome="refused", fault="", peers=(("a peer hangs or crashes", ""),))
+        if self.last.outcome.endswith(_PEERS):  # theirs is the fault, not ours
+            result = self.last._replace(
+                outcome=self.last.outcome.removesuffix(_PEERS), peers=(("a peer hangs or crashes", ""),)
+            )
+        else:
+            hangs = code in (-signal.SIGALRM, -signal.SIGPROF)
+            fault = f"hangs: longer than {TIME} s" if hangs else f"the process ended: {name}"
+            result = self.last._replace(number=self.number, outcome="fault", fault=fault, seconds=TIME * hangs)
         self.number += 1
         self._start()
         return result
