@@ -349,6 +349,15 @@ def test_definitions_in_chunks_are_better_than_a_damaged_summary(numbered: Path)
     assert values(list(columns)) == [float(n) for n in range(100)]
 
 
+def test_a_channel_that_only_a_damaged_summary_knows_spoils_nothing(numbered: Path) -> None:
+    path = in_chunks(numbered)
+    content = path.read_bytes()
+    at = content.rindex(b"\2\0\0\0/t") - 4
+    assert content[at : at + 4] == b"\1\0\1\0"  # channel and schema
+    columns = read_columns(changed(path, at, bytes(4)), [SIGNAL])
+    assert values(list(columns)) == [float(n) for n in range(100)]
+
+
 def test_definitions_of_a_sound_summary_are_better_than_those_among_the_data(numbered: Path) -> None:
     path = rewrite_mcap(numbered, numbered.with_name("loose.mcap"), use_chunking=False)
     at = path.read_bytes().index(b"float64 temperature")
