@@ -218,6 +218,7 @@ class BagFile(ChunkedFile):
                 raise DamageError(f"no connection at byte {position}")
             self._define(record, self.content)
             position = record.end
+        offsets: set[int] = set()
         for _ in range(header.number(b"chunk_count")):
             record = self._record(position)
             count = record.number(b"count")
@@ -229,6 +230,10 @@ class BagFile(ChunkedFile):
             self._counts.update(counts)
             first, last = (record.time(b"start_time"), record.time(b"end_time")) if count else (0, 0)
             chunk = self.chunk_at(record.number(b"chunk_pos"))
+            begun = next(self._indices(chunk.end), None)
+            if chunk.offset in offsets or (begun and begun.number(b"conn") not in counts):
+                raise DamageError(f"another chunk's info at byte {position}")
+            offsets.add(chunk.offset)
             indices = dict.fromkeys(counts, chunk.end)
             self.chunks.append(replace(chunk, first=first, last=last, indices=indices))
             position = record.end

@@ -55,6 +55,9 @@ class Db3File(RowsFile):
         except (sqlite3.Error, UnicodeDecodeError) as error:
             self.close()
             raise SourceError(f"{path}: cannot be read: {error}") from error
+        except MemoryError:  # what SQLite says of some damage, with next to no memory taken
+            self.close()
+            raise SourceError(f"{path}: cannot be read: database disk image is malformed") from None
 
     def close(self) -> None:
         """Close the database, and let go of the file as soon as no array needs it."""
@@ -64,8 +67,9 @@ class Db3File(RowsFile):
 
     def _limit(self) -> None:
         """What is read may be no table but a view that never ends, and a page may be there a million times."""
-        self._database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_ROW)
-        left = LEAST_STEPS + STEPS_A_BYTE * self.path.stat().st_size
+        size = self.path.stat().st_size
+        self._database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(LARGEST_ROW, max(size, 1 << 16)))
+        left = LEAST_STEPS + STEPS_A_BYTE * size
 
         def spent() -> bool:
             nonlocal left

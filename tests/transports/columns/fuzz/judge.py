@@ -90,7 +90,7 @@ def _refusal(error: SourceError, mutant: Mutant, path: Path) -> Verdict:
     while cause:
         if isinstance(cause, MemoryError):
             return Verdict("fault", "wants all memory: " + "".join(traceback.format_exception(cause)))
-        cause = cause.__cause__ or cause.__context__
+        cause = cause.__cause__ or (None if cause.__suppress_context__ else cause.__context__)
     if mutant.losable is not None and mutant.suffix != ".db3" and len(mutant.losable) < 6:
         return Verdict("fault", f"refused where most can be read: {error}")
     return Verdict("refused")
