@@ -230,11 +230,12 @@ class BagFile(ChunkedFile):
             self._counts.update(counts)
             first, last = (record.time(b"start_time"), record.time(b"end_time")) if count else (0, 0)
             chunk = self.chunk_at(record.number(b"chunk_pos"))
-            begun = next(self._indices(chunk.end), None)
-            if chunk.offset in offsets or (begun and begun.number(b"conn") not in counts):
+            if chunk.offset in offsets:
                 raise DamageError(f"another chunk's info at byte {position}")
             offsets.add(chunk.offset)
-            indices = dict.fromkeys(counts, chunk.end)
+            begun = next(self._indices(chunk.end), None)
+            agree = begun is None or begun.number(b"conn") in counts  # else one of the two lies
+            indices = dict.fromkeys(counts, chunk.end) if agree else None
             self.chunks.append(replace(chunk, first=first, last=last, indices=indices))
             position = record.end
         if position != self.size:
