@@ -247,13 +247,13 @@ class _Reading:
     def _finished(self, received: Ints, numbers: list[NDArray[Any]], absent: list[NDArray[Any]]) -> TopicColumns:
         stamps = None
         if self._stamps:
-            stamps = numbers[0].astype(np.int64) * SECOND + numbers[1]
+            stamps = _cast(numbers[0], np.int64) * SECOND + _cast(numbers[1], np.int64)
         count = len(received) if stamps is None else int((~_believed(stamps, received)).sum())
         if count:
             self._notes[f"receipt time used for {self.topic}"] += count
         values, missing = {}, {}
         for field, slot in zip(self._fields, self._slots, strict=True):
-            values[field] = numbers[slot].astype(np.float64)
+            values[field] = _cast(numbers[slot], np.float64)
             gone = absent[slot]
             if gone.any():
                 values[field][gone] = np.nan
@@ -271,6 +271,12 @@ class _Times:
     def columns(self, messages: Messages) -> TopicColumns:
         """Columns without a field."""
         return TopicColumns(messages.times[_order(messages.times)], None, {}, {})
+
+
+def _cast(numbers: NDArray[Any], type_: Any) -> NDArray[Any]:
+    """A copy; NumPy warns of NaN that signals, and of times that somebody's own Header has as floats."""
+    with np.errstate(invalid="ignore"):
+        return numbers.astype(type_)
 
 
 def _believed(stamps: Ints, received: Ints) -> NDArray[np.bool_]:
@@ -310,7 +316,10 @@ class _Source:
         if not fields:
             return _Times(connection.topic)
         with reading(self._file.path):
-            type_ = message_type(connection)
+            try:
+                type_ = message_type(connection)
+            except SourceError as error:
+                raise SourceError(f"{self._file.path}: {error}") from error
             if type_.borrowed:
                 self._notes[f"definition of {type_.name} taken from ROS 2 Humble"] += 1
             try:
