@@ -167,7 +167,7 @@ class Structure:
                 raise StructureError(f"first axis of {array.shape}: expected the {self._inputs} units of the diagram")
         axes = max(1, *(array.ndim for array in arrays))
         arrays = [array.reshape(array.shape + (1,) * (axes - array.ndim)) for array in arrays]
-        shape = np.broadcast_shapes((self._inputs, *[1] * (axes - 1)), *(array.shape for array in arrays))
+        shape = (self._inputs, *np.broadcast(*arrays).shape[1:])
         columns = [
             (array if array.shape == shape else np.broadcast_to(array, shape)).reshape(self._inputs, -1)
             for array in arrays
@@ -374,21 +374,16 @@ class _Solve(NamedTuple):
 
 
 def _copying(rows: Array, of: Rows, to: Rows) -> Iterator[Call]:
-    one, other = _together(of), _together(to)
-    if isinstance(one, slice) and isinstance(other, slice):
-        if len(of):
-            yield partial(np.copyto, rows[:, other], rows[:, one])
+    if not len(of):
+        return
+    if np.all(np.diff(of) == 1) and np.all(np.diff(to) == 1):  # side by side: nothing is to be looked up
+        yield partial(np.copyto, rows[:, to[0] : to[-1] + 1], rows[:, of[0] : of[-1] + 1])
     else:
-        yield partial(_copy, rows, one, other)
+        yield partial(_copy, rows, of, to)
 
 
-def _copy(rows: Array, of: Rows | slice, to: Rows | slice) -> None:
+def _copy(rows: Array, of: Rows, to: Rows) -> None:
     rows[:, to] = rows[:, of]
-
-
-def _together(index: Rows) -> Rows | slice:
-    """Where they lie side by side: nothing is to be looked up."""
-    return slice(int(index[0]), int(index[-1]) + 1) if len(index) and np.all(np.diff(index) == 1) else index
 
 
 def _decide(step: Decision, inputs: Array, out: Array, task: bool) -> None:

@@ -27,7 +27,8 @@ class Weibull(LifeDistribution):
         return None if self.location else self.shape
 
     def _cumulative_hazard(self, x: Array) -> Array:
-        H: Array = (x / self.scale) ** self.shape
+        H = np.asarray(x / self.scale)
+        H **= self.shape
         return H
 
     def _hazard(self, x: Array) -> Array:
@@ -36,15 +37,21 @@ class Weibull(LifeDistribution):
 
     def _hazards(self, x: Array) -> tuple[Array, Array]:
         H = self._cumulative_hazard(x)
-        h = self.shape * H / x
-        full = H > 1e-300  # below it H has lost digits that h still has
-        return H, h if full.all() else np.where(full, h, self._hazard(x))
+        h = self.shape * H
+        h /= x
+        if H.min(initial=1.0) > 1e-300:  # below it H has lost digits that h still has
+            return H, h
+        return H, np.where(H > 1e-300, h, self._hazard(x))
 
     def _increment(self, x: Array, d: Array) -> Array:
-        if not np.any(x):
+        if not x.any():
             return self._cumulative_hazard(x + d)
-        before, grown = self._cumulative_hazard(x), np.expm1(self.shape * np.log1p(d / x))
-        if np.all(grown < 1) and np.all(before < np.inf):
+        grown = np.asarray(d / x)
+        np.log1p(grown, grown)
+        grown = np.asarray(self.shape * grown)
+        np.expm1(grown, grown)
+        before = self._cumulative_hazard(x)
+        if grown.max(initial=0.0) < 1 and before.max(initial=0.0) < np.inf:
             return before * grown
         after = self._cumulative_hazard(x + d)
         return np.where(np.isposinf(after), np.inf, np.where(grown < 1, before * grown, after - before))
