@@ -25,8 +25,8 @@ from robophm.core.errors import StructureError, nearest
 AT_ONCE = 200_000
 """Numbers that one array may hold, so that it stays in cache; more columns take turns."""
 
-KEPT = 16
-"""Columns for which the place of an evaluation is kept for the next one: as many as a tick asks for."""
+KEPT = 400_000
+"""Numbers of a place of evaluation, so many that it is kept for the next one."""
 
 
 Write = Callable[[Array, slice], None]
@@ -83,7 +83,7 @@ class Structure:
         self._systems: Rows | int = self._plan.systems if len(diagrams) > 1 else int(self._plan.systems[0])
         wide = (step.diagram.size for step in self._plan.steps if isinstance(step, Decision))
         self._width = max(self._plan.rows, *wide, 1)
-        self._idle: deque[_Place] = deque(maxlen=2)
+        self._idle: deque[_Place] = deque(maxlen=4)
 
     def state(self, works: ArrayLike, failed: ArrayLike, density: ArrayLike = 0.0) -> State:
         """State of the system, shape (...), from the states of its units, shape (units, ...).
@@ -109,21 +109,25 @@ class Structure:
         b, s = self._given(failed, works, task=False)
         return s, b
 
-    def lived(self, less: Array, hazard: Array | None = None) -> Array:
+    def lived(self, lived: Array, hazard: Array | None = None) -> Array:
         """Of the system, shape (numbers, ..., columns): P(has failed), P(works) and, given hazards, its density.
 
-        From minus the cumulative hazard of each of ``leaves`` and its ``hazard`` [1/h], shape (leaves, columns).
+        From the cumulative hazard that each of ``leaves`` has lived and its ``hazard`` [1/h], shape (leaves, columns);
+        one column of either is that of all.
         """
-        units = len(less)
+        columns = lived.shape[1] if hazard is None else max(lived.shape[1], hazard.shape[1])
 
         def write(rows: Array, turn: slice) -> None:
-            failed, works, own = rows[FAILED, :units], rows[WORKS, :units], less[:, turn]
-            np.exp(own, works)
-            np.negative(np.expm1(own, failed), failed)
+            failed, works = rows[FAILED, : len(lived)], rows[WORKS, : len(lived)]
+            np.negative(lived if lived.shape[1] == 1 else lived[:, turn], failed)
+            np.exp(failed, works)
+            np.expm1(failed, failed)
+            np.negative(failed, failed)
             if hazard is not None:
-                np.multiply(hazard[:, turn], works, rows[CHANGE, :units])
+                own = hazard if hazard.shape[1] == 1 else hazard[:, turn]
+                np.multiply(own, works, rows[CHANGE, : len(lived)])
 
-        return self._evaluate(write, 2 if hazard is None else 3, less.shape[1], task=False)
+        return self._evaluate(write, 2 if hazard is None else 3, columns, task=False)
 
     def birnbaum(self, works: ArrayLike, failed: ArrayLike) -> Array:
         """∂R/∂pᵢ of every unit, shape (units, ...): P(the system works if i does, and has failed if i has).
@@ -131,8 +135,8 @@ class Structure:
         Of one diagram; of a kind, the sum over its units. One sweep back over a state; every term is positive.
         """
         columns, shape = self._columns(failed, works)
-        found = np.empty(columns[0].shape)
-        for turn, rows in self._turns(self._writing(columns), 2, found.shape[1], task=False):
+        found, total = np.empty(columns[0].shape), columns[0].size // self._inputs
+        for turn, rows in self._turns(self._writing(columns), 2, total, task=False):
             found[:, turn] = self._back(rows)
         return found.reshape(self._inputs, *shape)
 
@@ -184,18 +188,19 @@ class Structure:
             for call in place.program:
                 call()
             yield turn, place.rows
-            if turn.stop - start <= KEPT:
+            if place.rows.size <= KEPT:
                 self._idle.append(place)
 
     def _place(self, numbers: int, columns: int, task: bool) -> _Place:
-        """Where an evaluation is done: the one of last time if it fits, of which no other thread makes use now."""
-        try:
-            place = self._idle.pop()
-        except IndexError:
-            pass
-        else:
+        """Where an evaluation is done: the one of last time that fits, of which no other thread makes use now."""
+        for _ in range(len(self._idle)):
+            try:
+                place = self._idle.pop()
+            except IndexError:
+                break
             if place.rows.shape[::2] == (numbers, columns) and place.task == task:
                 return place
+            self._idle.appendleft(place)
         rows = np.zeros((numbers, self._plan.rows, columns))
         return _Place(rows, task, list(_program(self._plan, rows, task)))
 
