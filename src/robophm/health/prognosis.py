@@ -390,7 +390,7 @@ class Outlook:
         return parts.of_units(hazard)
 
 
-_IN_CACHE = 100_000  # the same, where they pass once and need not be many
+_IN_CACHE = 120_000  # the same, where they pass once and need not be many
 _IN_TURN = 1_000_000  # numbers that one array of times may hold: more times take turns
 _MOST_KNOTS = 256
 """Of a future that begins anew for ever, how many are looked at one by one."""
