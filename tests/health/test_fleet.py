@@ -161,7 +161,8 @@ def test_parts_that_are_alike(kinds):
     structure, modes, sums = plant.system(robot.diagram).by_kind(at)
     assert len(modes.modes) == (6 if kinds == 2 else len(robot.modes))
     each = np.unique(structure.leaves, return_index=True)[1]
-    assert sums.weights[each].sum() == 80 + (2 + 2 if kinds == 2 else 80 * (2 + 3))  # wheels in a row, two eyes, three joints
+    # wheels in a row, two eyes, three joints
+    assert sums.weights[each].sum() == 80 + (2 + 2 if kinds == 2 else 80 * (2 + 3))
     assert (structure is plant.system(robot.diagram).structure) == (kinds == 80)
 
 

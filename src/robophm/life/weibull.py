@@ -28,8 +28,7 @@ class Weibull(LifeDistribution):
 
     def _cumulative_hazard(self, x: Array) -> Array:
         H = np.asarray(x / self.scale)
-        H **= self.shape
-        return H
+        return np.power(H, self.shape, H)
 
     def _hazard(self, x: Array) -> Array:
         h: Array = self.shape / self.scale * (x / self.scale) ** (self.shape - 1)
