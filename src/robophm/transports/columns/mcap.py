@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import heapq
 import struct
-import zlib
 from array import array
 from collections import Counter
 from collections.abc import Collection, Iterator
@@ -22,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
+from robophm.transports.columns.checksum import crc32
 from robophm.transports.columns.pieces import (
     BATCH,
     LONGEST_TEXT,
@@ -217,7 +217,7 @@ class McapFile(ChunkedFile):
             raise DamageError("no summary")
         if self.content[summary] not in (SCHEMA, CHANNEL, *_SUMMARY):  # before all up to the end is gone through
             raise DamageError("no summary")
-        if checksum and zlib.crc32(self.view(summary, start + 25)) != checksum:
+        if checksum and crc32(self.view(summary, start + 25)) != checksum:
             raise DamageError("summary does not have its checksum")
         self._checked = bool(checksum)
         position, counted = summary, 0

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import bz2
 import mmap
-import zlib
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator
@@ -22,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
+from robophm.transports.columns.checksum import crc32
 from robophm.transports.columns.walk import Bytes, Ints
 from robophm.transports.recording import fingerprint_of
 
@@ -233,7 +233,7 @@ class ChunkedFile(MappedFile):
     def unpacked(self, chunk: Chunk) -> Bytes:
         """The chunk's content; raises DamageError where it is not what was written."""
         content = unpack(self.content[chunk.start : chunk.end], chunk.compression, chunk.size)
-        if chunk.checksum and zlib.crc32(content.data) != chunk.checksum:
+        if chunk.checksum and crc32(content.data) != chunk.checksum:
             raise DamageError("chunk does not have its checksum")
         return content
 
