@@ -4,13 +4,14 @@ PYTHON ?= $(shell sh tools/find-python)
 BIN := .venv/bin
 CHECKED := src tests benchmarks
 
-.PHONY: help setup demo lint peers test test-full calibrate bench clean
+.PHONY: help setup demo lint peers test test-full calibrate fuzz bench clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make demo       a synthetic robot works for a day: its health, live and as a report"
 	@echo "make test       all checks and tests"
 	@echo "make calibrate  predictions against 20,000 robots that really fail (docs/calibration.md)"
+	@echo "make fuzz       300,000 damaged recordings, half an hour to an hour (docs/guides/columns.md)"
 	@echo "make bench      speed, as ratios against named peers (docs/benchmarks.md)"
 	@echo "make clean      remove what the others made"
 
@@ -34,6 +35,9 @@ test: lint peers
 
 # `make test` has a tenth of the calibration, by a fixed seed.
 test-full: test calibrate
+
+fuzz: setup
+	@$(BIN)/python -m tests.transports.columns.fuzz
 
 calibrate: setup
 	@$(BIN)/python -m benchmarks.honesty

@@ -27,6 +27,7 @@ ROOMS = (
     "design",
     "transports",
     "virtual_life",
+    "measured",
     "package",
 )
 

@@ -69,6 +69,11 @@ def ages(parts: int, tick: int) -> np.ndarray:
     return np.random.default_rng(tick).uniform(100.0, 3000.0, parts)
 
 
+def robot_of(parts: int, ageing: bool = False) -> Robot:
+    """Ours alone."""
+    return parse("\n".join(_yaml(draw(parts, ageing=ageing))))
+
+
 def twins(parts: int, types: int | None = None, ageing: bool = False) -> Twins:
     lives = draw(parts, types, ageing)
     return Twins(parse("\n".join(_yaml(lives))), *_diagram(lives))

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import Line, agree, benchmark, race
+from benchmarks.mcap_cpp import mcap_cpp
 from robophm.core.signal import split_signal
 from robophm.design.file import load
 from robophm.replaying import replay
@@ -182,3 +183,22 @@ def columns() -> Iterator[Line]:
                 rate = f"{COUNT / took / 1e6:.1f} M messages of the file/s"
                 label = f"one column of {name}" if compression == "NONE" else f"one column of .mcap in {compression}"
                 yield Line(f"{label}, {COUNT:,} messages", took, alone, peer, expected, rate)
+
+
+@benchmark
+def cpp() -> Iterator[Line]:
+    for compression in ("NONE", "ZSTD", "LZ4"):
+        with tempfile.TemporaryDirectory() as folder, mcap_cpp(TOPIC, Path(folder)) as peer:
+            path = record(Path(folder) / "drive.mcap", compression)
+            ours = column(path)
+            label = f"one column of .mcap in {compression}, {COUNT:,} messages"
+            if isinstance(peer, str):
+                yield Line(f"{label}; C++ mcap {peer}", *race(ours, rounds=4, at_least=0.0))
+                return
+            values = ours()
+            count, total = peer(path)
+            agree("messages", [len(values)], [count], 0.0)
+            agree("their sum", [values.sum()], [total], 1e-12)
+            took, alone = race(ours, lambda: peer(path), rounds=15, at_least=0.0)  # noqa: B023  called at once
+            rate = f"{COUNT / took / 1e6:.1f} M messages of the file/s"
+            yield Line(label, took, alone, "C++ mcap", 1 / 0.8, rate)

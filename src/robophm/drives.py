@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import partial
@@ -18,6 +18,9 @@ from robophm.design.robot import Robot
 from robophm.transports.message_units import field_unit
 from robophm.transports.recording import EmptyError, parts_of
 from robophm.transports.source import SignalSource, TopicInfo, existing, open_source
+
+Kind = tuple[str, tuple[str, ...]]
+"""Of a topic, the type of its messages and its numeric fields."""
 
 Opening = Callable[[], AbstractContextManager[SignalSource]]
 Recorded = SignalSource | str | os.PathLike[str]
@@ -49,22 +52,20 @@ def drives_of(robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_mis
     if not robot.signals:
         raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
     drives: list[Drive] = []
-    missing, topics = dict.fromkeys(robot.signals, ""), set[str]()
+    missing, topics = dict.fromkeys(robot.signals, ""), dict[str, Kind]()
     for name, opens in _opened(recorded):
         with opens() as source:
             infos = source.topics()
             fingerprint = source.fingerprint
-        topics |= {info.topic for info in infos}
-        words = _missing(robot, infos)
+        here = {info.topic: (info.type, info.fields) for info in infos}
+        topics |= here
+        words = _missing(robot, here)
         signals = tuple(signal for signal in robot.signals if signal not in words)
         missing = {signal: words[signal] for signal in missing if signal in words}
         key = hashlib.sha256("\n".join((fingerprint, *sorted(signals))).encode()).hexdigest()
         if signals:
             drives.append(Drive(name, key, signals, *_span(infos), opens))
-    if missing and not (skip_missing and drives):
-        hint = nearest(split_signal(next(iter(robot.signals)))[0], topics)
-        nowhere = f"the recording has none of the design's topics{hint}"
-        raise SourceError(nowhere if skip_missing else next(iter(missing.values())))
+    _refuse(robot, missing, topics, skip_missing=skip_missing)
     return drives
 
 
@@ -73,27 +74,43 @@ def available(robot: Robot, source: SignalSource, *, skip_missing: bool) -> list
     return [*drives_of(robot, source, skip_missing=skip_missing)[0].signals]
 
 
-def _missing(robot: Robot, infos: Sequence[TopicInfo]) -> dict[str, str]:
-    """What a source lacks, in words, by bound signal."""
-    topics = {info.topic: info for info in infos}
+def bound(robot: Robot, topics: Mapping[str, Kind], *, skip_missing: bool) -> list[str]:
+    """The same of topics that are known by what they hold."""
+    if not robot.signals:
+        raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
+    missing = _missing(robot, topics)
+    _refuse(robot, missing, topics, skip_missing=skip_missing)
+    return [signal for signal in robot.signals if signal not in missing]
+
+
+def _refuse(robot: Robot, missing: Mapping[str, str], topics: Mapping[str, Kind], *, skip_missing: bool) -> None:
+    if missing and not skip_missing:
+        raise SourceError(next(iter(missing.values())))
+    if len(missing) == len(robot.signals):
+        hint = nearest(split_signal(next(iter(robot.signals)))[0], topics)
+        raise SourceError(f"the recording has none of the design's topics{hint}")
+
+
+def _missing(robot: Robot, topics: Mapping[str, Kind]) -> dict[str, str]:
+    """What a source lacks, in words, by bound signal. Raises SourceError where messages measure something else."""
     missing = {}
     for signal, unit in robot.signals.items():
         topic, field = split_signal(signal)
-        info = topics.get(topic)
+        type_, fields = topics.get(topic, ("", ()))
         element = re.sub(r"\[\d+\]", "[]", field)
-        if info is None:
+        if topic not in topics:
             missing[signal] = f"the recording has no topic '{topic}'{nearest(topic, topics)}"
             continue
-        if info.fields and element not in info.fields and field not in info.fields:
-            missing[signal] = f"topic '{topic}' ({info.type}) has no number '{field}'{nearest(field, info.fields)}"
+        if fields and element not in fields and field not in fields:
+            missing[signal] = f"topic '{topic}' ({type_}) has no number '{field}'{nearest(field, fields)}"
             continue
-        measured = field_unit(info.type, field)
+        measured = field_unit(type_, field)
         if unit is not None and measured is not None:
             try:
                 conversion(measured, unit)
             except UnitError:
                 measures = f"{field} is in '{measured or 'no unit'}'; the design expects '{unit or 'no unit'}'"
-                raise SourceError(f"topic '{topic}' ({info.type}): {measures}") from None
+                raise SourceError(f"topic '{topic}' ({type_}): {measures}") from None
     return missing
 
 

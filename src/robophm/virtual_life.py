@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from robophm.core.signal import SECOND, Sample
+from robophm.core.signal import HOUR, SECOND, Sample
 from robophm.health.exposure import columns_of
 from robophm.monitor import WINDOW, Monitor
 from robophm.transports.source import Heard
@@ -27,7 +27,7 @@ MOST_WAITING = 4_000_000
 class VirtualLife:
     """Carries a monitor's ledger on. Its ``on_tick`` follows the first end of a period in every ``step`` [ns]."""
 
-    def __init__(self, monitor: Monitor, step: int) -> None:
+    def __init__(self, monitor: Monitor, step: int = HOUR) -> None:
         self.monitor = monitor
         self.ledger = monitor.ledger
         self.step = step

@@ -486,3 +486,13 @@ def test_a_ledger_follows_its_parts_when_the_design_puts_them_in_another_order()
     moved = Ledger.from_json(LEDGER, turned, ())
     assert moved.effective.value.tolist() == monitor(SHOP, SAMPLES).ledger.effective.value[::-1].tolist()
     assert moved.recent[0].age.tolist() == monitor(SHOP, SAMPLES).ledger.recent[0].age[::-1].tolist()
+
+
+def test_what_was_heard_in_the_first_instant_counts_from_it() -> None:
+    """Integrated to the instant of the first samples, and then on: it is on, and stays so, without another word."""
+    design = robot({"part": {"rate": "0.01 /h"}}, powered={"topic": "/power", "field": "on"})
+    exposure, ledger = Exposure(design), Ledger.new(design)
+    ledger.started = START
+    exposure.integrate(ledger, [Sample(START, "/power.on", 1.0)], START)
+    exposure.integrate(ledger, [], START + 2 * HOUR)
+    assert ledger.clocks.value.tolist() == [2.0, 2.0]

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from robophm.blocks.nodes import FALSE, TRUE, Table, TooLargeError
+from robophm.blocks.nodes import FALSE, TRUE, Table, TooLargeError, too_large
 from robophm.blocks.ordering import Gate, orders
 
-_SHARES = (50, 7)  # of the limit, that every order may take before one may take more
+_SHARES = (36, 6)
+"""Of the limit, that every order may take before one may take more; from one to the next it is six times as much."""
 
 
 class Compiled(NamedTuple):
@@ -23,24 +24,25 @@ def compiled(variables: int, gates: Sequence[Gate], limit: int) -> Compiled:
     """Gates in topological order; ``k`` as of graph.Gate, inputs below ``variables`` are the variables.
 
     Every order that there is a rule for may take a small share of the limit, then a larger one; the first that
-    comes through is taken. All of the limit is for the two that came furthest. Raises StructureError beyond it.
+    comes through is taken. All of the limit is for the one that came furthest, unless it is not to come through: with
+    six times the steps it makes as many times the gates as it did the last time. Raises StructureError beyond it.
     """
     tried: list[list[int]] = []
-    come: dict[int, int] = {}  # by number of the order: how many gates were made
+    furthest: list[int] = []  # gates that were made, by share
     for share in _SHARES:
-        new = orders(variables, gates) if not tried else iter(tried)
-        for i, order in enumerate(new):
-            if i == len(tried):
+        come: list[int] = []
+        for order in list(tried) or orders(variables, gates):
+            if not furthest:
                 tried.append(order)
             try:
                 return _compiled(variables, gates, order, limit // share)
             except TooLargeError as error:
-                come[i] = error.gates
-    first, second = sorted(come, key=lambda i: -come[i])[:2]
-    try:
-        return _compiled(variables, gates, tried[first], limit)
-    except TooLargeError:
-        return _compiled(variables, gates, tried[second], limit)
+                come.append(error.gates)
+        furthest.append(max(come))
+    before, after = furthest
+    if after * after < before * len(gates):
+        raise too_large(limit)
+    return _compiled(variables, gates, tried[come.index(after)], limit)
 
 
 def _compiled(variables: int, gates: Sequence[Gate], order: list[int], limit: int) -> Compiled:

@@ -73,40 +73,65 @@ def counting(k: int, inputs: Array, out: Array, task: bool) -> Iterator[Call]:
     if n > FEW:
         yield partial(_by_products, k, inputs, out, task)
         return
-    failed, works = inputs[FAILED], inputs[WORKS]
-    held, lost = works, failed  # now, and at the end
+    end = now = inputs[:CHANGE]  # (failed, works) of each
     if task:
-        held, lost = np.empty((2, n, columns))
-        yield partial(np.add, works, inputs[CHANGE], held)
-        yield partial(np.add, failed, inputs[CHANGE], lost)
+        end, now = np.empty((2, *end.shape))
+        yield partial(np.add, inputs[FAILED], inputs[CHANGE], end[FAILED])
+        yield partial(np.copyto, end[WORKS], inputs[WORKS])
+        yield partial(np.copyto, now[FAILED], inputs[FAILED])
+        yield partial(np.add, inputs[WORKS], inputs[CHANGE], now[WORKS])
     # P(j of the inputs so far work), and P(j others work and one changes), those before it now, those after at the end
-    counts = np.zeros((numbers - 1, n + 1, columns))
-    end, changing = counts[0], counts[1:]
-    now = np.zeros_like(end) if task else end
-    more, changed = np.empty_like(counts), np.empty_like(changing)
-    for whole in (counts, now) if task else (counts,):
-        yield partial(whole.fill, 0.0)
-    for count, value in ((end[0], lost), (end[1], works), (now[0], failed), (now[1], held))[: 4 if task else 2]:
-        yield partial(np.copyto, count, value[0])
-    yield partial(np.copyto, changing[:, 0], inputs[CHANGE:, 0])
+    counts = end[:, 0]
+    if numbers > CHANGE:
+        counts = np.zeros((2, 2, columns))
+        yield partial(np.copyto, counts[0], end[:, 0])
+        yield partial(np.copyto, counts[1, 0], inputs[CHANGE, 0])
+        changed = np.empty((n, columns))
+    before = now[:, 0]
+    place, place_now = _Counts(counts.shape[:-2], n, columns), _Counts((), n if task else 0, columns)
     for i in range(1, n):
-        known, one_more = slice(i + 1), slice(1, i + 2)
-        yield partial(np.multiply, counts[:, known], works[i], more[:, known])
-        if len(changing):
-            yield partial(np.multiply, now[known], inputs[CHANGE, i], changed[:, known])
-        yield partial(np.multiply, counts[:, known], lost[i], counts[:, known])
-        yield partial(np.add, counts[:, one_more], more[:, known], counts[:, one_more])
-        if len(changing):
-            yield partial(np.add, changing[:, known], changed[:, known], changing[:, known])
+        calls, counts = place.one_more(counts, end[:, i])
+        yield from calls
+        if numbers > CHANGE:
+            changing = counts[1, : i + 1]
+            yield partial(np.multiply, before, inputs[CHANGE, i], changed[: i + 1])
+            yield partial(np.add, changing, changed[: i + 1], changing)
+        held = counts[0] if numbers > CHANGE else counts
         if task:
-            yield partial(np.multiply, now[known], held[i], more[0, known])
-            yield partial(np.multiply, now[known], failed[i], now[known])
-            yield partial(np.add, now[one_more], more[0, known], now[one_more])
-    for number, terms in ((FAILED, now[:k]), (WORKS, end[k:])):
-        yield partial(np.copyto, out[number], terms[0])
-        for term in terms[1:]:  # one by one: the order of a sum's additions depends on the number of columns
-            yield partial(np.add, out[number], term, out[number])
-    yield partial(np.copyto, out[CHANGE:], changing[:, k - 1])
+            calls, before = place_now.one_more(before, now[:, i])
+            yield from calls
+        else:
+            before = held
+    for number, terms in ((FAILED, before[:k]), (WORKS, held[k:])):
+        if len(terms) == 1:
+            yield partial(np.copyto, out[number], terms[0])
+        for i in range(1, len(terms)):  # one by one: the order of a sum's additions depends on the number of columns
+            yield partial(np.add, out[number] if i > 1 else terms[0], terms[i], out[number])
+    if numbers > CHANGE:
+        yield partial(np.copyto, out[CHANGE], counts[1, k - 1])
+
+
+class _Counts:
+    """Where counts of shape (..., up to n + 1, columns) are made, each from the one before, which stays."""
+
+    def __init__(self, shape: tuple[int, ...], n: int, columns: int) -> None:
+        self._turns = np.empty((2, *shape, n + 1, columns))
+        self._apart = np.zeros((2, *shape, n + 1, columns))  # if one more has failed, and if it works
+        self._n = n
+
+    def one_more(self, counts: Array, chance: Array) -> tuple[list[Call], Array]:
+        """How many work, with one more that has failed or works by ``chance``, shape (2, columns), and where it is.
+
+        What has failed leaves the count, what works moves it by one: beyond either there is always nothing.
+        """
+        known = counts.shape[-2]
+        failed, works = self._apart[0, ..., self._n - known :, :], self._apart[1, ..., : known + 1, :]
+        made = self._turns[known % 2, ..., : known + 1, :]
+        return [
+            partial(np.multiply, counts, chance[FAILED], failed[..., :known, :]),
+            partial(np.multiply, counts, chance[WORKS], works[..., 1:, :]),
+            partial(np.add, failed, works, made),
+        ], made
 
 
 def counted(k: int, units: list[list[float]]) -> tuple[float, float, float]:

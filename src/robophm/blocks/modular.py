@@ -19,9 +19,9 @@ from robophm.blocks.reduction import reduced
 
 Array = NDArray[np.float64]
 
-LIMIT = 3_000_000
-"""Largest number of steps to build the decision diagram of one module; of its minimal sets, likewise. Where less is
-said, less time is taken."""
+LIMIT = 2_250_000
+"""Largest number of steps to build the decision diagram of one module, in less than half a gigabyte; of its minimal
+sets, likewise. Where less is said, less time is taken."""
 
 AT_ONCE = 2_000_000
 """Numbers that one array may hold; more columns take turns."""

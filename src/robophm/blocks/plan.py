@@ -1,15 +1,17 @@
 """How a diagram is solved, worked out once: which rows of numbers are made from which, laid out flat.
 
-A row is a unit or a block, a column a moment, a robot or a draw. Gates of one kind, size and level are folded side
-by side. What a fold takes lies in one piece, its inputs one after the other with the gates side by side, and what it
-makes on its way follows, so that an evaluation copies each row once and indexes nothing else. What is drawn once is
-folded; what shares parts is decided jointly.
+A row is a unit or a block, a column a moment, a robot or a draw. The units come first, so that they are written in one
+piece. Gates of one kind, size and level are folded side by side: what a fold takes lies in one piece, its inputs one
+after the other with the gates side by side. Where it can, it takes the units where they are and leaves its results
+where they are wanted; what else is in another place is copied. What is drawn once is folded; what shares parts is
+decided jointly.
 """
 
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import count
 from typing import NamedTuple
 
 import numpy as np
@@ -45,9 +47,14 @@ class Fold(NamedTuple):
     stages: tuple[Stage, ...]
     """Of a series or a parallel; none of another k-of-n."""
     made: Rows
-    """Rows of results, as often as they are inputs."""
+    """Rows of results that are inputs elsewhere, as often as they are."""
     to: Rows
     """Where each of those is an input."""
+
+    @property
+    def inputs(self) -> slice:
+        """Their rows."""
+        return slice(self.start, self.start + self.n * self.gates)
 
 
 class Decision(NamedTuple):
@@ -59,6 +66,12 @@ class Decision(NamedTuple):
     out: int
     made: Rows
     to: Rows
+    n: int
+
+    @property
+    def inputs(self) -> slice:
+        """Their rows."""
+        return slice(self.start, self.start + self.n)
 
 
 class Plan:
@@ -70,10 +83,12 @@ class Plan:
 
     names: tuple[str, ...]
     """The distinct units in drawing order."""
-    units: Rows
-    """Units, or kinds, as often as they are inputs."""
-    place: Rows
-    """The row of each of those."""
+    leaves: Rows
+    """The unit, or kind, of each of the first rows: as often as they are inputs."""
+    taken: Rows
+    """Which of these rows are inputs elsewhere."""
+    to: Rows
+    """Where each of those is an input."""
     systems: Rows
     """The row of each diagram's result."""
     steps: tuple[Fold | Decision, ...]
@@ -88,34 +103,59 @@ class Plan:
         if kinds is not None:
             units = max(kinds) + 1
             steps, systems = _Alike(kinds, units).condensed(steps, systems)
-        begin, end = [], 0
-        inputs: dict[int, list[int]] = defaultdict(list)  # rows that hold each value
-        for step in steps:
-            begin.append(end)
-            for i, value in enumerate(step.inputs):
-                inputs[value].append(end + i)
-            end += step.rows
-        at = dict.fromkeys(range(units), -1)  # the row where each value is made; a unit is not made
-        for step, start in zip(steps, begin, strict=True):
-            at |= {value: start + step.rows - len(step.outputs) + i for i, value in enumerate(step.outputs)}
+        rank = dict(zip((value for step in steps for value in step.outputs), count(units), strict=False))
+        steps = [step.arranged(lambda value: rank.get(value, value)) for step in steps]
+        direct = [step.takes_leaves and max(step.inputs) < units for step in steps]
+        leaves = [value for step, at_once in zip(steps, direct, strict=True) if at_once for value in step.inputs]
+        elsewhere = [value for step, at_once in zip(steps, direct, strict=True) if not at_once for value in step.inputs]
+        leaf, end = 0, len(leaves) + sum(value < units for value in (*elsewhere, *systems))
+        taken: list[int] = []
+        to: list[int] = []
+        begin: list[tuple[int, int]] = []  # of each step: its inputs, and what it makes
+        wanted: dict[int, list[int]] = defaultdict(list)  # rows where what is made is an input
+        for step, at_once in zip(steps, direct, strict=True):
+            begin.append((leaf, end) if at_once else (end, end + len(step.inputs)))
+            if at_once:
+                leaf += len(step.inputs)
+            else:
+                for row, value in enumerate(step.inputs, end):
+                    if value < units:
+                        leaves.append(value)
+                        taken.append(len(leaves) - 1)
+                        to.append(row)
+                    else:
+                        wanted[value].append(row)
+            end = begin[-1][1] + step.rows
+        at: dict[int, int] = {}  # the row where each value is made
+        for step, (_, made) in zip(steps, begin, strict=True):
+            first = made + step.rows - len(step.outputs)
+            rows = [row for value in step.outputs for row in wanted[value]]
+            if rows and rows == list(range(rows[0], rows[0] + len(step.outputs))):
+                first = rows[0]
+                for value in step.outputs:
+                    wanted[value] = []
+            at |= {value: first + i for i, value in enumerate(step.outputs)}
         for value in systems:
-            if at[value] < 0 and not inputs[value]:
-                inputs[value].append(end)
-                end += 1
+            if value < units:
+                at[value] = len(leaves)
+                leaves.append(value)
         self.rows = end
-        self.units = np.array([value for value in range(units) for _ in inputs[value]])
-        self.place = np.array([row for value in range(units) for row in inputs[value]])
-        self.systems = np.array([at[value] if at[value] >= 0 else inputs[value][0] for value in systems])
-        self.steps = tuple(step.laid(start, at, inputs) for step, start in zip(steps, begin, strict=True))
+        self.leaves, self.taken, self.to = (np.array(one, dtype=np.intp) for one in (leaves, taken, to))
+        self.systems = np.array([at[value] for value in systems])
+        self.steps = tuple(step.laid(start, made, at, wanted) for step, (start, made) in zip(steps, begin, strict=True))
 
 
-def _stages(n: int, count: int, start: int) -> Iterator[Stage]:
-    """Halves merged until one is left; an odd one out comes first in the next round."""
+def _stages(n: int, count: int, start: int, between: int, result: int) -> Iterator[Stage]:
+    """Halves merged until one is left; an odd one out comes first in the next round.
+
+    What is made ``between`` lies behind the inputs if there is ever an odd one out; the last goes to ``result``.
+    """
     while n > 1:
         half = n // 2
-        out = start + n * count
-        yield Stage(start, start + half * count, out, half * count)
-        start, n = start + 2 * half * count, n - half
+        odd = n - 2 * half
+        yield Stage(start, start + half * count, between if half + odd > 1 else result, half * count)
+        start, n = between - odd * count, half + odd
+        between += half * count
 
 
 class _Step(NamedTuple):
@@ -132,20 +172,33 @@ class _Step(NamedTuple):
         return self.diagram is None and self.k in (1, len(self.inputs) // len(self.outputs))
 
     @property
-    def rows(self) -> int:
-        """What it holds: inputs, results, and what lies between them."""
-        count = len(self.outputs)
-        return 2 * len(self.inputs) - count if self.pairwise else len(self.inputs) + count
+    def takes_leaves(self) -> bool:
+        """Whether it may take inputs from where others follow: no odd one out is to lie beside what is made."""
+        n = len(self.inputs) // len(self.outputs)
+        return not self.pairwise or n & (n - 1) == 0
 
-    def laid(self, start: int, at: Mapping[int, int], inputs: Mapping[int, list[int]]) -> Fold | Decision:
-        made = np.array([at[value] for value in self.outputs for _ in inputs[value]], dtype=np.intp)
-        to = np.array([row for value in self.outputs for row in inputs[value]], dtype=np.intp)
+    @property
+    def rows(self) -> int:
+        """What it makes: results, and what lies between."""
+        return len(self.inputs) - len(self.outputs) if self.pairwise else len(self.outputs)
+
+    def arranged(self, rank: Callable[[int], int]) -> _Step:
+        """With the inputs of each gate in an order, so that what was made side by side is taken side by side."""
+        if self.diagram:
+            return self
+        count = len(self.outputs)
+        gates = (sorted(self.inputs[gate::count], key=rank) for gate in range(count))
+        return self._replace(inputs=[value for together in zip(*gates, strict=True) for value in together])
+
+    def laid(self, start: int, between: int, at: Mapping[int, int], wanted: Mapping[int, list[int]]) -> Fold | Decision:
+        made = np.array([at[value] for value in self.outputs for _ in wanted[value]], dtype=np.intp)
+        to = np.array([row for value in self.outputs for row in wanted[value]], dtype=np.intp)
         out = at[self.outputs[0]]
         if self.diagram:
-            return Decision(self.diagram, start, out, made, to)
+            return Decision(self.diagram, start, out, made, to, len(self.inputs))
         count = len(self.outputs)
         n = len(self.inputs) // count
-        stages = tuple(_stages(n, count, start)) if self.pairwise else ()
+        stages = tuple(_stages(n, count, start, between, out)) if self.pairwise else ()
         return Fold(self.k, n, count, start, out, stages, made, to)
 
 

@@ -8,9 +8,8 @@ system changes at exactly one unit, and c = Σᵢ cᵢ · P(i makes the differen
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -19,15 +18,19 @@ from numpy.typing import ArrayLike
 
 from robophm.blocks.decision_diagram import Array
 from robophm.blocks.diagram import Block
-from robophm.blocks.folding import FAILED, FEW, WORKS, Call, counted, counting, exactly, merging, sides
+from robophm.blocks.folding import CHANGE, FAILED, FEW, WORKS, Call, counted, counting, exactly, merging, sides
 from robophm.blocks.plan import Decision, Fold, Plan, Rows
 from robophm.core.errors import StructureError, nearest
 
 AT_ONCE = 200_000
 """Numbers that one array may hold, so that it stays in cache; more columns take turns."""
 
-KEPT = 16
-"""Columns for which the place of an evaluation is kept for the next one: as many as a tick asks for."""
+KEPT = 400_000
+"""Numbers of a place of evaluation, so many that it is kept for the next one."""
+
+
+Write = Callable[[Array, slice], None]
+"""What writes the leaves' numbers of some columns into the first rows."""
 
 
 class State(NamedTuple):
@@ -69,16 +72,18 @@ class Structure:
 
     names: tuple[str, ...]
     """The distinct units in drawing order: row i of every array below is unit i."""
+    leaves: Rows
+    """The units as often and in the order in which they are evaluated: the rows of what ``lived`` is asked."""
 
     def __init__(self, *diagrams: Block, kinds: Sequence[int] | None = None) -> None:
         self._plan = Plan(*diagrams, kinds=kinds)
         self.names = self._plan.names
         self._inputs = len(self.names) if kinds is None else max(kinds) + 1
-        self._rows = slice(None) if kinds is None else self._plan.units
+        self.leaves = self._plan.leaves
         self._systems: Rows | int = self._plan.systems if len(diagrams) > 1 else int(self._plan.systems[0])
         wide = (step.diagram.size for step in self._plan.steps if isinstance(step, Decision))
         self._width = max(self._plan.rows, *wide, 1)
-        self._idle: deque[_Place] = deque(maxlen=2)
+        self._idle: deque[_Place] = deque(maxlen=4)
 
     def state(self, works: ArrayLike, failed: ArrayLike, density: ArrayLike = 0.0) -> State:
         """State of the system, shape (...), from the states of its units, shape (units, ...).
@@ -86,7 +91,7 @@ class Structure:
         ``works`` + ``failed`` = 1, each with its own digits; ``density`` [1/h] is finite. Trailing axes
         broadcast. Raises StructureError where a first axis is not the units.
         """
-        b, s, c = self._evaluate(failed, works, density, task=False)
+        b, s, c = self._given(failed, works, density, task=False)
         return State(works=s, failed=b, density=c)
 
     def transition(self, before: ArrayLike, during: ArrayLike, after: ArrayLike) -> Transition:
@@ -96,13 +101,33 @@ class Structure:
         the three add up to 1. P(the system fails in the task | it works now) = fails / (fails + survives).
         Trailing axes broadcast. Raises StructureError where a first axis is not the units.
         """
-        b, s, c = self._evaluate(before, after, during, task=True)
+        b, s, c = self._given(before, after, during, task=True)
         return Transition(b, c, s)
 
     def probability(self, works: ArrayLike, failed: ArrayLike) -> tuple[Array, Array]:
         """P(works) and P(has failed) of the system, shape (...): a state without its density."""
-        b, s = self._evaluate(failed, works, task=False)
+        b, s = self._given(failed, works, task=False)
         return s, b
+
+    def lived(self, lived: Array, hazard: Array | None = None) -> Array:
+        """Of the system, shape (numbers, ..., columns): P(has failed), P(works) and, given hazards, its density.
+
+        From the cumulative hazard that each of ``leaves`` has lived and its ``hazard`` [1/h], shape (leaves, columns);
+        one column of either is that of all.
+        """
+        columns = lived.shape[1] if hazard is None else max(lived.shape[1], hazard.shape[1])
+
+        def write(rows: Array, turn: slice) -> None:
+            failed, works = rows[FAILED, : len(lived)], rows[WORKS, : len(lived)]
+            np.negative(lived if lived.shape[1] == 1 else lived[:, turn], failed)
+            np.exp(failed, works)
+            np.expm1(failed, failed)
+            np.negative(failed, failed)
+            if hazard is not None:
+                own = hazard if hazard.shape[1] == 1 else hazard[:, turn]
+                np.multiply(own, works, rows[CHANGE, : len(lived)])
+
+        return self._evaluate(write, 2 if hazard is None else 3, columns, task=False)
 
     def birnbaum(self, works: ArrayLike, failed: ArrayLike) -> Array:
         """∂R/∂pᵢ of every unit, shape (units, ...): P(the system works if i does, and has failed if i has).
@@ -110,8 +135,8 @@ class Structure:
         Of one diagram; of a kind, the sum over its units. One sweep back over a state; every term is positive.
         """
         columns, shape = self._columns(failed, works)
-        found = np.empty(columns[0].shape)
-        for turn, rows in self._turns(columns, task=False):
+        found, total = np.empty(columns[0].shape), columns[0].size // self._inputs
+        for turn, rows in self._turns(self._writing(columns), 2, total, task=False):
             found[:, turn] = self._back(rows)
         return found.reshape(self._inputs, *shape)
 
@@ -119,13 +144,24 @@ class Structure:
         """What follows one system from moment to moment, and can be asked what one unit would change."""
         return Moment(self._plan)
 
-    def _evaluate(self, *units: ArrayLike, task: bool) -> Sequence[Array]:
+    def _given(self, *units: ArrayLike, task: bool) -> Array:
         columns, shape = self._columns(*units)
+        system = self._evaluate(self._writing(columns), len(columns), columns[0].shape[1], task)
+        return system.reshape(*system.shape[:-1], *shape)
+
+    def _evaluate(self, write: Write, numbers: int, columns: int, task: bool) -> Array:
         several = (len(self._plan.systems),) if isinstance(self._systems, np.ndarray) else ()
-        system = np.empty((len(columns), *several, columns[0].shape[1]))
-        for turn, rows in self._turns(columns, task):
+        system = np.empty((numbers, *several, columns))
+        for turn, rows in self._turns(write, numbers, columns, task):
             system[..., turn] = rows[:, self._systems]
-        return system.reshape(len(columns), *several, *shape)  # type: ignore[return-value]
+        return system
+
+    def _writing(self, columns: Sequence[Array]) -> Write:
+        def write(rows: Array, turn: slice) -> None:
+            for own, array in zip(rows, columns, strict=True):
+                own[: len(self.leaves)] = array[:, turn][self.leaves]
+
+        return write
 
     def _columns(self, *units: ArrayLike) -> tuple[list[Array], tuple[int, ...]]:
         """The units' numbers, each of shape (units, columns), and the shape that the columns had."""
@@ -135,37 +171,36 @@ class Structure:
                 raise StructureError(f"first axis of {array.shape}: expected the {self._inputs} units of the diagram")
         axes = max(1, *(array.ndim for array in arrays))
         arrays = [array.reshape(array.shape + (1,) * (axes - array.ndim)) for array in arrays]
-        shape = np.broadcast_shapes((self._inputs, *[1] * (axes - 1)), *(array.shape for array in arrays))
+        shape = (self._inputs, *np.broadcast(*arrays).shape[1:])
         columns = [
             (array if array.shape == shape else np.broadcast_to(array, shape)).reshape(self._inputs, -1)
             for array in arrays
         ]
         return columns, shape[1:]
 
-    def _turns(self, columns: Sequence[Array], task: bool) -> Iterator[tuple[slice, Array]]:
+    def _turns(self, write: Write, numbers: int, total: int, task: bool) -> Iterator[tuple[slice, Array]]:
         """Columns taking turns, and the rows of each turn; they lie in one place, so that it stays in cache."""
-        numbers, total = len(columns), columns[0].shape[1]
-        turn = max(1, min(total, AT_ONCE // self._width))
-        for start in range(0, total, turn):
-            size = min(turn, total - start)
-            place = self._place(numbers, size, task)
-            for rows, array in zip(place.rows, columns, strict=True):
-                rows[self._plan.place] = array[self._rows, start : start + size]
+        most = max(1, min(total, AT_ONCE // self._width))
+        for start in range(0, total, most):
+            turn = slice(start, min(start + most, total))
+            place = self._place(numbers, turn.stop - start, task)
+            write(place.rows, turn)
             for call in place.program:
                 call()
-            yield slice(start, start + size), place.rows
-            if size <= KEPT:
+            yield turn, place.rows
+            if place.rows.size <= KEPT:
                 self._idle.append(place)
 
     def _place(self, numbers: int, columns: int, task: bool) -> _Place:
-        """Where an evaluation is done: the one of last time if it fits, of which no other thread makes use now."""
-        try:
-            place = self._idle.pop()
-        except IndexError:
-            pass
-        else:
+        """Where an evaluation is done: the one of last time that fits, of which no other thread makes use now."""
+        for _ in range(len(self._idle)):
+            try:
+                place = self._idle.pop()
+            except IndexError:
+                break
             if place.rows.shape[::2] == (numbers, columns) and place.task == task:
                 return place
+            self._idle.appendleft(place)
         rows = np.zeros((numbers, self._plan.rows, columns))
         return _Place(rows, task, list(_program(self._plan, rows, task)))
 
@@ -174,10 +209,10 @@ class Structure:
         weight = np.zeros(rows.shape[1:])
         weight[self._systems] = 1.0
         for step in reversed(self._plan.steps):
-            inputs = rows[:, step.start : step.out]
+            inputs = rows[:, step.inputs]
             np.add.at(weight, step.made, weight[step.to])
             if isinstance(step, Decision):
-                weight[step.start : step.out] = step.diagram.sensitivity(*inputs[:2]) * weight[step.out]
+                weight[step.inputs] = step.diagram.sensitivity(*inputs[:2]) * weight[step.out]
             elif step.stages:
                 other = rows[WORKS] if step.k == step.n else rows[FAILED]
                 for left, right, out, size in reversed(step.stages):
@@ -187,9 +222,10 @@ class Structure:
             else:
                 decides = exactly(step.k - 1, inputs.reshape(len(rows), step.n, -1))
                 weighed = decides.reshape(step.n, step.gates, -1) * weight[step.out : step.out + step.gates]
-                weight[step.start : step.out] = weighed.reshape(step.n * step.gates, -1)
+                weight[step.inputs] = weighed.reshape(step.n * step.gates, -1)
+        weight[self._plan.taken] = weight[self._plan.to]
         found = np.zeros((self._inputs, rows.shape[2]))
-        np.add.at(found, self._plan.units, weight[self._plan.place])
+        np.add.at(found, self.leaves, weight[: len(self.leaves)])
         return found
 
 
@@ -206,14 +242,17 @@ class Moment:
         self._program = list(_program(plan, self._rows, task=False))
         self._system = int(plan.systems[0])
         self._unit = {name: i for i, name in enumerate(plan.names)}
-        self._starts = [step.start for step in plan.steps]
+        self._row = np.empty(len(plan.leaves), dtype=np.intp)
+        self._row[plan.leaves] = np.arange(len(plan.leaves))
+        self._entry = dict(zip(plan.taken.tolist(), plan.to.tolist(), strict=True))
+        self._steps = {step.start + i: step for step in plan.steps for i in range(step.inputs.stop - step.start)}
         self._paths: dict[str, list[_Merge | _Solve]] = {}
         self._numbers: list[list[float]] = []
 
     def set(self, works: Array, failed: Array, density: Array | float = 0.0) -> State:
         """The system whose units are now as given, arrays of shape (units,)."""
-        place = self._plan.place
-        self._rows[WORKS, place, 0], self._rows[FAILED, place, 0], self._rows[2, place, 0] = works, failed, density
+        row = self._row
+        self._rows[WORKS, row, 0], self._rows[FAILED, row, 0], self._rows[CHANGE, row, 0] = works, failed, density
         for call in self._program:
             call()
         self._numbers = []
@@ -234,7 +273,7 @@ class Moment:
         if path is None:
             if unit not in self._unit:
                 raise StructureError(f"no unit '{unit}'{nearest(unit, self._unit)}")
-            path = self._paths[unit] = list(self._path(int(self._plan.place[self._unit[unit]])))
+            path = self._paths[unit] = list(self._path(int(self._row[self._unit[unit]])))
         if not self._numbers:
             self._numbers = self._rows[:, :, 0].tolist()
         all_failed, all_works, all_density = self._numbers
@@ -257,13 +296,14 @@ class Moment:
         return State(*np.array((works, failed, density)))
 
     def _path(self, row: int) -> Iterator[_Merge | _Solve]:
-        """What hangs on a row, up to the system."""
+        """What hangs on the row of a unit, up to the system."""
+        row = self._entry.get(row, row)
         while row != self._plan.systems[0]:
-            step = self._plan.steps[bisect_right(self._starts, row) - 1]
+            step = self._steps[row]
             if isinstance(step, Decision) or not step.stages:
                 count = 1 if isinstance(step, Decision) else step.gates
                 place, gate = divmod(row - step.start, count)
-                yield _Solve(step, list(range(step.start + gate, step.out, count)), place)
+                yield _Solve(step, list(range(step.start + gate, step.inputs.stop, count)), place)
             else:
                 for left, right, out, size in step.stages:
                     for one, other in ((left, right), (right, left)):
@@ -279,11 +319,12 @@ def _program(plan: Plan, rows: Array, task: bool) -> Iterator[Call]:
     """What makes every block from those in it; ``rows`` of (failed, works[, change]), shape (2 or 3, rows, columns)."""
     widest = max((stage.size for step in plan.steps if isinstance(step, Fold) for stage in step.stages), default=0)
     scratch = np.empty((widest, rows.shape[2]))
+    yield from _copying(rows, plan.taken, plan.to)
     for step in plan.steps:
-        inputs = rows[:, step.start : step.out]
+        inputs = rows[:, step.inputs]
         if isinstance(step, Decision):
             yield partial(_decide, step, inputs, rows[:, step.out], task)
-            yield partial(_copy, rows, step.made, step.to)
+            yield from _copying(rows, step.made, step.to)
             continue
         made = rows[:, step.out : step.out + step.gates]
         if step.stages:
@@ -294,8 +335,7 @@ def _program(plan: Plan, rows: Array, task: bool) -> Iterator[Call]:
         else:
             by_gate = inputs.reshape(len(rows), step.n, -1)
             yield from counting(step.k, by_gate, made.reshape(len(rows), -1), task)
-        if len(step.to):
-            yield partial(_copy, rows, step.made, step.to)
+        yield from _copying(rows, step.made, step.to)
 
 
 class _Place(NamedTuple):
@@ -336,6 +376,15 @@ class _Solve(NamedTuple):
                 call()
         failed, works, density = made[:, 0].tolist()
         return failed, works, density
+
+
+def _copying(rows: Array, of: Rows, to: Rows) -> Iterator[Call]:
+    if not len(of):
+        return
+    if np.all(np.diff(of) == 1) and np.all(np.diff(to) == 1):  # side by side: nothing is to be looked up
+        yield partial(np.copyto, rows[:, to[0] : to[-1] + 1], rows[:, of[0] : of[-1] + 1])
+    else:
+        yield partial(_copy, rows, of, to)
 
 
 def _copy(rows: Array, of: Rows, to: Rows) -> None:

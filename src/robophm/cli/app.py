@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from robophm.cli import BREACHED
-from robophm.cli.output import json_text, may_write
+from robophm.cli.data import data
+from robophm.cli.output import Json, json_text, may_write
 from robophm.core.errors import RobophmError, UnitError
 from robophm.report.words import rate_text
 
@@ -19,6 +20,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
+
+
+app.add_typer(data, name="data")
 
 
 def _version(wanted: bool) -> None:
@@ -40,7 +44,6 @@ def robophm(
 
 Legacy = Annotated[bool, typer.Option("--legacy", help="beside the figures of the 2020 tool")]
 Design = Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")]
-Json = Annotated[bool, typer.Option("--json", help="print one JSON document on stdout")]
 
 
 def _known_unit(unit: str) -> str:

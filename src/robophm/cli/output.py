@@ -7,8 +7,9 @@ import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+import typer
 from rich.cells import cell_len
 from rich.console import Console
 from rich.measure import Measurement
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
 SCHEMA_VERSION = 1
 """Of what ``--json`` prints; each document says it."""
 
+
+Json = Annotated[bool, typer.Option("--json", help="print one JSON document on stdout")]
+"""The option of every command."""
 
 PLAIN_WIDTH = 120
 """Columns of what is printed into a file or a pipe."""
@@ -78,9 +82,9 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], *, 
     for i, column in enumerate(columns):
         if i in figures:
             widest = max(map(cell_len, (column, *(row[i] for row in rows))))
-            result.add_column(column, justify="right", no_wrap=True, min_width=widest)
+            result.add_column(Text(column), justify="right", no_wrap=True, min_width=widest)
         else:
-            result.add_column(column, overflow="fold")
+            result.add_column(Text(column), overflow="fold")
     for row in rows:
         result.add_row(*(Text(cell) for cell in row))
     return result
@@ -181,6 +185,17 @@ def may_write(path: Path | None, *inputs: Path) -> None:
         raise RobophmError(f"{path}: cannot be written: no such folder")
     if path.is_dir():
         raise RobophmError(f"{path}: cannot be written: is a folder")
+
+
+def may_make(path: Path | None, *inputs: Path, force: bool, suffixes: Sequence[str] = ()) -> None:
+    """The same of a file that is only replaced where the user says so; its name ends as it will be read."""
+    may_write(path, *inputs)
+    if path is None:
+        return
+    if suffixes and path.suffix not in suffixes:
+        raise RobophmError(f"{path}: cannot be written; expected a name that ends in {' or '.join(suffixes)}")
+    if path.exists() and not force:
+        raise RobophmError(f"{path}: exists; expected a new name, or --force to replace it")
 
 
 def write(path: Path, text: str) -> None:

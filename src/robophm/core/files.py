@@ -5,7 +5,10 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
@@ -13,15 +16,26 @@ def write_atomically(path: Path, content: str | bytes) -> None:
 
     A link goes on pointing where it did; a device or pipe, which cannot be replaced, is written to.
     """
+    with replacing(path) as stream:
+        stream.write(content.encode() if isinstance(content, str) else content)
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[IO[bytes]]:
+    """A stream whose content takes the place of the file's when all of it is written; else the file is as it was.
+
+    As ``write_atomically``. Raises OSError.
+    """
     path = Path(os.path.realpath(path))
     if path.exists() and not path.is_file():
-        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        with path.open("wb") as stream:
+            yield stream
         return
     handle, made = tempfile.mkstemp(dir=path.parent, prefix=".robophm.")
     temporary = Path(made)
     try:
         with os.fdopen(handle, "wb") as stream:
-            stream.write(content.encode() if isinstance(content, str) else content)
+            yield stream
             stream.flush()
             os.fsync(stream.fileno())
         if path.exists():

@@ -243,7 +243,8 @@ class Model:
         outside = np.asarray(any(flag for flag in flags if not np.ndim(flag)))
         for flag in flags:
             outside = outside | flag if np.ndim(flag) else outside
-        shape = np.broadcast_shapes(result.shape, outside.shape)  # an input that this choice of others does not use
+        # an input that this choice of others does not use counts too
+        shape = np.broadcast_shapes(result.shape, outside.shape, *(line.shape for line in lines.values()))
         return Evaluation(np.broadcast_to(result, shape), np.broadcast_to(outside, shape))
 
     def _evaluate_in_blocks(self, inputs: Mapping[str, Any], lines: Mapping[str, Array], size: int) -> Evaluation:

@@ -7,7 +7,7 @@ holds, until it is stale; every interval is split exactly where something change
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -19,12 +19,17 @@ from robophm.health.clock import Clock
 from robophm.health.ledger import RECENT, Ledger, Step
 from robophm.health.stretch import Array, Columns, Flags, Grid, Observed, Stretch
 
+Witness = Callable[[Sequence[int], Array, Array, Mapping[str, Array]], None]
+"""Is told what some failure modes went through: which, by index; of each interval how far their clock went (a calendar
+clock: while the robot was on), the stress factor, and every measured input in the unit of its model."""
+
 
 class Exposure:
     """How the samples of one robot become exposure. Holds no state: that is the ledger's."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, witness: Witness | None = None) -> None:
         self.robot = robot
+        self._witness = witness
         self.modes = robot.modes
         clocks: dict[tuple[object, ...], Clock] = {}
         groups: dict[tuple[object, ...], _Group] = {}
@@ -68,6 +73,9 @@ class Exposure:
             grid = stretch.grid(group.channel_keys)
             steps = group.clock.advance(grid)
             factor, outside = group.factor(grid.observed)
+            if self._witness and factor is not None:
+                on = grid.operating / HOUR if group.clock.clock == "calendar" else steps
+                self._witness(group.members, on, factor, group.inputs(grid.observed))
             age[:, group.members] = aged = grid.sums(steps)[:, None]
             effective[:, group.members] = aged if factor is None else grid.sums(factor * steps)[:, None]
             if np.any(outside) and (over := round(float(np.sum(grid.operating, where=outside)))):
@@ -269,3 +277,7 @@ class _Group:
             product = value if product is None else product * value
             outside = outside | beyond
         return product, outside
+
+    def inputs(self, observed: Mapping[str, Observed]) -> dict[str, Array]:
+        """Every measured input of each interval, by name."""
+        return {one.name: one.observed(observed[one.key]) for _, inputs in self.stresses for one in inputs}

@@ -13,8 +13,8 @@ from robophm.blocks.diagram import Block
 from robophm.blocks.reliability import State
 from robophm.core.errors import DesignError
 from robophm.core.waiting_time import Curve, time_at, times_of_many
-from robophm.health.plant import Plant, System
-from robophm.health.prognosis import Outlook, finite, infinite, nominal_outlook, steady_pace
+from robophm.health.plant import Plant, System, finite, infinite
+from robophm.health.prognosis import Outlook, nominal_outlook, steady_pace
 
 Array = npt.NDArray[np.float64]
 _Number = TypeVar("_Number", bound=np.generic)
@@ -55,12 +55,9 @@ class Fleet:
     @classmethod
     def designed(cls, plant: Plant, age: Array) -> Fleet:
         """Robots of these ages, shape (modes, robots), at design stress; nothing is known but what is monitored."""
-        pace = np.where(plant.calendar, 1.0, plant.robot.usage.operating * plant.usage)[:, None]
-        none, monitored = np.empty((0, 0)), plant.monitored[:, None]
-        return cls(
-            plant, lambda i: nominal_outlook(plant, age[:, i]), age, none, none, monitored, np.zeros_like(monitored),
-            plant.usage[:, None], pace, pace,
-        )  # fmt: skip
+        none, known = np.empty((0, 0)), (plant.monitored[:, None], np.zeros((len(plant.monitored), 1), dtype=bool))
+        usage, pace = plant.usage[:, None], plant.pace[:, None]
+        return cls(plant, lambda i: nominal_outlook(plant, age[:, i]), age, none, none, *known, usage, pace, pace)
 
     @classmethod
     def of(cls, outlooks: Sequence[Outlook]) -> Fleet:
@@ -102,24 +99,20 @@ class Fleet:
             hazard, lived = self._hazards(system, turn)
             hazard = self._and_groups(hazard, system, turn, lambda one: one.groups_rates(system))
             lived = self._and_groups(lived, system, turn, lambda one: one.groups_since_new(system))
-            lived = system.of_rows(lived)
-            works = np.exp(-lived)
-            found[:, turn] = system.structure.state(works, -np.expm1(-lived), finite(system.of_rows(hazard)) * works)
-        return State(found[0], found[1], infinite(found[2]))
+            found[:, turn] = system.lived(lived, hazard)
+        return State(found[1], found[0], infinite(found[2]))
 
     def hazard_rate(self, diagram: Block) -> Array:
         """Now, given what is known now [1/h of operation]; infinite where the system has failed."""
         system = self.plant.system(diagram)
         found = np.empty(len(self))
         for turn in self._turns(system):
-            known = system.of_groups(self._known(system, turn))
-            works = np.exp(-known)
-            hazard = self._hazards(system, turn)[0]
+            known = self._known(system, turn)
+            hazard = self._speeding(system, turn, system.lives.hazard(_of(self.age, system.modes, turn)))
             hazard = self._and_groups(hazard, system, turn, lambda one: one.groups_rates_now(system))
-            hazard = finite(system.of_rows(hazard))
-            state = system.structure.state(works, -np.expm1(-known), hazard * works)
+            _, works, density = system.knowing(known, hazard)
             with np.errstate(divide="ignore", invalid="ignore"):
-                found[turn] = np.where(state.works > 0, infinite(state.density / state.works), np.inf)
+                found[turn] = np.where(works > 0, infinite(density / works), np.inf)
         return found
 
     def ahead(self, diagram: Block, hours: Array | float) -> tuple[Array, Array]:
@@ -128,7 +121,7 @@ class Fleet:
         ``hours`` of all, or of each robot, shape (robots,).
         """
         system = self.plant.system(diagram)
-        hours = np.atleast_1d(np.asarray(hours, dtype=float))
+        hours = np.asarray(hours, dtype=float).reshape(-1)
         found = np.empty((2, len(self)))
         if len(system.groups):
             for i in range(len(self)):
@@ -168,37 +161,41 @@ class Fleet:
 
     def _hazards(self, system: System, turn: slice) -> tuple[Array, Array]:
         """Of each mode: its hazard now [1/h of operation], and its cumulative hazard since new."""
-        m = system.modes
-        speed, age = _of(self.speed, m, turn), _of(self.age, m, turn)
+        age = _of(self.age, system.modes, turn)
         if self.cumulative_hazard.size:
-            lived, hazard = _of(self.cumulative_hazard, m, turn), system.lives.hazard(age)
+            lived, hazard = _of(self.cumulative_hazard, system.modes, turn), system.lives.hazard(age)
         else:
             lived, hazard = system.lives.hazards(age)
-        return np.where(speed > 0, finite(hazard) * speed, 0.0), lived
+        return self._speeding(system, turn, hazard), lived
+
+    def _speeding(self, system: System, turn: slice, hazard: Array) -> Array:
+        """Hazards per hour of operation [1/h] from those per unit of the clocks; an infinite one is huge."""
+        return finite(hazard) * _of(self.speed, system.modes, turn)
 
     def _known(self, system: System, turn: Robots) -> Array:
-        """Cumulative hazard of each unit, less what is known not to have happened; infinite where it has."""
+        """Cumulative hazard of each group of units, less what is known not to have happened; infinite where it has."""
         if len(system.groups):
             every = np.arange(len(self))[turn].tolist()
-            return np.stack([self.robot(i).known(system, system.needed) for i in every], axis=1)
+            return system.of_groups(np.stack([self.robot(i).known(system, system.needed) for i in every], axis=1))
+        if _of(self.working, slice(None), turn).all() and not _of(self.failed, slice(None), turn).any():
+            return np.zeros((len(system.structure.names), 1))
         works = system.needed[:, None] | _of(self.working, system.units, turn)
         failed = _of(self.failed, system.units, turn)
-        if works.all() and not failed.any():
-            return np.zeros((len(system.units), 1))
         unseen = self.unseen_hazard if self.unseen_hazard.size else self.cumulative_hazard
         if unseen.size:
             modes = _of(unseen, system.modes, turn)
         else:
             age = _of(self.age, system.modes, turn)
             modes = system.lives.increment(np.zeros_like(age), age)
-        return np.where(failed, np.inf, np.where(works, 0.0, system.of_units(modes)))
+        return system.of_groups(np.where(failed, np.inf, np.where(works, 0.0, system.of_units(modes))))
 
     def _curve(self, system: System, turn: Robots) -> Curve:
         """P(fails within hours), and P(survives them), each robot its own; given that the system works now."""
         m = system.modes
-        ahead = system.given(system.of_groups(self._known(system, turn)))
-        age, advance, effective = (_of(one, m, turn) for one in (self.age, self.advance, self.effective))
-        pace, weight = steady_pace(self.plant.by_age[m, None], advance, effective)
+        ahead = system.given(self._known(system, turn))
+        age, pace, weight = _of(self.age, m, turn), _of(self.effective, m, turn), None
+        if not system.all_by_age:
+            pace, weight = steady_pace(system.by_age, _of(self.advance, m, turn), pace)
 
         def curve(hours: Array) -> tuple[Array, Array]:
             more = system.lives.increment(age, pace * hours)
@@ -207,7 +204,10 @@ class Fleet:
         return curve
 
 
-def _of(array: npt.NDArray[_Number], rows: npt.NDArray[np.intp], turn: Robots) -> npt.NDArray[_Number]:
+def _of(array: npt.NDArray[_Number], rows: slice | npt.NDArray[np.intp], turn: Robots) -> npt.NDArray[_Number]:
     """Some rows of a block of robots; of what all have in common, the one column."""
-    found: npt.NDArray[_Number] = array[rows] if array.shape[1] == 1 else array[:, turn][rows]
+    of_robots = array if array.shape[1] == 1 else array[:, turn]
+    if isinstance(rows, slice) or of_robots.shape[1] > 1:
+        return of_robots[rows]
+    found: npt.NDArray[_Number] = of_robots.take(rows, axis=0)
     return found

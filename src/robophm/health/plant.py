@@ -7,6 +7,7 @@ other is one unit too, with one failure mode of its own: those of the groups com
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from itertools import pairwise
@@ -24,7 +25,7 @@ from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
 from robophm.health.dependent import Held
 from robophm.life.distribution import LifeDistribution
-from robophm.life.side_by_side import Lives
+from robophm.life.side_by_side import Lives, kind
 
 Array = npt.NDArray[np.float64]
 _Number = TypeVar("_Number", bound=np.generic)
@@ -67,6 +68,8 @@ class Plant:
         self.usage = np.array([robot.usage.per_operating_hour(mode.clock) for mode in robot.modes])
         self.clock = np.array([mode.clock for mode in robot.modes])
         self.calendar = self.clock == "calendar"
+        self.pace = np.where(self.calendar, 1.0, robot.usage.operating * self.usage)
+        """How far the clock of each mode goes in an hour of calendar time, as designed."""
         part_of = {mode.path: i for i, part in enumerate(self.components) for mode in part.modes}
         self.part = np.array([part_of[mode.origin] for mode in robot.modes])
         """The component that each mode rests with: its own, or of a common cause's the member."""
@@ -144,23 +147,51 @@ class Modes:
         """Their indices among the robot's."""
         self.groups = np.empty(0, dtype=np.intp)
         """Indices of the robot's groups, whose own failure modes come after these."""
+        self.by_age = plant.by_age[modes, None]
+        """Whether stress scales their age, and not their hazard; shape (modes, 1)."""
+        self.all_by_age = bool(self.by_age.all())
         self._share = plant.share[modes]
         self.lives = Lives([plant.robot.modes[i].life for i in modes], self._share)
         """Their life distributions, each with its share."""
 
 
-class Parts(Modes):
-    """Groups of units in series, and the failure modes that they hang on."""
+class Sums:
+    """Weighted sums of rows, by a sparse matrix."""
 
-    def __init__(self, plant: Plant, groups: Sequence[Sequence[str]]) -> None:
+    def __init__(self, weights: csr_array) -> None:
+        self.weights = weights
+        self._sum = np.repeat(np.arange(weights.shape[0]), np.diff(weights.indptr))  # that each entry belongs to
+
+    def __call__(self, rows: Array) -> Array:
+        """From shape (rows, columns), shape (sums, columns)."""
+        if rows.shape[1] > 1:
+            return np.asarray(self.weights @ rows)
+        # Of one column the call of a sparse matrix costs more than its sums.
+        terms = self.weights.data * rows[:, 0].take(self.weights.indices)
+        found: Array = np.bincount(self._sum, terms, self.weights.shape[0]).astype(float, copy=False)
+        return found[:, None]
+
+
+class Parts(Modes):
+    """Groups of units in series, and the failure modes that they hang on: in the robot's order, or ``by_life``.
+
+    By life, those of one kind of distribution follow one another: they are asked without looking them up.
+    """
+
+    def __init__(self, plant: Plant, groups: Sequence[Sequence[str]], *, by_life: bool = False) -> None:
         self.units = np.array([plant.place[unit] for group in groups for unit in group])
         """Of all groups, one after the other: indices among the robot's."""
         self._groups = np.cumsum([0, *(len(group) for group in groups[:-1])])
         drawn, self._component = np.unique(plant.component_of[self.units], return_inverse=True)
         first = plant.first_mode
-        self.rows = np.concatenate([np.arange(first[i], first[i + 1]) for i in drawn])
-        """Indices of the failure modes among the robot's and then its groups' own."""
+        rows = np.concatenate([np.arange(first[i], first[i + 1]) for i in drawn])
         count = len(plant.robot.modes)
+        number: dict[object, int] = {}
+        kinds = [number.setdefault(kind(plant.robot.modes[i].life), len(number)) if i < count else count for i in rows]
+        self._order = np.argsort(kinds, kind="stable") if by_life else np.arange(len(rows))
+        self._at = np.argsort(self._order)  # of each failure mode, component by component
+        self.rows = rows[self._order]
+        """Indices of the failure modes among the robot's and then its groups' own."""
         super().__init__(plant, self.rows[self.rows < count])
         self.groups = self.rows[self.rows >= count] - count
         self._starts = np.cumsum([0, *(first[drawn + 1] - first[drawn])[:-1]])
@@ -169,7 +200,7 @@ class Parts(Modes):
     def of_units(self, of_modes: Array) -> Array:
         """Sums over the failure modes of each unit, times its equal parts; shape (units, ...)."""
         with np.errstate(over="ignore"):  # so far ahead that nothing works
-            sums = np.add.reduceat(of_modes, self._starts, axis=0)
+            sums = np.add.reduceat(of_modes[self._at], self._starts, axis=0)
             result: Array = (column(self._multiplicity, sums.ndim) * sums)[self._component]
         return result
 
@@ -189,7 +220,7 @@ class Parts(Modes):
     def of_modes(self, of_units: Array) -> Array:
         """Of each failure mode, the sum over the units of its component, times their equal parts; shape (modes,)."""
         sums = self._multiplicity * np.bincount(self._component, of_units, len(self._starts))
-        result: Array = np.repeat(sums, np.diff(np.append(self._starts, len(self.rows))))
+        result: Array = np.repeat(sums, np.diff(np.append(self._starts, len(self.rows))))[self._order]
         return result
 
     @property
@@ -202,7 +233,7 @@ class Parts(Modes):
     def weights(self) -> csr_array:
         """How often each failure mode counts in each group: ``of_groups(of_units(x))`` is weights @ x."""
         ends = np.append(self._starts[1:], len(self.rows))
-        columns = [np.arange(self._starts[i], ends[i]) for i in self._component]
+        columns = [self._at[self._starts[i] : ends[i]] for i in self._component]
         group = np.repeat(np.arange(len(self._groups)), np.diff(np.append(self._groups, len(self.units))))
         counts = [len(one) for one in columns]
         entries = np.repeat(self._multiplicity[self._component], counts)
@@ -216,13 +247,14 @@ class System(Parts):
     def __init__(self, plant: Plant, diagram: Block) -> None:
         (self._merged,), self._stands_for = merge_series(diagram)
         self.structure = Structure(self._merged)
-        super().__init__(plant, [self._stands_for[name] for name in self.structure.names])
+        super().__init__(plant, [self._stands_for[name] for name in self.structure.names], by_life=True)
         self.needed = _of_units(self, plant, single_points_of_failure(diagram))
         """Whether the system works only while a unit does."""
+        self._leaves = Sums(csr_array(self.weights[self.structure.leaves]))
         self._plant = plant
         numbers: dict[LifeDistribution, int] = {}
         self._life = np.array([numbers.setdefault(plant.robot.modes[i].life, len(numbers)) for i in self.modes], float)
-        self._alike: tuple[bytes, Structure, Modes, csr_array] | None = None
+        self._alike: tuple[bytes, Structure, Modes, Sums] | None = None
 
     def given(self, known: Array) -> Callable[[Array], tuple[Array, Array]]:
         """From what is added to its failure modes' hazard, P(it fails meanwhile) and P(it survives), as it works now.
@@ -230,34 +262,41 @@ class System(Parts):
         ``known``: cumulative hazard of each group of units, less what is known not to have happened, shape
         (groups, 1) or that of what is asked.
         """
-        failed, works, all_work = -np.expm1(-known), np.exp(-known), not known.any()
+        if not known.any():  # what fails is what fails from now on
+            return lambda of_modes: tuple(self.lived(of_modes))
+        failed, works = -np.expm1(-known), np.exp(-known)
 
         def ahead(of_modes: Array) -> tuple[Array, Array]:
             less = -self.of_rows(of_modes)
             fails, survives = -np.expm1(less), np.exp(less)
-            if all_work:  # what fails is what fails from now on
-                works_then, failed_then = self.structure.probability(survives, fails)
-                return failed_then, works_then
             return self.structure.transition(failed, works * fails, works * survives).given_works()
 
         return ahead
 
-    def by_kind(self, *of_modes: Array) -> tuple[Structure, Modes, csr_array]:
+    def lived(self, of_modes: Array, hazard: Array | None = None) -> Array:
+        """P(it has failed), P(it works) and its density, as of Structure.lived, from its failure modes' hazards."""
+        return self.structure.lived(self._leaves(of_modes), None if hazard is None else finite(self._leaves(hazard)))
+
+    def knowing(self, known: Array, hazard: Array) -> Array:
+        """The same from what is known of each group of units, as of ``given``."""
+        return self.structure.lived(known[self.structure.leaves], finite(self._leaves(hazard)))
+
+    def by_kind(self, *of_modes: Array) -> tuple[Structure, Modes, Sums]:
         """The same with one failure mode and one unit of each kind; ``of_modes``, shape (modes,), tell them apart.
 
-        The structure takes a row for each kind of unit, and the matrix says how often each failure mode counts in it.
+        The structure takes a row for each kind of unit, and the sums are over the failure modes of its leaves.
         Where hardly any are alike it is the system as it is.
         """
         if len(self.groups) or len(self.modes) < _MANY:
-            return self.structure, self, self.weights
+            return self.structure, self, self._leaves
         told = np.stack((self._life, self._share, *of_modes), axis=1)
         if self._alike is not None and self._alike[0] == told.tobytes():
             return self._alike[1:]
         bytewise = told.view(np.dtype((np.void, told.itemsize * told.shape[1])))[:, 0]
-        _, first, kind = np.unique(bytewise, return_index=True, return_inverse=True)
-        if len(first) * 2 > len(kind):
-            return self.structure, self, self.weights
-        counts = csr_array(self.weights @ csr_array((np.ones(len(kind)), (np.arange(len(kind)), kind))))
+        _, first, which = np.unique(bytewise, return_index=True, return_inverse=True)
+        if len(first) * 2 > len(which):
+            return self.structure, self, self._leaves
+        counts = csr_array(self.weights @ csr_array((np.ones(len(which)), (np.arange(len(which)), which))))
         counts.sort_indices()
         known: dict[tuple[bytes, bytes], int] = {}
         ends = pairwise(counts.indptr.tolist())
@@ -265,7 +304,8 @@ class System(Parts):
             known.setdefault((counts.indices[i:j].tobytes(), counts.data[i:j].tobytes()), len(known)) for i, j in ends
         ]
         structure, modes = Structure(self._merged, kinds=rows), Modes(self._plant, self.modes[first])
-        self._alike = told.tobytes(), structure, modes, counts[np.unique(rows, return_index=True)[1]]
+        of_kinds = counts[np.unique(rows, return_index=True)[1]]
+        self._alike = told.tobytes(), structure, modes, Sums(csr_array(of_kinds[structure.leaves]))
         return self._alike[1:]
 
 
@@ -312,3 +352,16 @@ def _groups(diagrams: Iterable[Block]) -> list[Group]:
 def column(values: npt.NDArray[_Number], ndim: int) -> npt.NDArray[_Number]:
     """Values of modes or parts, ready to broadcast over ``ndim`` − 1 further axes."""
     return values.reshape(-1, *[1] * (ndim - 1))
+
+
+_HUGE = 1e300  # stands for an infinite hazard, that of infant mortality at age 0, where infinity times 0 would not
+
+
+def finite(hazard: Array) -> Array:
+    """A hazard that may be multiplied: an infinite one is huge."""
+    return np.minimum(hazard, _HUGE)
+
+
+def infinite(density: Array) -> Array:
+    """Back again: what an infinite hazard reaches is infinite, what redundancy keeps it from is not."""
+    return np.where(density > 1e-30 * _HUGE, math.inf, density)

@@ -23,7 +23,7 @@ from robophm.health.dependent import Held, Standing
 from robophm.health.exposure import Exposure
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger
-from robophm.health.plant import Modes, Parts, Plant, column
+from robophm.health.plant import Modes, Parts, Plant, column, finite, infinite
 
 Array = npt.NDArray[np.float64]
 View = Literal["nominal", "sensor_based"]
@@ -279,7 +279,7 @@ class Outlook:
         """The same where nothing changes: a mode ages at one pace, and its stress weighs what it gathers."""
         m, hours = modes.modes, future.hours[-1]
         advance, effective = future.advance[m, -1:] / hours, future.effective[m, -1:] / hours
-        pace, weight = steady_pace(self.plant.by_age[m, None], advance, effective)
+        pace, weight = steady_pace(modes.by_age, advance, effective)
         pace, age = (ratios * pace)[:, None], (ratios * self.age[m, None])[:, None]
 
         def added(hours: Array) -> Array:
@@ -310,6 +310,8 @@ class Outlook:
         turn = max(1, _IN_TURN // len(self.age))
 
         def curve(hours: Array) -> tuple[Array, Array]:
+            if len(hours) <= turn:
+                return some(hours)
             fails, survives = np.hstack([some(hours[i : i + turn]) for i in range(0, len(hours), turn)])
             return fails, survives
 
@@ -339,7 +341,7 @@ class Outlook:
         system = self.plant.system(diagram)
         m = system.modes
         going = self.future.usage[m], self.future.factor[m]
-        structure, modes, counts = system.by_kind(self.age[m], self.cumulative_hazard[m], *going)
+        structure, modes, sums = system.by_kind(self.age[m], self.cumulative_hazard[m], *going)
         pace, hour = self.future.usage[:, None], np.array([0.0, 1.0])
         operating = Future("operating", hour, hour, pace * hour, self.future.factor[:, None] * pace * hour)
         added, groups = self.along(modes, operating), self.groups_along(system, operating)
@@ -350,9 +352,9 @@ class Outlook:
             more = added(hours[i : i + turn])[..., 0]
             if len(system.groups):
                 more = np.concatenate((more, groups(hours[i : i + turn])))
-            total = counts @ (lived + more)
-            found[:, i : i + turn] = structure.probability(np.exp(-total), -np.expm1(-total))
-        return found[0], found[1]
+            more += lived
+            found[:, i : i + turn] = structure.lived(sums(more))
+        return found[1], found[0]
 
     def survival_curve(self, diagram: Block, hours: Array) -> State:
         """Survival since new after so many more operating hours at the mean pace of the future; shape of ``hours``."""
@@ -388,7 +390,7 @@ class Outlook:
         return parts.of_units(hazard)
 
 
-_IN_CACHE = 100_000  # the same, where they pass once and need not be many
+_IN_CACHE = 120_000  # the same, where they pass once and need not be many
 _IN_TURN = 1_000_000  # numbers that one array of times may hold: more times take turns
 _MOST_KNOTS = 256
 """Of a future that begins anew for ever, how many are looked at one by one."""
@@ -406,19 +408,6 @@ def steady_pace(by_age: npt.NDArray[np.bool_], advance: Array, effective: Array)
         return effective, None
     weight = np.divide(effective, advance, out=np.ones_like(advance), where=~by_age & (advance > 0))
     return np.where(by_age, effective, advance), weight if np.any(weight != 1.0) else None
-
-
-_HUGE = 1e300  # stands for an infinite hazard, that of infant mortality at age 0, where infinity times 0 would not
-
-
-def finite(hazard: Array) -> Array:
-    """A hazard that may be multiplied: an infinite one is huge."""
-    return np.minimum(hazard, _HUGE)
-
-
-def infinite(density: Array) -> Array:
-    """Back again: what an infinite hazard reaches is infinite, what redundancy keeps it from is not."""
-    return np.where(density > 1e-30 * _HUGE, math.inf, density)
 
 
 def outlooks(

@@ -215,13 +215,11 @@ class Stretch:
             after = np.append(True, silent), np.append(silent, True)
             begins.append(times[after[0]])
             ends.append(times[after[1]] + gap)
+        name = self.robot.powered
+        power = self.signal(name, name, 0) if name else Held(*_NOTHING, 0)
         if self.start == self.end:
             return Operating(self.bounds[:1], np.zeros(1, dtype=np.int64))
-        changes = [self.bounds[[0, -1]], *begins, *ends]
-        power = _NOTHING
-        if self.robot.powered:
-            power = self.signal(self.robot.powered, self.robot.powered, 0)[:2]
-            changes.append(power[0])
+        changes = [self.bounds[[0, -1]], *begins, *ends, power.times]
         edges = np.concatenate(changes)
         edges = ascending(edges[(edges >= self.start) & (edges <= self.end)])
         at = edges[:-1]
@@ -229,9 +227,9 @@ class Stretch:
         if heard:
             begun, ended = np.sort(np.concatenate(begins)), np.sort(np.concatenate(ends))
             on = np.searchsorted(begun, at, side="right") > np.searchsorted(ended, at, side="right")
-        if len(power[0]):
-            index = np.searchsorted(power[0], at, side="right") - 1
-            on = np.where(index < 0, on, power[1][index] > 0.5)
+        if len(power.times):
+            index = np.searchsorted(power.times, at, side="right") - 1
+            on = np.where(index < 0, on, power.values[index] > 0.5)
         change = np.append(True, on[1:] != on[:-1])
         return Operating(np.append(at[change], self.end), on[change].astype(np.int64))
 

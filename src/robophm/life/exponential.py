@@ -31,8 +31,10 @@ class Exponential(LifeDistribution):
         return np.full_like(x, self.rate)
 
     def _increment(self, x: Array, d: Array) -> Array:
-        more = self.rate * d
-        return more if more.shape == np.broadcast_shapes(more.shape, x.shape) else more + 0 * x
+        return self.rate * d
+
+    def _hazards(self, x: Array) -> tuple[Array, Array]:
+        return self.rate * x, np.asarray(self.rate)
 
     def _age_at(self, H: Array) -> Array:
         return H / self.rate

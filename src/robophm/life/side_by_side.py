@@ -15,6 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 from robophm.life.distribution import Array, LifeDistribution, limits
 
 
+def kind(life: LifeDistribution) -> object:
+    """What those have in common that are asked together."""
+    return type(life) if life.closed_form else life
+
+
 class _Together(NamedTuple):
     rows: slice | NDArray[np.intp]
     life: LifeDistribution
@@ -24,7 +29,10 @@ class _Together(NamedTuple):
 
 
 class Lives:
-    """Distributions side by side; of each, hazards are multiplied by its ``share``."""
+    """Distributions side by side; of each, hazards are multiplied by its ``share``.
+
+    Those of a kind are best told one after the other: nothing is then to be looked up.
+    """
 
     def __init__(self, lives: Sequence[LifeDistribution], share: ArrayLike = 1.0) -> None:
         self._lives = tuple(lives)
@@ -32,21 +40,20 @@ class Lives:
         self._shared = bool(np.any(self._share != 1.0))
         groups: dict[object, list[int]] = {}
         for i, life in enumerate(self._lives):
-            groups.setdefault(type(life) if life.closed_form else life, []).append(i)
+            groups.setdefault(kind(life), []).append(i)
         self._members = list(groups.values())
         self._of_axes: dict[int, list[_Together]] = {}
 
     def increment(self, age: Array, duration: Array) -> Array:
         """H(age + duration) − H(age); an argument of one row is that of all."""
-        found = np.empty(np.broadcast_shapes((len(self._lives), *[1] * (age.ndim - 1)), age.shape, duration.shape))
+        found = np.empty((len(self._lives), *np.broadcast(age, duration).shape[1:]))
         with limits():
             for rows, life, plain in self._classes(found.ndim):
-                x, d = (one if len(one) < len(found) else one[rows] for one in (age, duration))
-                if plain:
-                    more = life._increment(x, d)
-                    found[rows] = more if d.all() else np.where(d == 0, 0.0, more)
-                else:
-                    found[rows] = life.increment(x, d)
+                x = age[rows] if len(age) == len(found) else age
+                d = duration[rows] if len(duration) == len(found) else duration
+                found[rows] = life._increment(x, d) if plain else life.increment(x, d)
+        if not duration.all():
+            np.copyto(found, 0.0, where=duration == 0)
         return self._weighed(found)
 
     def hazard(self, age: Array) -> Array:

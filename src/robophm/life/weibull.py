@@ -27,8 +27,8 @@ class Weibull(LifeDistribution):
         return None if self.location else self.shape
 
     def _cumulative_hazard(self, x: Array) -> Array:
-        H: Array = (x / self.scale) ** self.shape
-        return H
+        H = np.asarray(x / self.scale)
+        return np.power(H, self.shape, H)
 
     def _hazard(self, x: Array) -> Array:
         h: Array = self.shape / self.scale * (x / self.scale) ** (self.shape - 1)
@@ -36,18 +36,31 @@ class Weibull(LifeDistribution):
 
     def _hazards(self, x: Array) -> tuple[Array, Array]:
         H = self._cumulative_hazard(x)
-        h = self.shape * H / x
-        full = H > 1e-300  # below it H has lost digits that h still has
-        return H, h if full.all() else np.where(full, h, self._hazard(x))
+        h = self.shape * H
+        h /= x
+        if H.min(initial=1.0) > 1e-300:  # below it H has lost digits that h still has
+            return H, h
+        return H, np.where(H > 1e-300, h, self._hazard(x))
 
     def _increment(self, x: Array, d: Array) -> Array:
-        if not np.any(x):
+        if x.size and x.item(0) == 0 and not x.any():  # new
             return self._cumulative_hazard(x + d)
-        before, grown = self._cumulative_hazard(x), np.expm1(self.shape * np.log1p(d / x))
-        if np.all(grown < 1) and np.all(before < np.inf):
-            return before * grown
-        after = self._cumulative_hazard(x + d)
-        return np.where(np.isposinf(after), np.inf, np.where(grown < 1, before * grown, after - before))
+        added = np.asarray(d / x)
+        np.log1p(added, added)
+        added = np.asarray(self.shape * added)
+        before, less = self._cumulative_hazard(x), added < _DOUBLED
+        if less.all():
+            np.expm1(added, added)
+            added *= before
+        else:  # each function only where it is needed
+            np.expm1(added, added, where=less)
+            np.multiply(added, before, added, where=less)
+            more = ~less
+            np.power((x + d) / self.scale, self.shape, added, where=more)
+            np.subtract(added, before, added, where=more)
+        if before.max(initial=0.0) == np.inf:
+            np.copyto(added, np.inf, where=np.isposinf(before))
+        return added
 
     def _age_at(self, H: Array) -> Array:
         age: Array = self.scale * H ** (1 / self.shape)
@@ -62,6 +75,10 @@ class Weibull(LifeDistribution):
         spread = math.lgamma(1 + 2 / self.shape) - 2 * math.lgamma(1 + 1 / self.shape)
         relative = math.sqrt(math.expm1(spread)) if spread < 700 else math.inf
         return self.scale * _gamma(1 + 1 / self.shape) * relative
+
+
+_DOUBLED = math.log(2.0)
+"""Of ln H: beyond it the difference of two H is good to two bits."""
 
 
 def _gamma(x: float) -> float:

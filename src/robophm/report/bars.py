@@ -1,4 +1,4 @@
-"""Bars of a few shares, one below the other, the largest first; one or two of each."""
+"""Bars of a few shares, one below the other; one or two of each. Or one as a line of text."""
 
 from __future__ import annotations
 
@@ -16,6 +16,15 @@ _STYLE = (
     ".bars .title{font-size:13px;font-weight:600;fill:var(--ink)}"
     ".bars .name{text-anchor:end;fill:var(--ink)}.bars .c0{fill:var(--c0)}.bars .c1{fill:var(--c1)}"
 )
+
+
+_EIGHTHS = " ▏▎▍▌▋▊▉"
+
+
+def bar_text(share: float, width: int = 40) -> str:
+    """A bar of at most ``width`` characters for a share from 0 to 1, to an eighth of a character."""
+    eighths = round(8 * width * share)
+    return "█" * (eighths // 8) + _EIGHTHS[eighths % 8].strip()
 
 
 def bars_svg(rows: Mapping[str, Sequence[float]], names: Sequence[str], *, title: str) -> Html:

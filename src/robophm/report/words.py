@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from datetime import UTC, datetime, timedelta
 from decimal import Decimal
 
 from robophm.core.errors import UnitError, nearest
@@ -83,6 +84,12 @@ def rate_text(rate_per_hour: float, unit: str = "1/h") -> str:
     factor, name = _RATE_UNITS[unit]
     text = number_text(rate_per_hour * factor)
     return text if text == "–" else f"{text} {name}"
+
+
+def moment_text(time: int) -> str:
+    """A time [ns since the epoch] to the millisecond: "2024-03-04 12:00:00.250 UTC"."""
+    moment = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(microseconds=time // 1000)
+    return f"{moment:%Y-%m-%d %H:%M:%S}.{moment.microsecond // 1000:03d} UTC"
 
 
 def duration_text(hours: float) -> str:

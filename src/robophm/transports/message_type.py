@@ -23,6 +23,13 @@ HEADER = "std_msgs/msg/Header"
 LONGEST_ARRAY = 1000
 """Strings or messages in a field of fixed length, beyond which a definition is taken to be damaged."""
 
+LARGEST_TYPE = 5000
+"""Fields of a message, those of the messages in it too and of every element of an array, beyond which its definition
+is taken to be damaged: a few lines can double them forty times over."""
+
+MOST_LINES = 2000
+"""Of a definition, beyond which it is taken to be damaged: rosbags takes a second for a thousand."""
+
 _NUMBERS = {"bool", "byte", "char", "float32", "float64", "float128"} | {
     f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
 }
@@ -60,7 +67,8 @@ def message_type(connection: Connection) -> MessageType:
 def _compiled_type(name: str, definition: MessageDefinition, encoding: str) -> MessageType:
     """Types are compiled by definition, not by name: two files may define one name differently."""
     store, borrowed = _typestore(name, definition)
-    _check_arrays(store.fielddefs)
+    if _size(store.fielddefs, name, {}) > LARGEST_TYPE:
+        raise ValueError(f"over {LARGEST_TYPE} fields")
     store.get_msgdef(name)  # raises where a part of the definition is missing
     decode = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
     stamped = any(field == "header" and part[1] == HEADER for field, part in store.fielddefs[name][1])
@@ -68,22 +76,33 @@ def _compiled_type(name: str, definition: MessageDefinition, encoding: str) -> M
     return MessageType(name, store.fielddefs, encoding == "ros1", partial(decode, typename=name), stamp, borrowed)
 
 
-def _check_arrays(definitions: Typesdict) -> None:
-    """rosbags writes code for each element of an array of strings or messages: a number there can take all memory."""
+def _size(definitions: Typesdict, type_: str, known: dict[str, int]) -> int:
+    """Fields of a type, where rosbags writes code for each; more than there may be where it contains itself."""
     from rosbags.interfaces import Nodetype
 
-    for type_, (_, fields) in definitions.items():
-        for field, (node, detail) in fields:
-            if node == Nodetype.ARRAY:
+    if type_ not in known:
+        known[type_] = LARGEST_TYPE + 1
+        size = 0
+        for field, (node, detail) in definitions[type_][1]:
+            length = 1
+            if node in (Nodetype.ARRAY, Nodetype.SEQUENCE):
                 (inner, part), length = cast(tuple[tuple[Any, Any], int], detail)
-                if length > LONGEST_ARRAY and (inner == Nodetype.NAME or part[0] == "string"):
-                    raise ValueError(f"{length} elements in '{field}' of {type_}")
+                if node == Nodetype.SEQUENCE or (inner == Nodetype.BASE and part[0] != "string"):
+                    length = 1
+                node, detail = inner, part
+            if length > LONGEST_ARRAY:
+                raise ValueError(f"{length} elements in '{field}' of {type_}")
+            size += length * (_size(definitions, cast(str, detail), known) if node == Nodetype.NAME else 1)
+        known[type_] = size
+    return known[type_]
 
 
 def _typestore(name: str, definition: MessageDefinition) -> tuple[Typestore, bool]:
     from rosbags.interfaces import MessageDefinitionFormat as Format
     from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
+    if len(re.findall("[\n;]", definition.data)) > MOST_LINES:
+        raise ValueError(f"over {MOST_LINES} lines")
     if definition.format is Format.NONE:
         # only ROS 2 Humble and older record without definitions
         return get_typestore(Stores.ROS2_HUMBLE), True
@@ -107,6 +126,15 @@ def numeric_fields(definitions: Typesdict, type_: str, prefix: str = "") -> Iter
             yield from numeric_fields(definitions, part, path + ".")
         elif part in _NUMBERS:
             yield path
+
+
+def fields_of(connection: Connection) -> tuple[str, ...]:
+    """The numeric fields of a connection's messages; none where they cannot be decoded."""
+    try:
+        type_ = message_type(connection)
+        return tuple(numeric_fields(type_.definitions, type_.name))
+    except SourceError:
+        return ()
 
 
 def field_getter(definitions: Typesdict, type_: str, field: str) -> Callable[[Any], Any]:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import SECOND, Sample, split_signal
-from robophm.transports.message_type import field_getter, message_type, numeric_fields
+from robophm.transports.message_type import field_getter, fields_of, message_type
 from robophm.transports.source import Heard, SignalSource, TopicInfo, existing, reading
 
 if TYPE_CHECKING:
@@ -83,11 +83,7 @@ class Recording(SignalSource):
             spans = file.spans()
             for connection in file.connections:
                 first, last = spans.get(connection.id, (None, None))
-                try:
-                    type_ = message_type(connection)
-                    fields = tuple(numeric_fields(type_.definitions, type_.name))
-                except SourceError:
-                    fields = ()
+                fields = fields_of(connection)
                 info = TopicInfo(connection.topic, connection.msgtype, connection.msgcount, first, last, fields)
                 before = found.get(info.topic)
                 found[info.topic] = _joined(before, info) if before else info

@@ -15,7 +15,7 @@ import yaml
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND, Sample
-from robophm.transports.columns import Columns, read_columns
+from robophm.transports.columns import Columns, read_columns, recorded_topics
 from robophm.transports.recording import Recording
 from robophm.transports.synthetic import SyntheticOta
 
@@ -344,6 +344,25 @@ def test_not_a_recording(content: bytes, suffix: str, tmp_path: Path) -> None:
         read_columns(path, SIGNALS)
     assert str(error.value).startswith(str(path))
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("suffix", [".bag", ".mcap", ".db3"])
+def test_topics_and_times_of_all_of_them(suffix: str, recorded: dict[str, Path]) -> None:
+    path = recorded[suffix]
+    with Recording(path) as recording:
+        infos = recording.topics()
+        expected: dict[str, list[int]] = {info.topic: [] for info in infos}
+        for received, topic, _ in recording.messages(list(expected), 1 << 20):
+            expected[topic].append(received)
+    assert recorded_topics(path) == {info.topic: (info.type, info.fields) for info in infos}
+    found: dict[str, list[int]] = {topic: [] for topic in expected}
+    columns = read_columns(path, (), topics=expected)
+    for block in columns:
+        for topic, part in block.items():
+            assert (part.stamps, dict(part.values)) == (None, {})
+            found[topic] += part.received.tolist()
+    assert found == expected
+    assert not columns.notes
 
 
 def test_files_are_closed_at_the_end_or_before(recorded: dict[str, Path], tmp_path: Path) -> None:

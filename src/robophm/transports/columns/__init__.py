@@ -6,6 +6,6 @@ side; ``mcap.py``, ``bag.py`` and ``db3.py`` know where the messages lie, and ``
 
 from __future__ import annotations
 
-from robophm.transports.columns.columns import Block, Columns, TopicColumns, read_columns
+from robophm.transports.columns.columns import Block, Columns, TopicColumns, read_columns, recorded_topics
 
-__all__ = ["Block", "Columns", "TopicColumns", "read_columns"]
+__all__ = ["Block", "Columns", "TopicColumns", "read_columns", "recorded_topics"]

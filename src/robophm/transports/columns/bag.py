@@ -10,6 +10,7 @@ import struct
 from array import array
 from collections import Counter
 from collections.abc import Collection, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -19,7 +20,15 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
-from robophm.transports.columns.pieces import MOST_TIME, Chunk, ChunkedFile, DamageError, Messages, unpack
+from robophm.transports.columns.pieces import (
+    LONGEST_TEXT,
+    MOST_TIME,
+    Chunk,
+    ChunkedFile,
+    DamageError,
+    Messages,
+    distinct,
+)
 from robophm.transports.columns.walk import Bytes, everywhere
 
 if TYPE_CHECKING:
@@ -27,6 +36,15 @@ if TYPE_CHECKING:
 
 MAGIC = b"#ROSBAG V2.0\n"
 MESSAGE, HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
+
+_HEADER_SPACE = 4096
+"""Bytes of the first record, whatever is in it: it is written anew when the recording ends."""
+
+LONGEST_HEADER = 1 << 16
+"""Bytes of the fields of a record, beyond which their length is taken to be a lie."""
+
+SHORTEST_MESSAGE = 4 + 4 + 4 + 9 + 17 + 4
+"""Bytes of a record of a message: two lengths, three fields."""
 
 _INDEX = np.dtype([("sec", "<u4"), ("nsec", "<u4"), ("offset", "<u4")])
 _FOUND = np.dtype([("connection", "<u4"), ("time", "<i8"), ("start", "<i8"), ("end", "<i8")])
@@ -65,12 +83,10 @@ class BagFile(ChunkedFile):
         self.chunks: list[Chunk] = []
         self._defined: dict[int, tuple[str, str, str]] = {}
         self._counts: Counter[int] = Counter()
-        try:
-            header = self._record(len(MAGIC))
-            encrypted = header.fields.get(b"encryptor")
-        except DamageError as error:
-            raise SourceError(f"{path}: cannot be read: {error}") from error
-        if encrypted:
+        header = _Record(HEADER, {}, 0, 0)
+        with suppress(DamageError):  # said when the index is looked for
+            header = _record(self.content, len(MAGIC), MOST_TIME)
+        if header.fields.get(b"encryptor"):
             raise SourceError(f"{path}: cannot be read: is encrypted")
         try:
             self._read_index(header)
@@ -79,23 +95,29 @@ class BagFile(ChunkedFile):
             self.chunks.clear()
             self._defined.clear()
             self._counts.clear()
-            self._look_through(header.end)
+            self._look_through(header)
         self.connections = self._connections()
 
     def index(self, offset: int, connection: int) -> NDArray[Any]:
         """The index record of this connection, among those that begin at this place."""
         for record in self._indices(offset):
             if record.number(b"conn") == connection:
-                if record.number(b"ver") != 1 or record.number(b"count") * 12 != record.end - record.start:
-                    break
-                return np.frombuffer(self.between(record.start, record.end), _INDEX)
+                return self._entries(record)
         raise DamageError("damage")
+
+    def _entries(self, record: _Record) -> NDArray[Any]:
+        """What an index record holds."""
+        if record.number(b"ver") != 1 or record.number(b"count") * 12 != record.end - record.start:
+            raise DamageError("damage")
+        return np.frombuffer(self.view(record.start, record.end), _INDEX)
 
     def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
         """The messages at these offsets of a chunk, whose headers have their fields in one order."""
         starts = index["offset"].astype(np.int64)
         if not len(starts):
             return Messages(connection, content, starts, starts, starts)
+        if not distinct(index["offset"], len(content) // SHORTEST_MESSAGE):
+            raise DamageError("an offset that is there twice")
         times = index["sec"].astype(np.int64) * SECOND + index["nsec"]
         first = _record(content, int(starts[0]), len(content))
         size = first.start - 4 - int(starts[0])  # of the length of the header and the header
@@ -168,6 +190,8 @@ class BagFile(ChunkedFile):
         from rosbags.rosbag1.reader import normalize
 
         id_ = record.number(b"conn")
+        if record.end - record.start > LONGEST_TEXT:
+            raise DamageError("a damaged connection")
         if id_ not in self._defined:
             data = _fields(content[record.start : record.end].tobytes())
             try:
@@ -176,15 +200,13 @@ class BagFile(ChunkedFile):
             except (KeyError, IndexError, UnicodeDecodeError) as error:
                 raise DamageError("a damaged connection") from error
 
-    def _chunk(self, position: int, first: int, last: int, connections: Collection[int]) -> Chunk:
-        """The chunk record at this place; raises DamageError."""
-        record = self._record(position)
+    def chunk_at(self, offset: int) -> Chunk:
+        """The chunk record at this place, of any time; raises DamageError."""
+        record = self._record(offset)
         if record.operation != CHUNK:
-            raise DamageError(f"no chunk at byte {position}")
+            raise DamageError(f"no chunk at byte {offset}")
         compression = record.fields.get(b"compression", b"").decode("ascii", "replace")
-        indices = dict.fromkeys(connections, record.end)
-        size = record.number(b"size")
-        return Chunk(first, last, position, record.start, record.end, compression, size, 0, indices)
+        return Chunk(0, MOST_TIME, offset, record.start, record.end, compression, record.number(b"size"), 0, {})
 
     def _read_index(self, header: _Record) -> None:
         position = header.number(b"index_pos")
@@ -196,31 +218,69 @@ class BagFile(ChunkedFile):
                 raise DamageError(f"no connection at byte {position}")
             self._define(record, self.content)
             position = record.end
+        offsets: set[int] = set()
         for _ in range(header.number(b"chunk_count")):
             record = self._record(position)
             count = record.number(b"count")
             if record.operation != CHUNK_INFO or record.number(b"ver") != 1 or count * 8 != record.end - record.start:
                 raise DamageError(f"no chunk info at byte {position}")
-            counts = dict(struct.iter_unpack("<II", self.between(record.start, record.end)))
+            counts = dict(struct.iter_unpack("<II", self.view(record.start, record.end)))
+            if len(counts) != count or counts.keys() - self._defined.keys():
+                raise DamageError(f"no chunk info at byte {position}")
             self._counts.update(counts)
             first, last = (record.time(b"start_time"), record.time(b"end_time")) if count else (0, 0)
-            self.chunks.append(self._chunk(record.number(b"chunk_pos"), first, last, counts))
+            chunk = self.chunk_at(record.number(b"chunk_pos"))
+            if chunk.offset in offsets:
+                raise DamageError(f"another chunk's info at byte {position}")
+            offsets.add(chunk.offset)
+            begun = next(self._indices(chunk.end), None)
+            agree = begun is None or begun.number(b"conn") in counts  # else one of the two lies
+            indices = dict.fromkeys(counts, chunk.end) if agree else None
+            self.chunks.append(replace(chunk, first=first, last=last, indices=indices))
             position = record.end
+        if position != self.size:
+            raise DamageError(f"{self.size - position} bytes behind it")
 
-    def _look_through(self, position: int) -> None:
+    def _look_through(self, header: _Record) -> None:
         """Find chunks from record to record; connections and times in them, where no index says them."""
+        position = len(MAGIC)
+        repeated = []
+        places = iter(sorted(self._places(header)))
         while position < self.size:
             try:
                 record = self._record(position)
             except DamageError:
-                self._cut(position)
-                return
+                try:
+                    position = self.next_chunk(position, places)
+                except DamageError:
+                    self._cut(position)
+                    break
+                continue
             if record.operation == CHUNK:
                 try:
-                    self.chunks.append(self._timed(self._chunk(position, 0, MOST_TIME, ())))
+                    self.chunks.append(self._timed(self.chunk_at(position)))
                 except DamageError:
                     self.lost("a damaged chunk", position)
+            elif record.operation == CONNECTION:
+                repeated.append(record)
             position = record.end
+        if self.chunks:  # of its index maybe not all is there
+            self.chunks[-1] = replace(self.chunks[-1], indices=None)
+        for record in repeated:  # what the index says, where there was no better word
+            with suppress(DamageError):
+                self._define(record, self.content)
+
+    def _places(self, header: _Record) -> list[int]:
+        """Where chunks lie, as far as the index says it; the first lies behind the space that a header has."""
+        places = [len(MAGIC) + _HEADER_SPACE]
+        with suppress(DamageError):
+            position = header.number(b"index_pos")
+            while 0 < position < self.size:
+                record = self._record(position)
+                if record.operation == CHUNK_INFO:
+                    places.append(record.number(b"chunk_pos"))
+                position = record.end
+        return places
 
     def _timed(self, chunk: Chunk) -> Chunk:
         """The chunk with the times and connections that its index or, without one, its messages have."""
@@ -228,16 +288,15 @@ class BagFile(ChunkedFile):
         connections = set()
         try:
             for record in self._indices(chunk.end):
-                id_ = record.number(b"conn")
-                index = self.index(chunk.end, id_)
+                index = self._entries(record)
                 seconds = index["sec"].astype(np.int64) * SECOND + index["nsec"]
                 times += [int(seconds.min()), int(seconds.max())] if len(index) else []
-                connections.add(id_)
+                connections.add(record.number(b"conn"))
         except DamageError:
             connections.clear()
         if not connections or connections - self._defined.keys():
             try:
-                found, _ = self._scan(unpack(self.content[chunk.start : chunk.end], chunk.compression, chunk.size))
+                found, _ = self._scan(self.unpacked(chunk))
             except DamageError:
                 return chunk  # said when its messages are read
             times += [int(found["time"].min()), int(found["time"].max())] if len(found) else []
@@ -277,7 +336,7 @@ def _record(content: Bytes, position: int, size: int) -> _Record:
     head = content[position : position + 4].tobytes()
     behind = position + 4 + int.from_bytes(head, "little")
     length = content[behind : behind + 4].tobytes()
-    if len(head) < 4 or len(length) < 4:
+    if len(head) < 4 or len(length) < 4 or behind - position > LONGEST_HEADER:
         raise DamageError(f"no record at byte {position}")
     end = behind + 4 + int.from_bytes(length, "little")
     if end > size:

@@ -21,7 +21,7 @@ from robophm.core.signal import SECOND, split_signal
 from robophm.transports.columns.layout import NotCompilableError, compile_fields
 from robophm.transports.columns.pieces import MOST_TIME, Messages, Piece, PiecedFile
 from robophm.transports.columns.walk import Ints, Program
-from robophm.transports.message_type import MessageType, field_getter, message_type
+from robophm.transports.message_type import MessageType, field_getter, fields_of, message_type
 from robophm.transports.recording import STAMP_LIMIT, SUFFIXES, parts_of
 from robophm.transports.source import Heard, existing, reading
 
@@ -95,16 +95,19 @@ def read_columns(
     fields: Iterable[str],
     start: int | None = None,
     end: int | None = None,
+    *,
+    topics: Iterable[str] = (),
 ) -> Columns:
     """Exactly these fields, ``/topic.field[2]``, of one drive: a file, a folder or several of them.
 
     Takes messages received from ``start`` until before ``end`` [ns]. A block's messages were received after those of
-    the block before. What cannot be read is in the notes, and the rest is read.
+    the block before. Of ``topics`` without a field only the times of receipt come along, whatever their messages are.
+    What cannot be read is in the notes, and the rest is read.
 
     Raises SourceError where a file is missing or no recording, or has no such topic or field.
     """
     paths = [path] if isinstance(path, str | Path) else list(path)
-    wanted: dict[str, list[str]] = {}
+    wanted: dict[str, list[str]] = {topic: [] for topic in topics}
     for signal in sorted(set(fields)):
         topic, field = split_signal(signal)
         wanted.setdefault(topic, []).append(field)
@@ -133,6 +136,25 @@ def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -
         if one.fingerprint == other.fingerprint and one.begin() < MOST_TIME:
             raise SourceError(f"{one.path} and {other.path} are the same recording; expected it once")
     return files
+
+
+def recorded_topics(path: str | Path) -> dict[str, tuple[str, tuple[str, ...]]]:
+    """By topic of a recording: the type of its messages and its numeric fields; no message is read.
+
+    ``[]`` in a field stands for the index of an element. There are no fields where messages cannot be decoded.
+
+    Raises SourceError where the file is missing or no recording.
+    """
+    found: dict[str, tuple[str, tuple[str, ...]]] = {}
+    for part in _files(existing(Path(path)), Counter()):
+        with reading(part):
+            file = _open(part, Counter())
+        try:
+            for connection in file.connections:
+                found.setdefault(connection.topic, (connection.msgtype, fields_of(connection)))
+        finally:
+            file.close()
+    return dict(sorted(found.items()))
 
 
 def _files(path: Path, notes: Counter[str]) -> list[Path]:
@@ -225,19 +247,36 @@ class _Reading:
     def _finished(self, received: Ints, numbers: list[NDArray[Any]], absent: list[NDArray[Any]]) -> TopicColumns:
         stamps = None
         if self._stamps:
-            stamps = numbers[0].astype(np.int64) * SECOND + numbers[1]
+            stamps = _cast(numbers[0], np.int64) * SECOND + _cast(numbers[1], np.int64)
         count = len(received) if stamps is None else int((~_believed(stamps, received)).sum())
         if count:
             self._notes[f"receipt time used for {self.topic}"] += count
         values, missing = {}, {}
         for field, slot in zip(self._fields, self._slots, strict=True):
-            values[field] = numbers[slot].astype(np.float64)
+            values[field] = _cast(numbers[slot], np.float64)
             gone = absent[slot]
             if gone.any():
                 values[field][gone] = np.nan
                 missing[field] = gone
                 self._notes[f"no element for {self.topic}.{field}"] += int(gone.sum())
         return TopicColumns(received, stamps, values, missing)
+
+
+@dataclass(frozen=True)
+class _Times:
+    """A connection of whose messages nothing is wanted but when they were received."""
+
+    topic: str
+
+    def columns(self, messages: Messages) -> TopicColumns:
+        """Columns without a field."""
+        return TopicColumns(messages.times[_order(messages.times)], None, {}, {})
+
+
+def _cast(numbers: NDArray[Any], type_: Any) -> NDArray[Any]:
+    """A copy; NumPy warns of NaN that signals, and of times that somebody's own Header has as floats."""
+    with np.errstate(invalid="ignore"):
+        return numbers.astype(type_)
 
 
 def _believed(stamps: Ints, received: Ints) -> NDArray[np.bool_]:
@@ -273,9 +312,14 @@ class _Source:
             if connection.topic in wanted
         }
 
-    def _reading(self, connection: Any, fields: Sequence[str]) -> _Reading:
+    def _reading(self, connection: Any, fields: Sequence[str]) -> _Reading | _Times:
+        if not fields:
+            return _Times(connection.topic)
         with reading(self._file.path):
-            type_ = message_type(connection)
+            try:
+                type_ = message_type(connection)
+            except SourceError as error:
+                raise SourceError(f"{self._file.path}: {error}") from error
             if type_.borrowed:
                 self._notes[f"definition of {type_.name} taken from ROS 2 Humble"] += 1
             try:

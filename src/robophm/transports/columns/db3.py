@@ -8,7 +8,7 @@ from __future__ import annotations
 import mmap
 import sqlite3
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,6 +24,13 @@ from robophm.transports.recording import check_whole
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
+
+
+LARGEST_ROW = 1 << 27
+"""Bytes of a row, beyond which it is lost: it would take as much memory, and more."""
+
+LEAST_STEPS, STEPS_A_BYTE = 10_000_000, 10
+"""Instructions of SQLite's machine that reading a file may take; a message takes some dozens."""
 
 
 class Db3File(RowsFile):
@@ -43,16 +50,33 @@ class Db3File(RowsFile):
             notes[f"lost: {error}"] += 1
         try:
             self._database = sqlite3.connect(f"{path.resolve().as_uri()}?immutable=1", uri=True)
+            self._limit()
             self.connections = self._connections()
         except (sqlite3.Error, UnicodeDecodeError) as error:
             self.close()
             raise SourceError(f"{path}: cannot be read: {error}") from error
+        except MemoryError:  # what SQLite says of some damage, with next to no memory taken
+            self.close()
+            raise SourceError(f"{path}: cannot be read: database disk image is malformed") from None
 
     def close(self) -> None:
         """Close the database, and let go of the file as soon as no array needs it."""
         del self._content
         if hasattr(self, "_database"):
             self._database.close()
+
+    def _limit(self) -> None:
+        """What is read may be no table but a view that never ends, and a page may be there a million times."""
+        size = self.path.stat().st_size
+        self._database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(LARGEST_ROW, max(size, 1 << 16)))
+        left = LEAST_STEPS + STEPS_A_BYTE * size
+
+        def spent() -> bool:
+            nonlocal left
+            left -= 10_000
+            return left < 0
+
+        self._database.set_progress_handler(spent, 10_000)
 
     def begin(self) -> int:
         """When the first message was received [ns]."""
@@ -95,28 +119,17 @@ class Db3File(RowsFile):
             raise DamageError("a table of other columns")
         return int(found[0][0])
 
-    def rows(self, wanted: Collection[int], start: int, end: int) -> Callable[[int], list[Row]]:
+    def rows(self, wanted: Collection[int], start: int, end: int) -> Iterator[Row]:
         """The rows in order of time; where the database is damaged they end, and the notes say so."""
         ids = ", ".join(str(int(id_)) for id_ in wanted)
         query = (
             f"SELECT timestamp, data, topic_id FROM messages WHERE topic_id IN ({ids}) "
             "AND timestamp >= ? AND timestamp < ? ORDER BY timestamp"
         )
-        cursor = self._database.cursor()
-        started = False
-
-        def following(count: int) -> list[Row]:
-            nonlocal started
-            try:
-                if not started:
-                    started = True
-                    cursor.execute(query, (start, end))
-                return cursor.fetchmany(count)
-            except sqlite3.Error as error:
-                self.notes[f"{self.path.name}: the rest is lost: {error}"] += 1
-                return []
-
-        return following
+        try:
+            yield from self._database.execute(query, (start, end))
+        except sqlite3.Error as error:
+            self.notes[f"{self.path.name}: the rest is lost: {error}"] += 1
 
     def _connections(self) -> list[Connection]:
         from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition
@@ -134,5 +147,5 @@ class Db3File(RowsFile):
         return [
             Connection(id_, topic, type_, definitions.get(type_, missing), "", 0, ConnectionExtRosbag2(kind, []), self)
             for id_, topic, type_, kind in topics
-            if isinstance(topic, str) and isinstance(type_, str)
+            if isinstance(id_, int) and isinstance(topic, str) and isinstance(type_, str)
         ]

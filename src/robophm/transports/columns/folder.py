@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection
-from itertools import islice
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,16 +35,11 @@ class CompressedFolder(RowsFile):
         """When the first message was received [ns]."""
         return self._reader.start_time
 
-    def rows(self, wanted: Collection[int], start: int, end: int) -> Callable[[int], list[Row]]:
+    def rows(self, wanted: Collection[int], start: int, end: int) -> Iterator[Row]:
         """The rows as rosbags gives them; where it cannot go on they end, and the notes say so."""
         connections = [connection for connection in self.connections if connection.id in wanted]
-        messages = self._reader.messages(connections, start, end)
-
-        def following(count: int) -> list[Row]:
-            try:
-                return [(time, bytes(raw), connection.id) for connection, time, raw in islice(messages, count)]
-            except Exception as error:  # zstd, SQLite, struct errors …
-                self.notes[f"{self.path.name}: the rest is lost: {' '.join(str(error).split())}"] += 1
-                return []
-
-        return following
+        try:
+            for connection, time, raw in self._reader.messages(connections, start, end):
+                yield time, bytes(raw), connection.id
+        except Exception as error:  # zstd, SQLite, struct errors …
+            self.notes[f"{self.path.name}: the rest is lost: {' '.join(str(error).split())}"] += 1

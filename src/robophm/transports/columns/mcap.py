@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import heapq
 import struct
-import zlib
 from array import array
 from collections import Counter
 from collections.abc import Collection, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from operator import attrgetter
@@ -21,15 +21,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
+from robophm.transports.columns.checksum import crc32
 from robophm.transports.columns.pieces import (
     BATCH,
+    LONGEST_TEXT,
     MOST_TIME,
     Chunk,
     ChunkedFile,
     DamageError,
     Messages,
     Piece,
-    unpack,
+    distinct,
 )
 from robophm.transports.columns.walk import Bytes, everywhere
 
@@ -37,7 +39,10 @@ if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
 MAGIC = b"\x89MCAP0\r\n"
-FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS = 2, 3, 4, 5, 6, 7, 8, 11
+FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, DATA_END = 2, 3, 4, 5, 6, 7, 8, 11, 15
+
+_SUMMARY = (CHUNK_INDEX, 10, STATISTICS, 13, 14)
+"""What there is in a summary besides schemas and channels."""
 
 _HEAD = np.dtype(
     [
@@ -66,12 +71,18 @@ class McapFile(ChunkedFile):
         super().__init__(path, notes)
         if self.content[: len(MAGIC)].tobytes() != MAGIC:
             raise SourceError(f"{path}: cannot be read: is no MCAP file, or not of version 0")
+        self._checked = False
+        """Whether the summary has its checksum: nothing else says as surely what schemas and channels there are."""
         self._clear()
         try:
             self._read_summary()
         except (DamageError, struct.error, UnicodeDecodeError) as error:
             self.notes[f"{path.name}: looked through for want of an index: {error}"] += 1
+            schemas, channels = self._schemas, self._channels
             self._clear()
+            if self._checked:
+                self._schemas |= schemas
+                self._channels |= channels
             self._look_through()
         self.connections = self._connections()
 
@@ -80,6 +91,8 @@ class McapFile(ChunkedFile):
         self._schemas: dict[int, tuple[str, str, bytes]] = {}
         self._channels: dict[int, tuple[int, str, str]] = {}
         self._counts: dict[int, int] = {}
+        self._repeated: list[tuple[int, int, int]] = []
+        """Schemas and channels behind the data: opcode, begin and end."""
         self._loose = np.empty(0, _FOUND)
         """Messages outside chunks."""
 
@@ -104,11 +117,13 @@ class McapFile(ChunkedFile):
         opcode, length, channel, size = struct.unpack("<BQHI", self.between(offset, offset + 15))
         if opcode != MESSAGE_INDEX or channel != connection or size + 6 != length or size % 16:
             raise DamageError("damage")
-        return np.frombuffer(self.between(offset + 15, offset + 15 + size), _INDEX)
+        return np.frombuffer(self.view(offset + 15, offset + 15 + size), _INDEX)
 
     def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
         """The messages at these offsets of a chunk."""
         offsets = index["offset"]
+        if not distinct(offsets, len(content) // _HEAD.itemsize):
+            raise DamageError("an offset that is there twice")
         if len(index) and int(offsets.max()) + _HEAD.itemsize > len(content):
             raise DamageError("an offset beyond the end")
         starts = offsets.astype(np.int64)
@@ -131,6 +146,7 @@ class McapFile(ChunkedFile):
     def _scan(self, content: Bytes, position: int) -> tuple[NDArray[Any], int]:
         """All messages, and where whole records end; schemas and channels are kept, of the file itself chunks too."""
         whole_file = content is self.content
+        repeated = False
         view, size = content.data, len(content)
         found = [array("q") for _ in range(4)]
         while position + 9 <= size:
@@ -143,10 +159,15 @@ class McapFile(ChunkedFile):
                 for column, number in zip(found, (channel, min(time, MOST_TIME), position + 31, end), strict=True):
                     column.append(number)
             elif opcode in (SCHEMA, CHANNEL):
-                self._define(opcode, bytes(view[position + 9 : end]))
+                if repeated:
+                    self._repeated.append((opcode, position + 9, end))
+                else:
+                    self._define(opcode, view[position + 9 : end])
+            elif whole_file and opcode == DATA_END:
+                repeated = True
             elif whole_file and opcode == CHUNK:
                 try:
-                    self.chunks.append(self._chunk(position))
+                    self.chunks.append(self.chunk_at(position))
                 except DamageError:
                     self.lost("a damaged chunk", position)
             elif whole_file and opcode == MESSAGE_INDEX and self.chunks and length >= 2:
@@ -157,7 +178,7 @@ class McapFile(ChunkedFile):
             position = end
         return _table(found), position
 
-    def _define(self, opcode: int, content: bytes) -> None:
+    def _define(self, opcode: int, content: memoryview) -> None:
         """Keep a schema or a channel; what was said first holds."""
         try:
             (id_,) = struct.unpack_from("<H", content)
@@ -174,7 +195,7 @@ class McapFile(ChunkedFile):
         except (struct.error, UnicodeDecodeError, DamageError):
             self.notes[f"{self.path.name}: a damaged schema or channel"] += 1
 
-    def _chunk(self, offset: int) -> Chunk:
+    def chunk_at(self, offset: int) -> Chunk:
         """The chunk record at this place; raises DamageError."""
         opcode, length, first, last, size, checksum, name = struct.unpack("<BQQQQII", self.between(offset, offset + 41))
         end = offset + 9 + length
@@ -194,12 +215,17 @@ class McapFile(ChunkedFile):
             raise DamageError("no footer")
         if not summary or summary > start:
             raise DamageError("no summary")
-        if checksum and zlib.crc32(self.between(summary, start + 25)) != checksum:
+        if self.content[summary] not in (SCHEMA, CHANNEL, *_SUMMARY):  # before all up to the end is gone through
+            raise DamageError("no summary")
+        if checksum and crc32(self.view(summary, start + 25)) != checksum:
             raise DamageError("summary does not have its checksum")
+        self._checked = bool(checksum)
         position, counted = summary, 0
         while position < start:
             opcode, length = struct.unpack("<BQ", self.between(position, position + 9))
-            content = self.between(position + 9, position + 9 + length)
+            if not opcode:
+                raise DamageError(f"no record at byte {position}")
+            content = self.view(position + 9, position + 9 + length)
             if opcode in (SCHEMA, CHANNEL):
                 self._define(opcode, content)
             elif opcode == CHUNK_INDEX:
@@ -213,31 +239,59 @@ class McapFile(ChunkedFile):
         if not self._channels or not (self.chunks or (self._counts and not counted)):
             raise DamageError("no channels or chunks in the summary")
 
-    def _indexed_chunk(self, content: bytes) -> Chunk:
+    def _indexed_chunk(self, content: memoryview) -> Chunk:
         """The chunk that a chunk index record speaks of."""
         offset, size = struct.unpack_from("<16xQ8xI", content)
         if 36 + size > len(content):
             raise DamageError("damaged chunk index")
-        chunk = self._chunk(offset)
+        chunk = self.chunk_at(offset)
         chunk.indices.update(struct.iter_unpack("<HQ", content[36 : 36 + size]))  # type: ignore[union-attr]
         return chunk if chunk.indices else _unindexed(chunk)
 
     def _look_through(self) -> None:
         """Find chunks and messages from record to record; what is defined in chunks only is looked for there."""
-        try:
-            self._loose, behind = self._scan(self.content, len(MAGIC))
-        except (DamageError, struct.error) as error:
-            raise SourceError(f"{self.path}: cannot be read: {error}") from error
-        if behind < self.size:
-            self._cut(behind)
+        found, behind = self._scan(self.content, len(MAGIC))
+        parts = [found]
+        places = iter(sorted(self._places()))
+        while behind < self.size:
+            try:
+                place = self.next_chunk(behind, places)
+            except DamageError:
+                self._cut(behind)
+                break
+            found, behind = self._scan(self.content, place)
+            parts.append(found)
+        if self.chunks:  # of its index maybe not all is there
+            self.chunks[-1] = _unindexed(self.chunks[-1])
+        self._loose = np.concatenate(parts)
         for number, chunk in enumerate(self.chunks):
             if not chunk.indices:
                 self.chunks[number] = _unindexed(chunk)
             if not chunk.indices or chunk.indices.keys() - self._defined():
-                try:
-                    self._scan(unpack(self.content[chunk.start : chunk.end], chunk.compression, chunk.size), 0)
-                except DamageError:
-                    continue  # said when its messages are read
+                with suppress(DamageError):  # said when its messages are read
+                    self._scan(self.unpacked(chunk), 0)
+        for opcode, start, end in self._repeated:  # what the summary says, where there was no better word
+            self._define(opcode, self.content.data[start:end])
+        sound = {topic for schema, topic, _ in self._channels.values() if schema in self._schemas}
+        for id_, (schema, topic, _) in [*self._channels.items()]:
+            if topic in sound and schema not in self._schemas:
+                self.notes[f"{self.path.name}: a damaged schema or channel"] += 1
+                del self._channels[id_]
+
+    def _places(self) -> list[int]:
+        """Where chunks lie, as far as the summary says it."""
+        places: list[int] = []
+        with suppress(DamageError, struct.error):
+            start = self.size - _FOOTER_SIZE
+            (position,) = struct.unpack("<Q", self.between(start + 9, start + 17))
+            while position < start:
+                opcode, length = struct.unpack("<BQ", self.between(position, position + 9))
+                if opcode not in (SCHEMA, CHANNEL, *_SUMMARY):
+                    break
+                if opcode == CHUNK_INDEX:
+                    places += struct.unpack_from("<16xQ", self.view(position + 9, position + 9 + length))
+                position += 9 + length
+        return places
 
     def _cut(self, behind: int) -> None:
         """The record at the end is not whole: of a chunk that is not compressed its whole messages are still there."""
@@ -296,13 +350,13 @@ def _by_channel(found: NDArray[Any], content: Bytes, wanted: Collection[int]) ->
     ]
 
 
-def _sized(content: bytes, at: int) -> tuple[bytes, int]:
+def _sized(content: memoryview, at: int) -> tuple[bytes, int]:
     (size,) = struct.unpack_from("<I", content, at)
-    if at + 4 + size > len(content):
+    if at + 4 + size > len(content) or size > LONGEST_TEXT:
         raise DamageError("a length beyond the end")
-    return content[at + 4 : at + 4 + size], at + 4 + size
+    return bytes(content[at + 4 : at + 4 + size]), at + 4 + size
 
 
-def _text(content: bytes, at: int) -> tuple[str, int]:
+def _text(content: memoryview, at: int) -> tuple[str, int]:
     text, behind = _sized(content, at)
     return text.decode(), behind

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import bz2
 import mmap
-import zlib
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -21,14 +21,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
+from robophm.transports.columns.checksum import crc32
 from robophm.transports.columns.walk import Bytes, Ints
 from robophm.transports.recording import fingerprint_of
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
-LARGEST_CHUNK = 1 << 30
-"""Bytes of a chunk, unpacked, beyond which its size is taken to be a lie."""
+LARGEST_CHUNK = 1 << 27
+"""Bytes of a compressed chunk, unpacked, beyond which its size is taken to be a lie."""
+
+LONGEST_TEXT = 1 << 24
+"""Bytes of a name or a definition, beyond which its length is taken to be a lie."""
 
 BATCH = 4 << 20
 """Bytes of the file that are handled at once where they need no unpacking."""
@@ -104,9 +108,13 @@ class MappedFile(PiecedFile):
 
     def between(self, start: int, end: int) -> bytes:
         """Bytes of the file; raises DamageError where they do not exist."""
+        return bytes(self.view(start, end))
+
+    def view(self, start: int, end: int) -> memoryview:
+        """Bytes of the file where they lie; raises DamageError where they do not exist."""
         if not 0 <= start <= end <= self.size:
             raise DamageError(f"bytes {start} to {end} of {self.size}")
-        return self._map[start:end]
+        return self.content.data[start:end]
 
 
 class DamageError(Exception):
@@ -118,14 +126,14 @@ def unpack(content: Bytes, compression: str, size: int) -> Bytes:
 
     Raises DamageError where it does not unpack to that size; no more memory than that is taken.
     """
-    if size > LARGEST_CHUNK:
-        raise DamageError(f"a chunk of {size} bytes")
     if compression in ("", "none"):
         unpacked: Any = content
+    elif size > LARGEST_CHUNK:
+        raise DamageError(f"a chunk of {size} bytes")
     else:
         try:
             unpacked = np.frombuffer(_decompressor(compression)(content.data, size), np.uint8)
-        except DamageError:
+        except (DamageError, MemoryError):
             raise
         except Exception as error:  # zstd, lz4 and bz2 have errors of their own
             raise DamageError(f"chunk does not unpack: {error}") from error
@@ -210,9 +218,7 @@ class ChunkedFile(MappedFile):
         found: dict[int, list[Messages]] = {}
         for chunk in chunks:
             try:
-                content = unpack(self.content[chunk.start : chunk.end], chunk.compression, chunk.size)
-                if chunk.checksum and zlib.crc32(content.data) != chunk.checksum:
-                    raise DamageError("chunk does not have its checksum")
+                content = self.unpacked(chunk)
             except DamageError as error:
                 self.lost(str(error), chunk.offset)
                 continue
@@ -223,6 +229,30 @@ class ChunkedFile(MappedFile):
                     )
                 found.setdefault(messages.connection, []).append(messages)
         return [joined(parts) for parts in found.values()]
+
+    def unpacked(self, chunk: Chunk) -> Bytes:
+        """The chunk's content; raises DamageError where it is not what was written."""
+        content = unpack(self.content[chunk.start : chunk.end], chunk.compression, chunk.size)
+        if chunk.checksum and crc32(content.data) != chunk.checksum:
+            raise DamageError("chunk does not have its checksum")
+        return content
+
+    def next_chunk(self, behind: int, places: Iterator[int]) -> int:
+        """The next of these places, which rise, where a chunk lies; what is between is lost.
+
+        Raises DamageError where none does.
+        """
+        for place in places:
+            with suppress(DamageError):
+                if place > behind:
+                    self.chunk_at(place)
+                    self.lost(f"{place - behind} bytes of a damaged file", behind)
+                    return place
+        raise DamageError("no chunk")
+
+    @abstractmethod
+    def chunk_at(self, offset: int) -> Chunk:
+        """The chunk record at this place; raises DamageError."""
 
     def _indexed(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
         """The messages of the chunk, by its index; one by one where that does not point at messages."""
@@ -248,6 +278,13 @@ class ChunkedFile(MappedFile):
     @abstractmethod
     def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
         """The messages in a chunk, found by going from record to record; notes what is lost."""
+
+
+def distinct(offsets: NDArray[Any], most: int) -> bool:
+    """Whether no two are the same and there are no more than can be; as a rule they rise."""
+    if len(offsets) > most:
+        return False
+    return bool((offsets[1:] > offsets[:-1]).all()) or len(np.unique(offsets)) == len(offsets)
 
 
 def joined(parts: list[Messages]) -> Messages:

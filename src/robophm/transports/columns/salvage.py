@@ -14,7 +14,7 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import Sample
 from robophm.transports.columns.columns import by_signal, opened, read_columns
 from robophm.transports.columns.pieces import MOST_TIME
-from robophm.transports.message_type import message_type, numeric_fields
+from robophm.transports.message_type import fields_of
 from robophm.transports.source import Heard, SignalSource, TopicInfo
 
 
@@ -33,14 +33,9 @@ class Salvage(SignalSource):
             begin = min(file.begin() for file in files)
             topics: dict[str, TopicInfo] = {}
             for connection in (connection for file in files for connection in file.connections):
-                try:
-                    type_ = message_type(connection)
-                    fields = tuple(numeric_fields(type_.definitions, type_.name))
-                except SourceError:
-                    fields = ()
                 topic = connection.topic
                 count = connection.msgcount + (topics[topic].messages if topic in topics else 0)
-                topics[topic] = TopicInfo(topic, connection.msgtype, count, begin, None, fields)
+                topics[topic] = TopicInfo(topic, connection.msgtype, count, begin, None, fields_of(connection))
             self.fingerprint = hashlib.sha256("".join(sorted(file.fingerprint for file in files)).encode()).hexdigest()
         if begin == MOST_TIME or not topics:
             raise SourceError(f"{', '.join(map(str, paths))}: nothing in it can be read")

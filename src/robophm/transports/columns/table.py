@@ -11,14 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robophm.transports.columns.pieces import DamageError
+from robophm.transports.columns.pieces import BATCH, DamageError
 from robophm.transports.columns.walk import Bytes, Ints, everywhere
 
 COLUMNS = ("id", "topic_id", "timestamp", "data")
 """Of the table whose rows can be found."""
 
-_PAGES = 1024
-"""Leaves that are looked at side by side."""
+_SMALLEST = 2 + 2 + 5
+"""Bytes of a row: the place of its cell, size and number, and the types of four columns behind their length."""
 
 _INTERIOR, _LEAF = 5, 13
 _SIZES = np.array([0, 1, 2, 3, 4, 6, 8, 8, 0, 0, 0, 0])
@@ -51,9 +51,10 @@ def find_rows(content: Bytes, root: int, wanted: Collection[int]) -> Rows:
         raise DamageError("no pages")
     usable = size - int(content[20])
     leaves = _leaves(content, root, size, usable)
+    pages = max(1, BATCH // size)
     parts = [
-        _rows(content, (leaves[first : first + _PAGES] - 1) * size, usable, wanted)
-        for first in range(0, len(leaves), _PAGES)
+        _rows(content, (leaves[first : first + pages] - 1) * size, usable, wanted)
+        for first in range(0, len(leaves), pages)
     ]
     return Rows(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
@@ -88,7 +89,7 @@ def _children(page: Bytes, usable: int) -> Ints:
 
 def _rows(content: Bytes, pages: Ints, usable: int, wanted: Collection[int]) -> Rows:
     counts = everywhere(content, ">u2")[pages + 3].astype(np.int64)
-    if (8 + 2 * counts > usable).any():
+    if (8 + _SMALLEST * counts > usable).any():
         raise DamageError("a page with more cells than fit")
     begin = np.repeat(pages, counts)
     number = np.arange(len(begin)) - np.repeat(np.cumsum(counts) - counts, counts)

@@ -1,0 +1,88 @@
+"""``robophm data profile``: the levels at which a robot's parts lived."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from robophm.cli.measured import print_levels
+from robophm.cli.output import console, may_make, print_json, progress_console, warn, write
+from robophm.cli.progress import counted
+from robophm.design.file import load
+from robophm.measured.levels import marginal
+from robophm.measured.profile import Lived, Profile, lived, task_text
+from robophm.measured.recordings import recordings, said
+from robophm.report.measured_page import level_rows, parts_text, profile_page, where
+from robophm.report.words import duration_text, number_text
+
+
+def profiled(
+    design: Path, bags: Sequence[Path], bins: int, to: Path | None, report: Path | None, *,
+    skip_missing: bool, force: bool, as_json: bool,
+) -> None:  # fmt: skip
+    """Print stress profiles, and write them where asked to."""
+    may_make(to, design, *bags, *([report] if report else []), force=force, suffixes=(".yaml", ".yml"))
+    may_make(report, design, *bags, force=force)
+    robot = load(design)
+    (recorded,) = recordings(bags, together=True)
+    with counted(progress_console(), "reading"):
+        found = lived(robot, recorded, bins, skip_missing=skip_missing)
+    source = ", ".join(path.name for path in bags[:3]) + (" …" if len(bags) > 3 else "")
+    notes = said(found.notes)
+    if to:
+        write(to, task_text(found, f"as in {source}", source))
+    if report:
+        write(report, profile_page(found, source, notes))
+    if as_json:
+        print_json(_json(found, notes))
+        return
+    out = console()
+    on, whole = duration_text(found.operating), duration_text(found.calendar)
+    out.print(f"{robot.name} in {source}: on for {on} of {whole}", markup=False)
+    for profile in found.profiles:
+        gone = number_text(float(profile.levels.sums[:, 0].sum()))
+        out.print(f"\n{where(profile)}", style="bold", markup=False)
+        if len(profile.parts) > 1:
+            out.print(parts_text(profile), markup=False)
+        out.print(
+            f"{gone} {profile.unit} on the {profile.clock} clock, mean stress factor {number_text(profile.factor)}",
+            markup=False,
+        )
+        for i, one in enumerate(profile.inputs):
+            begins, sums = marginal(profile.levels, i)
+            rows = level_rows(begins, sums, float(profile.levels.widths[i]), one.unit)
+            designed = f"designed for {number_text(one.designed)} {one.unit}".rstrip()
+            print_levels(out, f"{one.name} ({one.signal}), {designed}", rows)
+    for written in filter(None, (to, report)):
+        out.print(f"Written: {written}", markup=False)
+    if to:
+        out.print(f"As a load to come: robophm predict {design} --plan {to}", markup=False)
+    for note in notes:
+        warn(note)
+
+
+def _json(found: Lived, notes: Sequence[str]) -> dict[str, Any]:
+    return {
+        "robot": found.robot.name,
+        "operating": found.operating,
+        "calendar": found.calendar,
+        "notes": list(notes),
+        "profiles": [_profile_json(one) for one in found.profiles],
+    }
+
+
+def _profile_json(one: Profile) -> dict[str, Any]:
+    inputs = [
+        {"name": each.name, "unit": each.unit, "signal": each.signal, "designed": each.designed, "width": float(width)}
+        for each, width in zip(one.inputs, one.levels.widths, strict=True)
+    ]
+    begins = one.levels.keys * one.levels.widths
+    cells = [
+        {"begin": begin, "clock": clock, "factor": aged / clock, "typical": typical}
+        for begin, (clock, aged), typical in zip(
+            begins.tolist(), one.levels.sums.tolist(), one.typical.tolist(), strict=True
+        )
+    ]
+    return {"parts": list(one.parts), "clock": one.clock, "unit": one.unit, "factor": one.factor,
+            "error": one.error, "inputs": inputs, "levels": cells}  # fmt: skip

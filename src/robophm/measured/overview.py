@@ -1,0 +1,121 @@
+"""What recordings hold: topics, their fields and units, when they were heard, and when they were not."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from robophm.core.signal import SECOND
+from robophm.measured.held import Ints
+from robophm.measured.recordings import Recorded
+from robophm.transports.message_units import field_unit
+
+GAP = 10.0
+"""Times a topic's median interval: so long without a message is a gap, where nothing else is stated."""
+
+MOST_INTERVALS = 10_000
+"""First intervals of a topic of which the median is taken."""
+
+MOST_GAPS = 1000
+"""Gaps of a topic that are kept one by one, the longest; all are counted."""
+
+
+@dataclass
+class Topic:
+    """One topic of a recording. Times are of receipt [ns since the epoch]."""
+
+    name: str
+    type: str
+    fields: Mapping[str, str | None]
+    """Numeric fields, ``[]`` for the index of an element, and their units where the type states one."""
+    messages: int = 0
+    first: int | None = None
+    last: int | None = None
+    interval: int | None = None
+    """Median of the first intervals between messages [ns]."""
+    gaps: list[tuple[int, int]] = field(default_factory=list)
+    """Begin and length [ns] of the longest, in order of time."""
+    gap_count: int = 0
+    gap_length: int = 0
+    """Of all of them [ns]."""
+
+
+@dataclass
+class Overview:
+    """One recording."""
+
+    name: str
+    topics: list[Topic]
+    notes: Counter[str]
+
+
+def overview(recorded: Recorded, gap: int | None = None) -> Overview:
+    """What a recording holds; a ``gap`` is so long [ns] without a message, or GAP times the topic's median interval."""
+    topics = {
+        name: _Heard(Topic(name, type_, {one: field_unit(type_, one) for one in fields}), gap)
+        for name, (type_, fields) in recorded.topics.items()
+    }
+    columns = recorded.columns((), recorded.topics)
+    try:
+        for block in columns:
+            for name, part in block.items():
+                topics[name].feed(part.received)
+    finally:
+        columns.close()
+    return Overview(recorded.name, [one.topic() for one in topics.values()], columns.notes)
+
+
+class _Heard:
+    """A topic, as its messages come. Gaps are looked for as soon as the median interval is known."""
+
+    def __init__(self, topic: Topic, gap: int | None) -> None:
+        self._topic = topic
+        self._gap = gap
+        self._early: list[Ints] = []
+        self._waiting = 0
+
+    def feed(self, received: Ints) -> None:
+        self._early.append(received)
+        self._waiting += len(received)
+        if self._topic.interval is not None or self._waiting > MOST_INTERVALS:
+            self._look()
+
+    def topic(self) -> Topic:
+        self._look()
+        return self._topic
+
+    def _look(self) -> None:
+        topic = self._topic
+        times = np.concatenate([*self._early, np.empty(0, np.int64)])
+        self._early, self._waiting = [], 0
+        if not len(times):
+            return
+        before = [] if topic.last is None else [topic.last]
+        topic.first = int(times[0]) if topic.first is None else topic.first
+        topic.last = int(times[-1])
+        topic.messages += len(times)
+        times = np.append(np.array(before, np.int64), times)
+        apart = np.diff(times)
+        if topic.interval is None and len(apart):
+            topic.interval = int(np.median(apart[:MOST_INTERVALS]))
+        if topic.interval is None:
+            return
+        least = self._gap if self._gap is not None else max(round(GAP * topic.interval), 1)
+        at = np.flatnonzero(apart >= least)
+        topic.gap_count += len(at)
+        topic.gap_length += int(apart[at].sum())
+        topic.gaps += zip(times[at].tolist(), apart[at].tolist(), strict=True)
+        if len(topic.gaps) > MOST_GAPS:
+            longest = sorted(topic.gaps, key=lambda one: -one[1])[:MOST_GAPS]
+            topic.gaps = sorted(longest)
+
+
+def per_second(topic: Topic) -> float | None:
+    """Messages a second while the topic was heard without a gap; None where there are too few to tell."""
+    if topic.first is None or topic.last is None or topic.messages < 2:
+        return None
+    heard = topic.last - topic.first - topic.gap_length
+    return (topic.messages - 1 - topic.gap_count) * SECOND / heard if heard > 0 else None

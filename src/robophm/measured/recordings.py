@@ -1,0 +1,137 @@
+"""Which recordings are looked at, and what of them: signals and their units."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from robophm.core.errors import SourceError, UnitError, nearest
+from robophm.core.signal import split_signal
+from robophm.core.units import quantity
+from robophm.transports.columns import Columns, read_columns, recorded_topics
+from robophm.transports.message_units import field_unit
+from robophm.transports.recording import SUFFIXES, fingerprint_of
+from robophm.transports.source import existing
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A recording, or several of one drive; nothing is open."""
+
+    name: str
+    paths: tuple[Path, ...]
+    topics: Mapping[str, tuple[str, tuple[str, ...]]]
+    """By topic: type of its messages, and numeric fields, ``[]`` for the index of an element."""
+
+    def has(self, signal: Signal) -> bool:
+        """Whether it has the field at all."""
+        return _element(signal.field) in self.topics.get(signal.topic, ("", ()))[1]
+
+    def columns(self, signals: Iterable[Signal], topics: Iterable[str] = ()) -> Columns:
+        """The samples of these signals, and when messages of these topics were received."""
+        return read_columns(self.paths, [signal.name for signal in signals], topics=topics)
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A field of a topic."""
+
+    name: str
+    topic: str
+    field: str
+    unit: str | None
+    """That its message type states; "" is a ratio, None is not known."""
+
+    def level(self, text: str, per: str = "") -> float:
+        """A written value in the signal's unit, or the change of it ``per`` a unit of time. Raises UnitError."""
+        try:
+            bare: float | None = float(text)
+        except ValueError:
+            bare = None
+        if self.unit is None:
+            if bare is None:
+                says = "its unit is not known; expected a bare number, as recorded"
+                raise UnitError(f"'{text[:60]}' for {self.name}: {says}{f', per {per}' if per else ''}")
+            return quantity(bare, "")
+        unit = f"{self.unit or '1'}/{per}" if per else self.unit
+        return quantity(text if unit or bare is None else bare, unit)
+
+    @property
+    def label(self) -> str:
+        """The signal with its unit, for people."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+def recordings(paths: Sequence[Path], *, together: bool = False) -> list[Recorded]:
+    """The recordings at these places, each for itself; ``together`` they are one drive.
+
+    A folder with metadata.yaml is one recording, any other has one in each file and each such folder in it.
+
+    Raises SourceError where one is missing, none, or given twice.
+    """
+    files = [file for path in paths for file in _within(existing(path))]
+    marks: dict[str, Path] = {}
+    for file in files:
+        other = marks.setdefault(fingerprint_of(file), file)
+        if other is not file:
+            raise SourceError(f"{other} and {file} are the same recording; expected it once")
+    found = [Recorded(str(file), (file,), recorded_topics(file)) for file in files]
+    if not together or len(found) < 2:
+        return found
+    topics = {topic: kind for one in reversed(found) for topic, kind in one.topics.items()}
+    return [Recorded(f"{found[0].name} …", tuple(files), dict(sorted(topics.items())))]
+
+
+def signal_of(name: str, found: Sequence[Recorded]) -> Signal:
+    """A signal by its name, ``/topic.field[2]``. Raises SourceError, with the nearest, where no recording has it."""
+    topics = {topic: kind for one in found for topic, kind in one.topics.items()}
+    topic, field = _split(name, topics)
+    if topic not in topics:
+        raise SourceError(f"no topic '{topic}' in what was recorded{nearest(topic, topics)}")
+    type_, fields = topics[topic]
+    signal = Signal(name, topic, field, field_unit(type_, field))
+    if not any(one.has(signal) for one in found):
+        if f"{field}[]" in fields:
+            raise SourceError(f"topic '{topic}' ({type_}) has an array in '{field}'; expected e.g. '{field}[0]'")
+        what = f"topic '{topic}' ({type_ or 'unknown type'}) has no number '{field}'"
+        raise SourceError(f"{what}{nearest(field, fields) if fields else '; it has none that can be read'}")
+    return signal
+
+
+def _split(name: str, topics: Mapping[str, tuple[str, tuple[str, ...]]]) -> tuple[str, str]:
+    try:
+        return split_signal(name)
+    except SourceError as error:
+        fields = [field for field in topics.get(name, ("", ()))[1] if not field.startswith("header.")]
+        if not fields:
+            raise
+        raise SourceError(f"{error}; e.g. '{name}.{fields[0]}'") from None
+
+
+def said(notes: Counter[str]) -> list[str]:
+    """Notes of a reading as lines for people."""
+    return [f"{what} ({count:,} times)" if count > 1 else what for what, count in sorted(notes.items())]
+
+
+def _within(path: Path) -> list[Path]:
+    if not path.is_dir():
+        if path.suffix not in SUFFIXES:
+            raise SourceError(f"{path}: not a recording; expected {', '.join(SUFFIXES)} or a folder of them")
+        return [path]
+    if (path / "metadata.yaml").exists():
+        return [path]
+    parts = sorted(
+        part
+        for part in path.iterdir()
+        if (part.suffix in SUFFIXES and part.is_file()) or (part / "metadata.yaml").is_file()
+    )
+    if not parts:
+        raise SourceError(f"{path}: holds no recording; expected {', '.join(SUFFIXES)} files or rosbag2 folders")
+    return parts
+
+
+def _element(field: str) -> str:
+    return re.sub(r"\[\d+\]", "[]", field)

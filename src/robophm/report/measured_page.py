@@ -1,0 +1,150 @@
+"""What was measured on one page: figures, courses, time at level; and the levels at which parts of a robot lived."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from itertools import takewhile
+
+import numpy as np
+
+from robophm.core.signal import HOUR, SECOND
+from robophm.measured.held import Floats
+from robophm.measured.levels import marginal, shares
+from robophm.measured.profile import Lived, Profile
+from robophm.measured.recordings import Signal
+from robophm.measured.series import Series
+from robophm.measured.statistics import Look
+from robophm.report.bars import bars_svg
+from robophm.report.curve import Line, curve_svg
+from robophm.report.markup import Html
+from robophm.report.page import figure, page, section, side_by_side, table_html
+from robophm.report.words import duration_text, moment_text, number_text, percent_text
+
+MOST_NAMED = 8
+"""Parts that are named one by one."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """One signal of one recording."""
+
+    recording: str
+    signal: Signal
+    look: Look
+
+
+def statistics_page(seen: Sequence[Seen], max_age: int, notes: Sequence[str]) -> Html:
+    """The whole page as HTML: each signal of each recording, whose values held ``max_age`` [ns] at most."""
+    return page("Measured data", _statistics(seen, max_age, notes))
+
+
+def profile_page(lived: Lived, source: str, notes: Sequence[str]) -> Html:
+    """The whole page as HTML: the levels at which the parts of a robot lived; ``source`` names the recordings."""
+    return page(f"Stress profile of {lived.robot.name}", _profile(lived, source, notes))
+
+
+def level_rows(begins: Floats, sums: Floats, width: float, unit: str) -> dict[str, float]:
+    """Shares of levels by their names, "20 – 22 degC"."""
+    names = [f"{number_text(low, 6)} – {number_text(low + width, 6)} {unit}".rstrip() for low in begins.tolist()]
+    return dict(zip(names, shares(sums).tolist(), strict=True))
+
+
+def where(profile: Profile) -> str:
+    """The part of a profile, or the module that all its parts are in, else the first of them."""
+    if len(profile.parts) == 1:
+        return profile.parts[0]
+    levels = zip(*(path.split("/")[:-1] for path in profile.parts), strict=False)
+    module = "/".join(names[0] for names in takewhile(lambda names: len(set(names)) == 1, levels))
+    count = len(profile.parts)
+    return f"{module}, {count} parts" if module else f"{profile.parts[0]} and {count - 1} more"
+
+
+def parts_text(profile: Profile) -> str:
+    """The parts of a profile, the first by name."""
+    more = len(profile.parts) - MOST_NAMED
+    return ", ".join(profile.parts[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+
+
+def _statistics(seen: Sequence[Seen], max_age: int, notes: Sequence[str]) -> Iterator[Html | str]:
+    yield f"A value holds until the next sample, and for {max_age / SECOND:g} s at most."
+    several = len({one.recording for one in seen}) > 1
+    columns = (*(["recording"] if several else []), "signal", "from", "known", "samples", "lowest", "mean", "highest",
+               "deviation")  # fmt: skip
+    rows = []
+    for one in seen:
+        for window in one.look.whole.so_far:
+            known = duration_text(window.held / HOUR)
+            figures = (window.lowest, window.mean, window.highest, window.deviation)
+            named = (*([one.recording] if several else []), one.signal.label)
+            rows.append((*named, moment_text(window.begin), known, f"{window.samples:,}", *figures))
+    yield section("In figures", table_html(columns, rows, align="l" * (len(columns) - 6) + "r" * 6))
+    for one in seen:
+        unit = one.signal.unit or ""
+        title = f"{one.signal.name} in {one.recording}" if several else one.signal.name
+        at = side_by_side(_course(one.look.series, unit), _at_level(one.look, unit))
+        yield section(title, at)
+    yield from _notes(notes)
+
+
+def _course(series: Series, unit: str) -> Html:
+    """Lowest and highest value of every stretch, in the order of time; nothing where nothing is known."""
+    begins, lowest, highest = series.columns
+    if not len(begins):
+        return figure(curve_svg([Line("", [], [])], title="Course", x_label="h", y_label=unit or "value"))
+    hours = (np.maximum(begins, series.begin) - series.begin) / HOUR
+    x, y = np.repeat(hours, 2), np.column_stack((lowest, highest)).ravel()
+    silent = np.flatnonzero(np.diff(begins) > series.width) + 1
+    between = (hours[silent - 1] + hours[silent]) / 2
+    x, y = np.insert(x, 2 * silent, between), np.insert(y, 2 * silent, np.nan)
+    drawn = curve_svg(
+        [Line("", x, y)], title="Course", x_label=f"h after {moment_text(series.begin)}", y_label=unit or "value",
+        width=520,
+    )  # fmt: skip
+    return figure(drawn, "The lowest and the highest value at every point; gaps are where nothing is known.")
+
+
+def _at_level(look: Look, unit: str) -> Html:
+    begins, hours = marginal(look.levels, 0)
+    rows = level_rows(begins, hours, float(look.levels.widths[0]), unit)
+    return figure(bars_svg({name: [share] for name, share in rows.items()}, ["time"], title="Time at level"))
+
+
+def _profile(lived: Lived, source: str, notes: Sequence[str]) -> Iterator[Html | str]:
+    on, whole = duration_text(lived.operating), duration_text(lived.calendar)
+    yield f"{lived.robot.name} in {source}: on for {on} of {whole}."
+    for profile in lived.profiles:
+        yield section(where(profile), *_levels(profile))
+    yield from _notes(notes)
+
+
+def _levels(profile: Profile) -> Iterator[Html | str]:
+    if len(profile.parts) > 1:
+        yield parts_text(profile)
+    yield f"{_counted(profile)}, mean stress factor {number_text(profile.factor)}."
+    drawings = []
+    for i, one in enumerate(profile.inputs):
+        begins, sums = marginal(profile.levels, i)
+        bars = level_rows(begins, sums, float(profile.levels.widths[i]), one.unit)
+        drawing = bars_svg({name: [share] for name, share in bars.items()}, ["share"], title=one.name)
+        drawings.append(figure(drawing, f"From {one.signal}; designed for {number_text(one.designed)} {one.unit}."))
+    yield side_by_side(*drawings)
+    columns = (*(f"{one.name} [{one.unit or 1}]" for one in profile.inputs), profile.unit, "share", "stress factor")
+    rows = [
+        (*typical, gone, percent_text(share), aged / gone)
+        for typical, (gone, aged), share in zip(
+            profile.typical.tolist(), profile.levels.sums.tolist(), profile.share.tolist(), strict=True
+        )
+    ]
+    yield table_html(columns, rows, "The values that stand for each level in a load to come", "r" * len(columns))
+
+
+def _counted(profile: Profile) -> str:
+    gone = number_text(float(profile.levels.sums[:, 0].sum()))
+    return f"{gone} {profile.unit} on the {profile.clock} clock"
+
+
+def _notes(notes: Iterable[str]) -> Iterator[Html]:
+    taken = (*notes, f"robophm {version('robophm')}.")
+    yield section("How it was taken", *(taken if notes else ("Every sample was taken.", *taken)))

@@ -1,0 +1,68 @@
+"""What a recording holds is what its messages, one after the other, say."""
+
+import itertools
+import statistics
+
+import pytest
+
+from robophm.core.signal import SECOND
+from robophm.measured.overview import MOST_GAPS, overview, per_second
+from robophm.measured.recordings import recordings
+from robophm.transports.recording import Recording
+
+from .plain import START, write
+
+
+def told(path):
+    with Recording(path) as recording:
+        topics = [info.topic for info in recording.topics()]
+        found = {topic: [] for topic in topics}
+        for received, topic, _ in recording.messages(topics, 1 << 20):
+            found[topic].append(received)
+        return recording.topics(), found
+
+
+def check(path):
+    (recorded,) = recordings([path])
+    infos, received = told(path)
+    seen = overview(recorded)
+    assert [(one.name, one.type, tuple(one.fields), one.messages, one.first, one.last) for one in seen.topics] == [
+        (info.topic, info.type, info.fields, info.messages, info.first, info.last) for info in infos
+    ]
+    for one in seen.topics:
+        times = received[one.name]
+        apart = [b - a for a, b in itertools.pairwise(times)]
+        if not apart:
+            continue
+        assert one.interval == int(statistics.median(apart))
+        gaps = [(a, wait) for a, wait in zip(times, apart, strict=False) if wait >= max(10 * one.interval, 1)]
+        longest = sorted(gaps, key=lambda gap: -gap[1])[:MOST_GAPS]
+        assert sorted(one.gaps) == sorted(longest)
+        assert one.gap_count == len(gaps)
+        assert one.gap_length == sum(length for _, length in gaps)
+    return seen
+
+
+def test_a_drive(tmp_path):
+    at = [0, 1, 2, 3, 40, 41, 42, 200]
+    messages = [(START + t * SECOND, START + t * SECOND if t % 2 else None, 1.0) for t in at]
+    messages += [(START + 300 * SECOND + i, None, 0.0) for i in range(3000)]
+    seen = check(write(tmp_path / "drive.mcap", messages, 200))
+    assert seen.topics[1].fields["temperature"] == "degC"
+
+
+@pytest.mark.parametrize("file", ["turtlesim.bag", "temperature.bag"])
+def test_recordings_of_others(shared, file):
+    check(shared / "recordings" / file)
+
+
+def test_a_day(day):
+    seen = overview(*recordings([day]), gap=20 * SECOND)
+    plan = next(one for one in seen.topics if one.name == "/ota/plan")
+    (_, received) = told(day)
+    times = received["/ota/plan"]
+    gaps = [(a, b - a) for a, b in itertools.pairwise(times) if b - a >= 20 * SECOND]
+    assert plan.gaps == gaps
+    heard = times[-1] - times[0] - sum(length for _, length in gaps)
+    if heard:
+        assert per_second(plan) == pytest.approx((len(times) - 1 - len(gaps)) * SECOND / heard)
