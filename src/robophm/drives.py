@@ -59,7 +59,7 @@ def drives_of(robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_mis
             fingerprint = source.fingerprint
         here = {info.topic: (info.type, info.fields) for info in infos}
         topics |= here
-        words = _missing(robot, here)
+        words = lacking(robot, here)
         signals = tuple(signal for signal in robot.signals if signal not in words)
         missing = {signal: words[signal] for signal in missing if signal in words}
         key = hashlib.sha256("\n".join((fingerprint, *sorted(signals))).encode()).hexdigest()
@@ -78,7 +78,7 @@ def bound(robot: Robot, topics: Mapping[str, Kind], *, skip_missing: bool) -> li
     """The same of topics that are known by what they hold."""
     if not robot.signals:
         raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
-    missing = _missing(robot, topics)
+    missing = lacking(robot, topics)
     _refuse(robot, missing, topics, skip_missing=skip_missing)
     return [signal for signal in robot.signals if signal not in missing]
 
@@ -91,7 +91,7 @@ def _refuse(robot: Robot, missing: Mapping[str, str], topics: Mapping[str, Kind]
         raise SourceError(f"the recording has none of the design's topics{hint}")
 
 
-def _missing(robot: Robot, topics: Mapping[str, Kind]) -> dict[str, str]:
+def lacking(robot: Robot, topics: Mapping[str, Kind]) -> dict[str, str]:
     """What a source lacks, in words, by bound signal. Raises SourceError where messages measure something else."""
     missing = {}
     for signal, unit in robot.signals.items():

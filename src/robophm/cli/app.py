@@ -226,6 +226,24 @@ def replay(
     _leave(run(design, recordings, store, report, unit, skip_missing=skip_missing, as_json=as_json))
 
 
+@app.command()
+def watch(
+    design: Design,
+    store: Annotated[
+        Path | None, typer.Option(help="keep the robot's past in this SQLite file, and go on from it")
+    ] = None,
+    journal: Annotated[Path | None, typer.Option(help="write every sample to the end of this journal")] = None,
+    period: Annotated[float, typer.Option(min=0.1, max=3600, help="seconds that are integrated at once")] = 1.0,
+    every: Annotated[float, typer.Option(min=0.1, help="seconds between two lines, off a terminal")] = 10.0,
+    unit: Unit = "1/h",
+    as_json: Json = False,
+) -> None:
+    """The health of a robot that runs, through ROS 1 (ROS_MASTER_URI), until it is interrupted."""
+    from robophm.cli.watch import run
+
+    _leave(run(design, store, journal, period, every, unit, as_json=as_json))
+
+
 @app.command("import-bom")
 def import_bom(
     source: Annotated[Path, typer.Argument(help="the parts list", metavar="PARTS.CSV|XLSX|ODS")],

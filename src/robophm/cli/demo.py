@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections import deque
 from pathlib import Path
 
-from rich.console import Group, RenderableType
 from rich.live import Live
-from rich.text import Text
 
-from robophm.cli.output import console, health_table, print_report, write
+from robophm.cli.live_table import LiveTable
+from robophm.cli.output import console, print_report, write
 from robophm.core.errors import RobophmError
 from robophm.core.signal import split_signal
 from robophm.design.file import load
@@ -23,7 +21,6 @@ from robophm.stores.sqlite import SqliteStore
 from robophm.transports.recording import Recording
 from robophm.transports.synthetic import SyntheticOta
 
-REDRAW = 0.25
 """Seconds between two looks at the live table."""
 
 
@@ -58,7 +55,7 @@ def run(output: Path, seed: int) -> None:
         f"recorded in {recording} ({recording.stat().st_size / 1e6:.1f} MB)", markup=False
     )  # fmt: skip
 
-    table = _LiveTable()
+    table = LiveTable()
     begun = time.monotonic()
     with Recording(recording) as source, SqliteStore(past) as store:
         if out.is_terminal:
@@ -87,27 +84,3 @@ def run(output: Path, seed: int) -> None:
     )
     write(page, health_page(robot, report, history))
     out.print(f"\nReport: {page.resolve()}", markup=False, soft_wrap=True)
-
-
-class _LiveTable:
-    """The health table as the replay goes, with the recent course of each module's hazard rate."""
-
-    def __init__(self) -> None:
-        self.course: dict[str, deque[float]] = {}
-        self.drawn = 0.0
-        self.cost = 0.0
-
-    def due(self) -> bool:
-        """Whether it is time to look again: looking takes a fifth of the time at most."""
-        return time.monotonic() - self.drawn >= max(REDRAW, 4 * self.cost)
-
-    def look(self, monitor: Monitor) -> RenderableType:
-        begun = time.monotonic()
-        report = monitor.report(settled=False)
-        self.drawn = time.monotonic()
-        self.cost = self.drawn - begun
-        for one in report.subjects:
-            if "/" not in one.path:
-                self.course.setdefault(one.path, deque(maxlen=24)).append(one.sensor_based.hazard_rate)
-        table = health_table(report, "1/h", course={path: sparkline(list(c), 24) for path, c in self.course.items()})
-        return Group(table, Text(f"{report.clocks['operating']:.1f} h of operation"))

@@ -1,0 +1,41 @@
+"""The health table of a robot that is watched, or replayed, as it goes."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from robophm.cli.output import health_table
+from robophm.monitor import Monitor
+from robophm.report.curve import sparkline
+
+REDRAW = 0.25
+"""Seconds between two looks, at least."""
+
+
+class LiveTable:
+    """The health table as the replay goes, with the recent course of each module's hazard rate."""
+
+    def __init__(self) -> None:
+        self.course: dict[str, deque[float]] = {}
+        self.drawn = 0.0
+        self.cost = 0.0
+
+    def due(self) -> bool:
+        """Whether it is time to look again: looking takes a fifth of the time at most."""
+        return time.monotonic() - self.drawn >= max(REDRAW, 4 * self.cost)
+
+    def look(self, monitor: Monitor, *, settled: bool = False) -> RenderableType:
+        """What to draw."""
+        begun = time.monotonic()
+        report = monitor.report(settled=settled)
+        self.drawn = time.monotonic()
+        self.cost = self.drawn - begun
+        for one in report.subjects:
+            if "/" not in one.path:
+                self.course.setdefault(one.path, deque(maxlen=24)).append(one.sensor_based.hazard_rate)
+        table = health_table(report, "1/h", course={path: sparkline(list(c), 24) for path, c in self.course.items()})
+        return Group(table, Text(f"{report.clocks['operating']:.1f} h of operation"))

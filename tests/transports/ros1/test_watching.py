@@ -1,0 +1,153 @@
+"""``robophm watch`` beside a real roscore: what was heard is in the ledger and the journal, however it ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from robophm.core.signal import CLOCK
+from robophm.design.file import parse
+from robophm.design.robot import Robot
+from robophm.replaying import replay
+from robophm.stores.memory import MemoryStore
+from robophm.stores.sqlite import SqliteStore
+from robophm.transports.journal import JournalRecording
+
+from .conftest import System, within
+
+DESIGN = """
+schema_version: 1
+name: R
+signals: {temperature: {topic: /motor, field: temperature, unit: degC, max_age: 10 s, range: [-40, 125]}}
+components: {motor: {rate: 0.01 /h, acceleration: {model: q10, reference_temperature: 25 degC}}}
+"""
+
+TALKER = """
+rospy.init_node("motor", anonymous=True)
+out = rospy.Publisher("/motor", Temperature, queue_size=10)
+say("ready")
+while not rospy.is_shutdown():
+    out.publish(Temperature(header=Header(stamp=rospy.Time.now()), temperature=35.0)); rospy.sleep(0.05)
+"""
+
+
+def start(ros: System, folder: Path, *words: str) -> subprocess.Popen[str]:
+    (folder / "robot.yaml").write_text(DESIGN)
+    return subprocess.Popen(
+        [sys.executable, "-m", "robophm", "watch", "robot.yaml", "--store", "past.db", *words],
+        cwd=folder, env=os.environ | ros.environment | {"PATH": os.environ["PATH"]}, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+
+
+def spoken(path: Path) -> int:
+    """How many samples of the robot a journal has so far."""
+    if not path.exists():
+        return 0
+    return sum(1 for line in path.read_text().splitlines() if line.endswith(" /motor.temperature") and line[0] != "#")
+
+
+def ended(process: subprocess.Popen[str], how: signal.Signals) -> tuple[int, str, str]:
+    process.send_signal(how)
+    said, warned = process.communicate(timeout=30)
+    return process.returncode, said, warned
+
+
+@pytest.fixture
+def robot() -> Robot:
+    return parse(DESIGN)
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_a_journal_replayed_gives_the_ledger_bit_for_bit(
+    ros: System, robot: Robot, tmp_path: Path, how: signal.Signals
+) -> None:
+    journal = tmp_path / "run.journal"
+    ros.talk(TALKER)
+    process = start(ros, tmp_path, "--journal", "run.journal", "--json", "--every", "1")
+    try:
+        within(30, lambda: spoken(journal) > 100)
+    finally:
+        code, said, warned = ended(process, how)
+    assert code == 0, warned
+    documents = [json.loads(line) for line in said.replace("}\n{", "}\x00{").split("\x00")]
+    assert len(documents) > 2
+    assert documents[-1]["subjects"][0]["sensor_based"]["hazard_rate"] == pytest.approx(0.02, rel=1e-9)
+    replayed = MemoryStore()
+    report = replay(robot, journal, store=replayed, period=1.0)
+    with SqliteStore(tmp_path / "past.db") as store:
+        assert store.ledger("R") == replayed.ledger("R")
+    assert documents[-1]["clocks"] == report.to_json()["clocks"]
+    heard = list(JournalRecording(journal).samples(["/motor.temperature"]))
+    assert sum(sample.signal == CLOCK for sample in heard) >= 2
+
+
+def test_it_goes_on_where_it_was(ros: System, robot: Robot, tmp_path: Path) -> None:
+    ros.talk(TALKER)
+    operating = []
+    for words in (("--journal", "one.journal"), ("--journal", "two.journal")):
+        process = start(ros, tmp_path, *words)
+        try:
+            within(30, lambda words=words: spoken(tmp_path / words[1]) > 60)  # type: ignore[misc]
+        finally:
+            code, said, warned = ended(process, signal.SIGTERM)
+        assert code == 0, warned
+        assert "Health of R" in said
+        with SqliteStore(tmp_path / "past.db") as store:
+            ledger = store.ledger("R")
+        assert ledger
+        operating.append(ledger["totals"]["clocks"][0][0])
+    assert operating[1] > operating[0] + 2 / 3600
+
+
+def test_a_topic_that_nobody_publishes_is_waited_for(system: System, tmp_path: Path) -> None:
+    system.start_master()  # one that has never heard of it
+    process = start(system, tmp_path, "--journal", "run.journal")
+    try:
+        within(30, lambda: (tmp_path / "run.journal").exists())
+        time.sleep(2)
+        system.talk(TALKER)
+        within(30, lambda: spoken(tmp_path / "run.journal") > 20)
+    finally:
+        code, _, warned = ended(process, signal.SIGTERM)
+    assert code == 0, warned
+    assert "nobody publishes yet '/motor'" in warned
+
+
+def test_no_master(tmp_path: Path, ros: System) -> None:
+    (tmp_path / "robot.yaml").write_text(DESIGN)
+    done = subprocess.run(
+        [sys.executable, "-m", "robophm", "watch", "robot.yaml", "--store", "past.db"],
+        cwd=tmp_path, env=os.environ | {"ROS_MASTER_URI": "http://127.0.0.1:1", "ROS_IP": "127.0.0.1"},
+        capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert done.returncode != 0
+    assert done.stderr.startswith("error: no ROS master")
+    assert len(done.stderr.splitlines()) == 1
+    assert not (tmp_path / "past.db").exists()
+
+
+def test_a_ledger_ahead_of_the_clock_is_refused(ros: System, robot: Robot, tmp_path: Path) -> None:
+    ahead = time.time_ns() + 3600 * 10**9
+    (tmp_path / "ahead.csv").write_text(f"time,/motor.temperature\n{ahead // 10**9},30\n{ahead // 10**9 + 100},30\n")
+    with SqliteStore(tmp_path / "past.db") as store:
+        replay(robot, tmp_path / "ahead.csv", store=store)
+    with sqlite3.connect(tmp_path / "past.db") as base:
+        before = base.execute("SELECT state FROM ledger").fetchone()
+    base.close()
+    ros.talk(TALKER)
+    process = start(ros, tmp_path)
+    _, warned = process.communicate(timeout=60)
+    assert process.returncode != 0
+    assert "ahead of what is heard" in warned
+    with sqlite3.connect(tmp_path / "past.db") as base:
+        assert base.execute("SELECT state FROM ledger").fetchone() == before
+    base.close()
