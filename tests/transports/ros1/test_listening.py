@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 import time
@@ -98,8 +99,8 @@ rospy.spin()
     signals = ["/bag/joints.position[1]", "/bag/joints.header.seq", "/bag/level.data"]
     heard = Heard(live, *signals)
     within(15, lambda: len(heard.of("/bag/level.data")) == 200 and len(heard.of("/bag/joints.header.seq")) == 200)
-    recorder.send_signal(signal.SIGINT)
-    recorder.wait(20)
+    os.killpg(recorder.pid, signal.SIGINT)
+    within(20, lambda: (tmp_path / "drive.bag").exists())  # it has another name until it is closed
     with Recording(tmp_path / "drive.bag") as recording:
         recorded = list(recording.samples(signals))
         for name in signals:
