@@ -130,6 +130,14 @@ def test_we_hear_what_we_publish(ros: System, live: Ros1) -> None:
         assert heard.of("/own.inner[1].value") == [2.5]
 
 
+def test_a_publishing_node_retires_when_it_is_killed(ros: System) -> None:
+    with Node("/robophm_retiring", ros.uri) as node, Publisher(node, "/retiring", "std_msgs/Float64"):
+        within(5, lambda: "/robophm_retiring" in ros.run("/usr/bin/rosnode", "list").split())
+        ros.run("/usr/bin/rosnode", "kill", "/robophm_retiring")
+        within(5, lambda: "/robophm_retiring" not in ros.run("/usr/bin/rosnode", "list").split())
+        assert node.notes["ended through ROS"] == 1
+
+
 def test_mistakes_of_ours_are_one_line(ros: System) -> None:
     with pytest.raises(SourceError, match="is not the name of a ROS node"):
         Node("no name", ros.uri)
