@@ -208,6 +208,18 @@ def test_recordings_that_nobody_here_made(shared: Path, name: str) -> None:
     assert in_order(stores[0].ledger("R")) == in_order(stores[1].ledger("R"))
 
 
+def test_a_block_may_have_nothing_of_a_signal() -> None:
+    """As where no message in it has the element that is asked for."""
+    monitor = Monitor(shop(5, 60, "nominal", powered=False))
+    life = VirtualLife(monitor)
+    nothing = Heard(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))
+    for minute in range(5):
+        times = START + (minute * 60 + np.arange(60)) * SECOND
+        life.observe({"/a.t": Heard(times, times, np.full(60, 30.0)), "/b.v": nothing})
+    life.finish()
+    assert monitor.report().clocks["calendar"] * 3600 == pytest.approx(299, rel=1e-12)
+
+
 def test_a_flood_is_bounded_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stamps that stand still, then time that goes on: the open period is integrated before it is over."""
     monkeypatch.setattr(virtual_life, "MOST_WAITING", 500)

@@ -43,7 +43,8 @@ class VirtualLife:
     def observe(self, block: Mapping[str, Heard]) -> None:
         """Take samples that arrived after those of the block before."""
         for signal, heard in block.items():
-            self._new.setdefault(signal, []).append(heard)
+            if len(heard.times):
+                self._new.setdefault(signal, []).append(heard)
         if sum(len(heard.times) for parts in self._new.values() for heard in parts) >= ENOUGH:
             self._go_on()
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import struct
 from array import array
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -83,6 +83,8 @@ class BagFile(ChunkedFile):
         self.chunks: list[Chunk] = []
         self._defined: dict[int, tuple[str, str, str]] = {}
         self._counts: Counter[int] = Counter()
+        self._told: dict[int, dict[int, int]] = {}
+        """By where a chunk ends, how many messages of each connection its info counts."""
         header = _Record(HEADER, {}, 0, 0)
         with suppress(DamageError):  # said when the index is looked for
             header = _record(self.content, len(MAGIC), MOST_TIME)
@@ -95,6 +97,7 @@ class BagFile(ChunkedFile):
             self.chunks.clear()
             self._defined.clear()
             self._counts.clear()
+            self._told.clear()
             self._look_through(header)
         self.connections = self._connections()
 
@@ -102,7 +105,10 @@ class BagFile(ChunkedFile):
         """The index record of this connection, among those that begin at this place."""
         for record in self._indices(offset):
             if record.number(b"conn") == connection:
-                return self._entries(record)
+                entries = self._entries(record)
+                if len(entries) != self._told.get(offset, {}).get(connection, len(entries)):
+                    raise DamageError("not as many as its chunk's info counts")
+                return entries
         raise DamageError("damage")
 
     def _entries(self, record: _Record) -> NDArray[Any]:
@@ -233,13 +239,20 @@ class BagFile(ChunkedFile):
             if chunk.offset in offsets:
                 raise DamageError(f"another chunk's info at byte {position}")
             offsets.add(chunk.offset)
-            begun = next(self._indices(chunk.end), None)
-            agree = begun is None or begun.number(b"conn") in counts  # else one of the two lies
-            indices = dict.fromkeys(counts, chunk.end) if agree else None
+            self._told[chunk.end] = counts
+            indices = dict.fromkeys(counts, chunk.end) if self._agrees(chunk, counts) else None
             self.chunks.append(replace(chunk, first=first, last=last, indices=indices))
             position = record.end
         if position != self.size:
             raise DamageError(f"{self.size - position} bytes behind it")
+
+    def _agrees(self, chunk: Chunk, counts: Mapping[int, int]) -> bool:
+        """Whether a chunk's own index is of a connection that its info counts: else one of the two lies."""
+        try:
+            first = next(self._indices(chunk.end), None)
+            return first is None or first.number(b"conn") in counts
+        except DamageError:
+            return False
 
     def _look_through(self, header: _Record) -> None:
         """Find chunks from record to record; connections and times in them, where no index says them."""
