@@ -358,7 +358,7 @@ values = []
 threading.Thread(target=lambda: values.extend(s for s in samples if s.signal != "clock")).start()
 sys.stdin.readline()
 (peak,) = [l.split()[1] for l in pathlib.Path("/proc/self/status").read_text().splitlines() if l.startswith("VmHWM")]
-print(json.dumps({"peak": int(peak), "notes": source.notes, "values": len(values)}), flush=True)
+print(json.dumps({"peak": int(peak), "notes": source.notes.copy(), "values": len(values)}), flush=True)
 source.close()
 """
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import subprocess
+import os
+import signal
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from robophm.core.errors import SourceError
+from robophm.transports.recording import Recording
 from robophm.transports.ros1 import Node, Publisher, Ros1
 from robophm.transports.ros1.definition import known_definition, md5_of
 
@@ -107,7 +110,7 @@ rospy.Subscriber("/wide", String, lambda m: None); say("ready"); rospy.spin()
 """)
     with Node(None, ros.uri) as node, Publisher(node, "/wide", "std_msgs/String") as out:
         within(10, lambda: out.subscribers == 1)
-        slow.send_signal(subprocess.signal.SIGSTOP)
+        slow.send_signal(signal.SIGSTOP)
         message = out.types["std_msgs/msg/String"](data="x" * 100_000)
         begun = time.monotonic()
         for _ in range(400):
@@ -128,6 +131,28 @@ def test_we_hear_what_we_publish(ros: System, live: Ros1) -> None:
         heard = Heard(live, "/own.rates[1]", "/own.inner[1].value")
         within(5, lambda: len(heard.samples) >= 2 and heard.of("/own.rates[1]") == [2e-5])
         assert heard.of("/own.inner[1].value") == [2.5]
+
+
+def test_rosbag_which_is_roscpp_records_what_we_publish(ros: System, tmp_path: Path) -> None:
+    with Node(None, ros.uri) as node, Publisher(node, "/to/bag", "std_msgs/Float64") as out:
+        recorder = ros.start("/usr/bin/rosbag", "record", "-O", str(tmp_path / "own.bag"), "/to/bag")
+        within(10, lambda: out.subscribers == 1)
+        for number in range(50):
+            out.publish(out.types["std_msgs/msg/Float64"](data=number / 3))
+        time.sleep(0.5)  # the recorder does not say what it has
+        os.killpg(recorder.pid, signal.SIGINT)
+        within(20, lambda: (tmp_path / "own.bag").exists())
+        with Recording(tmp_path / "own.bag") as recording:
+            values = [sample.value for sample in recording.samples(["/to/bag.data"])]
+        assert values == [number / 3 for number in range(50)]
+
+
+def test_a_publishing_node_retires_when_it_is_killed(ros: System) -> None:
+    with Node("/robophm_retiring", ros.uri) as node, Publisher(node, "/retiring", "std_msgs/Float64"):
+        within(5, lambda: "/robophm_retiring" in ros.run("/usr/bin/rosnode", "list").split())
+        ros.run("/usr/bin/rosnode", "kill", "/robophm_retiring")
+        within(5, lambda: "/robophm_retiring" not in ros.run("/usr/bin/rosnode", "list").split())
+        assert node.notes["ended through ROS"] == 1
 
 
 def test_mistakes_of_ours_are_one_line(ros: System) -> None:

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import threading
+
 from robophm.core.signal import SECOND
 from robophm.transports.ros1 import Node, Publisher, Ros1
+from robophm.transports.ros1.xmlrpc import call
 
 from .conftest import Heard, System, within
 
@@ -18,6 +23,7 @@ while True:
 
 
 def test_a_master_that_is_started_anew(system: System) -> None:
+    """Ten seconds, for roscore takes three to start, twice."""
     system.start_master()
     system.talk(COUNTING)
     with Ros1(system.uri) as source, Node("/robophm_health", system.uri) as node:
@@ -40,6 +46,29 @@ out = rospy.Publisher("/after", Float64, queue_size=1, latch=True); out.publish(
             within(5, lambda: "/health" in system.run("/usr/bin/rostopic", "list").split())
             assert "/robophm_" in system.run("/usr/bin/rostopic", "info", "/count")
         assert source.notes["connection lost on /count"] == 0
+
+
+def test_a_master_that_hangs_holds_up_nothing(system: System) -> None:
+    system.start_master()
+    system.talk(COUNTING)
+    before = set(threading.enumerate())
+    source = Ros1(system.uri)
+    heard = Heard(source, "/count.temperature")
+    within(5, lambda: len(heard.of("/count.temperature")) > 20)
+    master = call(system.uri, "getPid", "/test")
+    os.kill(master, signal.SIGSTOP)
+    try:
+        within(8, lambda: source.notes["master lost"] == 1)
+        known = len(heard.of("/count.temperature"))
+        within(5, lambda: len(heard.of("/count.temperature")) > known + 50)
+        closing = threading.Thread(target=source.close)
+        closing.start()
+        heard.join(0.5)
+        assert not heard.is_alive()
+        closing.join(10)
+        assert set(threading.enumerate()) <= before
+    finally:
+        os.kill(master, signal.SIGCONT)
 
 
 def test_a_publisher_that_is_killed_and_started_anew(ros: System, live: Ros1) -> None:

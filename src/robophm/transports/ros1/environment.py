@@ -23,7 +23,7 @@ class PeerError(SourceError):
 
 
 class Notes(Counter[str]):
-    """Counts that several threads add to."""
+    """Counts that several threads add to; to go through them meanwhile, go through a ``copy()``."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -33,6 +33,11 @@ class Notes(Counter[str]):
         """Count once more, or several times."""
         with self._lock:
             self[text] += count
+
+    def copy(self) -> Counter[str]:  # type: ignore[override]
+        """What is counted so far."""
+        with self._lock:
+            return Counter(self)
 
 
 @dataclass(frozen=True)

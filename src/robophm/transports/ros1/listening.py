@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from operator import attrgetter
 
@@ -79,7 +80,7 @@ class Listening:
         self._types: dict[str, str] = {}
         """The md5 sum of what was last heard on a topic."""
         self._pool = ThreadPoolExecutor(CONNECTORS, f"ros1 {node.name} connecting")
-        self._closed = False
+        self._closed = self._registered = False
         for topic in self._wanted:
             node.subscribe(topic, self._hearer(topic))
         node.bus = self._bus
@@ -88,7 +89,7 @@ class Listening:
     def start(self, seconds: float) -> None:
         """Register, and wait until what is published now is connected. Raises SourceError where a wish is wrong."""
         self._node.register()
-        self._node.loop.post(self._settle)
+        self._node.loop.post(self._all_registered)
         self.settled.wait(seconds)
         if self.mistake:
             raise self.mistake
@@ -176,9 +177,9 @@ class Listening:
                 key = topic, uri
                 if key in self._streams or key in self._connecting or self._failures.get(key, (0, 0.0))[1] > now:
                     continue
-                if not self._closed:
-                    self._connecting.add(key)
+                with suppress(RuntimeError):  # closed
                     self._pool.submit(self._connect, topic, uri)
+                    self._connecting.add(key)
 
     def _connect(self, topic: str, uri: str) -> None:
         """In a thread of the pool: all that may take its time."""
@@ -209,7 +210,7 @@ class Listening:
 
     def _failed(self, key: tuple[str, str]) -> None:
         times = self._failures.get(key, (0, 0.0))[0]
-        self._failures[key] = times + 1, time.monotonic() + min(FIRST_WAIT * 2**times, LONGEST_WAIT)
+        self._failures[key] = times + 1, time.monotonic() + wait_after(times)
         self._node.renew(key[0])
 
     def _connected(self, key: tuple[str, str], connection: socket.socket, reading: Reading) -> None:
@@ -227,10 +228,19 @@ class Listening:
         self._node.loop.add(stream)
         self._settle()
 
+    def _all_registered(self) -> None:
+        self._registered = True
+        self._settle()
+
     def _settle(self) -> None:
-        if not self._connecting:
+        if self._registered and not self._connecting:
             self.settled.set()
 
     def _bus(self) -> list[list[object]]:
         streams = enumerate(self._streams.items())
         return [[number, uri, "i", "TCPROS", topic, 1] for number, ((topic, uri), _) in streams]
+
+
+def wait_after(failures: int) -> float:
+    """Seconds before a connection is tried again."""
+    return min(FIRST_WAIT * 2.0 ** min(failures, 30), LONGEST_WAIT)

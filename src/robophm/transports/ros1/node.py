@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import re
 import threading
 import time
@@ -49,7 +50,7 @@ class Node:
         """By topic: who wants to know its publishers."""
         self.published: dict[str, Publisher] = {}
         self.told_to_end: Callable[[], None] = lambda: None
-        """What happens when the master, or ``rosnode kill``, ends the node."""
+        """What happens when the node retires."""
         self.bus: Callable[[], list[list[Any]]] = list
         """Its connections, as getBusInfo has them."""
         self._registering = threading.Lock()
@@ -58,7 +59,7 @@ class Node:
         """Topics whose publisher the master knows from us, not from one of our name that ended without a word."""
         self._publishers: dict[str, frozenset[str]] = {}
         self._away = False
-        self._closed = False
+        self._closed = self._retired = False
         self._woken = threading.Event()
         self.loop = Loop(f"ros1 {self.name}", self.notes)
         slave = Slave(self)
@@ -86,10 +87,11 @@ class Node:
 
     def unpublish(self, topic: str) -> None:
         """It is published no longer."""
-        self._registered.discard(topic)
-        if self.published.pop(topic, None) and not self._away:
-            with suppress(PeerError):
-                self.ask("unregisterPublisher", topic, self.uri)
+        with self._registering:
+            self._registered.discard(topic)
+            if self.published.pop(topic, None) and not (self._away or self._closed):
+                with suppress(PeerError):
+                    self.ask("unregisterPublisher", topic, self.uri)
 
     def renew(self, topic: str | None = None) -> None:
         """Look at once what the master knows; of this topic also whether its publishers have moved."""
@@ -103,14 +105,14 @@ class Node:
             self._closed = True
             self._woken.set()
             self._keeper.join()
-            try:  # one that does not answer is not asked again
-                for topic in self.subscribed:
-                    self.ask("unregisterSubscriber", topic, self.uri)
-                for topic in self.published:
-                    self.ask("unregisterPublisher", topic, self.uri)
-            except PeerError:
-                self.notes.add("master not reachable to unregister")
             self.loop.close()
+
+    def retire(self) -> None:
+        """The master, or ``rosnode kill``, ends the node: it unregisters, and whoever has it is told."""
+        self.notes.add("ended through ROS")
+        self._retired = True
+        self._woken.set()
+        self.told_to_end()
 
     def __enter__(self) -> Self:
         return self
@@ -138,7 +140,7 @@ class Node:
                 self._publishers[topic] = known
 
     def _keep(self) -> None:
-        while not self._closed:
+        while not (self._closed or self._retired):
             self._woken.clear()
             try:
                 self.register()
@@ -146,9 +148,22 @@ class Node:
                 if not self._away:
                     self.notes.add("master lost")
                 self._away = True
+            except Exception:
+                self.notes.add("internal error")
+                logging.getLogger(__name__).exception("in the registration of %s", self.name)
             else:
                 if self._away:
                     self.notes.add("master came back")
                 self._away = False
             time.sleep(0.05)  # however often it is woken
-            self._woken.wait(POLL_SECONDS)
+            self._woken.wait(0 if self._closed or self._retired else POLL_SECONDS)
+        self._unregister()
+
+    def _unregister(self) -> None:
+        try:  # one that does not answer is not asked again
+            for topic in list(self.subscribed):
+                self.ask("unregisterSubscriber", topic, self.uri)
+            for topic in list(self.published):
+                self.ask("unregisterPublisher", topic, self.uri)
+        except PeerError:
+            self.notes.add("master not reachable to unregister")

@@ -100,7 +100,7 @@ class _Methods:
         return 1, "", 0
 
     def shutdown(self, _: str, __: str = "") -> tuple[int, str, int]:
-        self._node.told_to_end()
+        self._node.retire()
         return 1, "shutdown", 0
 
     def publisherUpdate(self, _: str, topic: str, publishers: list[str]) -> tuple[int, str, int]:  # noqa: N802

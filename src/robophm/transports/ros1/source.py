@@ -128,7 +128,7 @@ class _Run:
         self._over = False
         self._closing = threading.Lock()
         self._node = Node(master=master, notes=notes)
-        self._node.told_to_end = self._told_to_end
+        self._node.told_to_end = lambda: self._waiting.put(None)
         try:
             simulated = self._node.ask("getParam", "/use_sim_time") is True
         except PeerError:  # it is not set
@@ -141,11 +141,13 @@ class _Run:
             while (sample := self._waiting.get()) is not None and not self._over:
                 yield sample
         finally:
-            self.close()
+            if not self._over:  # otherwise somebody else is closing, which may take longer
+                self.close()
 
     def close(self) -> None:
         """Let go of all."""
-        self._end()
+        self._over = True
+        self._waiting.put(None)
         with self._closing:  # who comes second returns when it is done
             self.listening.close()
             self._node.close()
@@ -158,11 +160,3 @@ class _Run:
         else:
             for sample in samples:
                 self._waiting.put(sample)
-
-    def _told_to_end(self) -> None:
-        self._notes.add("ended through ROS")
-        self._end()
-
-    def _end(self) -> None:
-        self._over = True
-        self._waiting.put(None)
