@@ -46,6 +46,12 @@ class Result(NamedTuple):
     """Bytes that the process has had at most so far, all in all."""
 
 
+def peak() -> int:
+    """Bytes of memory that this process has had at most; ru_maxrss begins with what the process had that started it."""
+    status = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
+    return next(int(line.split()[1]) * 1024 for line in status.splitlines() if line.startswith("VmHWM"))
+
+
 def examine(format_: str, number: int, seed: int, folder: Path) -> Iterator[Result]:
     """First that it is begun with, then what became of it; where peers are asked a second beginning between."""
     damaged = mutant(format_, number, seed)
@@ -55,7 +61,7 @@ def examine(format_: str, number: int, seed: int, folder: Path) -> Iterator[Resu
     begun = time.process_time()
     verdict, ours = judge(damaged, path)
     seconds = time.process_time() - begun
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    memory = peak()
     result = Result(format_, number, verdict.outcome, verdict.fault, seconds, (), memory)
     if number % PEERS_EVERY == 0 and not verdict.fault:
         yield result._replace(outcome=verdict.outcome + _PEERS)
