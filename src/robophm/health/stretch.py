@@ -243,6 +243,7 @@ class Stretch:
         if len(resting) and self.start < self.end:
             ledger.off = int(self.operating.edges[resting[-1] + 1])
         ledger.integrated_to = self.end
+        self._grids.clear()  # they know the stretch: what knows one another would stay until all memory is looked through
 
 
 class Operating:
