@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import math
 import random
@@ -25,6 +26,7 @@ from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger, Total
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, outlooks
+from robophm.health.stretch import Stretch
 from robophm.monitor import WINDOW, Monitor
 
 START = 1_700_000_000 * SECOND
@@ -496,3 +498,15 @@ def test_what_was_heard_in_the_first_instant_counts_from_it() -> None:
     exposure.integrate(ledger, [Sample(START, "/power.on", 1.0)], START)
     exposure.integrate(ledger, [], START + 2 * HOUR)
     assert ledger.clocks.value.tolist() == [2.0, 2.0]
+
+
+def test_nothing_of_a_stretch_stays() -> None:
+    """Not even until Python looks for what refers to one another: a year of stretches takes the memory of one."""
+    design = shop(dict.fromkeys(SCHEDULES, 5 * SECOND), "nominal", 5 * SECOND, powered=True)
+    gc.collect()
+    gc.disable()
+    try:
+        monitor(design, SAMPLES[:500], period=10).report()
+        assert [one for one in gc.get_objects() if isinstance(one, Stretch)] == []
+    finally:
+        gc.enable()
