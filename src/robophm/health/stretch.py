@@ -243,7 +243,7 @@ class Stretch:
         if len(resting) and self.start < self.end:
             ledger.off = int(self.operating.edges[resting[-1] + 1])
         ledger.integrated_to = self.end
-        self._grids.clear()  # they know the stretch: what knows one another would stay until all memory is looked through
+        self._grids.clear()  # they know the stretch, and would stay until Python looks for cycles
 
 
 class Operating:
