@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from functools import partial
 from pathlib import Path
 
 from robophm.core.errors import SourceError, UnitError, nearest
-from robophm.core.signal import split_signal
+from robophm.core.signal import any_element, split_signal
 from robophm.core.units import conversion
 from robophm.design.robot import Robot
 from robophm.transports.message_units import field_unit
@@ -97,11 +96,10 @@ def lacking(robot: Robot, topics: Mapping[str, Kind]) -> dict[str, str]:
     for signal, unit in robot.signals.items():
         topic, field = split_signal(signal)
         type_, fields = topics.get(topic, ("", ()))
-        element = re.sub(r"\[\d+\]", "[]", field)
         if topic not in topics:
             missing[signal] = f"the recording has no topic '{topic}'{nearest(topic, topics)}"
             continue
-        if fields and element not in fields and field not in fields:
+        if fields and any_element(field) not in fields and field not in fields:
             missing[signal] = f"topic '{topic}' ({type_}) has no number '{field}'{nearest(field, fields)}"
             continue
         measured = field_unit(type_, field)

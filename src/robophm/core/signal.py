@@ -51,3 +51,8 @@ def split_signal(signal: str) -> tuple[str, str]:
     if not dot or not _FIELD.match(field):
         raise SourceError(f"signal '{signal}' names no field; expected '/topic.field'")
     return topic, field
+
+
+def any_element(field: str) -> str:
+    """A field path for any index: ``effort[]`` for ``effort[2]``."""
+    return re.sub(r"\[\d+\]", "[]", field)

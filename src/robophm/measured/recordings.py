@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from robophm.core.errors import SourceError, UnitError, nearest
-from robophm.core.signal import split_signal
+from robophm.core.signal import any_element, split_signal
 from robophm.core.units import quantity
 from robophm.transports.columns import Columns, read_columns, recorded_topics
 from robophm.transports.message_units import field_unit
-from robophm.transports.recording import SUFFIXES, fingerprint_of
+from robophm.transports.recording import fingerprint_of, parts_of
 from robophm.transports.source import existing
 
 
@@ -28,7 +27,7 @@ class Recorded:
 
     def has(self, signal: Signal) -> bool:
         """Whether it has the field at all."""
-        return _element(signal.field) in self.topics.get(signal.topic, ("", ()))[1]
+        return any_element(signal.field) in self.topics.get(signal.topic, ("", ()))[1]
 
     def columns(self, signals: Iterable[Signal], topics: Iterable[str] = ()) -> Columns:
         """The samples of these signals, and when messages of these topics were received."""
@@ -72,7 +71,7 @@ def recordings(paths: Sequence[Path], *, together: bool = False) -> list[Recorde
 
     Raises SourceError where one is missing, none, or given twice.
     """
-    files = [file for path in paths for file in _within(existing(path))]
+    files = [file for path in paths for file in parts_of(existing(path))]
     marks: dict[str, Path] = {}
     for file in files:
         other = marks.setdefault(fingerprint_of(file), file)
@@ -114,24 +113,3 @@ def _split(name: str, topics: Mapping[str, tuple[str, tuple[str, ...]]]) -> tupl
 def said(notes: Counter[str]) -> list[str]:
     """Notes of a reading as lines for people."""
     return [f"{what} ({count:,} times)" if count > 1 else what for what, count in sorted(notes.items())]
-
-
-def _within(path: Path) -> list[Path]:
-    if not path.is_dir():
-        if path.suffix not in SUFFIXES:
-            raise SourceError(f"{path}: not a recording; expected {', '.join(SUFFIXES)} or a folder of them")
-        return [path]
-    if (path / "metadata.yaml").exists():
-        return [path]
-    parts = sorted(
-        part
-        for part in path.iterdir()
-        if (part.suffix in SUFFIXES and part.is_file()) or (part / "metadata.yaml").is_file()
-    )
-    if not parts:
-        raise SourceError(f"{path}: holds no recording; expected {', '.join(SUFFIXES)} files or rosbag2 folders")
-    return parts
-
-
-def _element(field: str) -> str:
-    return re.sub(r"\[\d+\]", "[]", field)
