@@ -30,6 +30,24 @@ MOST_REPORTS = 1000
 """Reports that are kept of one replay, unless more are asked for."""
 
 
+class Course:
+    """The reports of a robot's time that are to be kept: after the first tick, and after the first in every step."""
+
+    def __init__(self, step: int, ledger: Ledger | None) -> None:
+        """``step`` [ns]; a ledger that is gone on from has its report."""
+        self.reports: list[dict[str, Any]] = []
+        """Not yet saved."""
+        self._step = step
+        self._reported = ledger.integrated_to if ledger else None
+
+    def follow(self, monitor: Monitor) -> None:
+        """Take a report where it is time to."""
+        now = monitor.ledger.integrated_to or 0
+        if self._reported is None or now // self._step > self._reported // self._step:
+            self.reports.append(monitor.report(remaining_life=False, settled=False).to_json())
+        self._reported = now
+
+
 def replay(
     robot: Robot,
     recorded: Recorded | Sequence[Recorded],
@@ -95,24 +113,21 @@ def _go_through(
     if ledger and ledger.integrated_to is not None and not progress.position:
         _not_before(drive, ledger.integrated_to)
     position = progress.position
-    reported = ledger.integrated_to if ledger else None
-    reports: list[dict[str, Any]] = []
+    course = Course(step, ledger)
     saved = time.monotonic()
 
     def save(*, complete: bool) -> None:
         nonlocal saved
         if store:
             state = Progress(drive.key, position, complete, decided + source.notes)
-            store.save(robot.name, monitor.ledger.to_json(), state, reports)
-            reports.clear()
+            store.save(robot.name, monitor.ledger.to_json(), state, course.reports)
+            course.reports.clear()
             saved = time.monotonic()
 
     def tick(monitor: Monitor) -> None:
-        nonlocal reported, position
-        now = monitor.ledger.integrated_to or 0
-        if store and (reported is None or now // step > reported // step):
-            reports.append(monitor.report(remaining_life=False, settled=False).to_json())
-        reported = now
+        nonlocal position
+        if store:
+            course.follow(monitor)
         if time.monotonic() - saved > SAVE_EVERY:
             position = position if life.arrived is None else life.arrived + 1
             save(complete=False)

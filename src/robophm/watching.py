@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.monitor import Monitor
+from robophm.replaying import REPORT_STEP, Course
 from robophm.stores.store import Store
 from robophm.transports.journal import Journal
 from robophm.transports.source import SignalSource
 
 SAVE_EVERY = 5.0
 """Seconds between two saves: what a crash of the machine may cost the ledger, and not the journal."""
-
-REPORT_STEP = 600 * SECOND
-"""Nanoseconds between two reports that are kept."""
 
 
 def watch(
@@ -39,23 +36,19 @@ def watch(
     """
     kept = store.ledger(robot.name) if store else None
     ledger = Ledger.of(robot, kept) if kept else None
-    reported = ledger.integrated_to if ledger else None
-    reports: list[dict[str, Any]] = []
+    course = Course(REPORT_STEP, ledger)
     saved = time.monotonic()
 
     def save() -> None:
         nonlocal saved
         if store:
-            store.save(robot.name, monitor.ledger.to_json(), None, reports)
-            reports.clear()
+            store.save(robot.name, monitor.ledger.to_json(), None, course.reports)
+            course.reports.clear()
             saved = time.monotonic()
 
     def tick(monitor: Monitor) -> None:
-        nonlocal reported
-        now = monitor.ledger.integrated_to or 0
-        if store and (reported is None or now // REPORT_STEP > reported // REPORT_STEP):
-            reports.append(monitor.report(remaining_life=False, settled=False).to_json())
-        reported = now
+        if store:
+            course.follow(monitor)
         if on_tick:
             on_tick(monitor)
 
