@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import re
-import threading
 from functools import lru_cache
 
 from robophm.core.errors import SourceError
@@ -20,8 +19,6 @@ _BUILT_IN = {"bool", "byte", "char", "string", "time", "duration", "float32", "f
     f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
 }
 _TYPE_NAME = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*\Z", re.ASCII)
-_COMPILING = threading.Lock()
-"""rosbags compiles in a module of one name: one after the other."""
 
 
 def compiled(topic: str, type_: str, text: str) -> MessageType:
@@ -32,8 +29,7 @@ def compiled(topic: str, type_: str, text: str) -> MessageType:
         raise SourceError(f"topic '{topic}': '{type_[:200]}' is not a type; expected e.g. 'std_msgs/Float64'")
     definition = MessageDefinition(MessageDefinitionFormat.MSG, text)
     extension = ConnectionExtRosbag1(None, None)
-    with _COMPILING:
-        return message_type(Connection(0, topic, ros2_name(type_), definition, "", 0, extension, None))
+    return message_type(Connection(0, topic, ros2_name(type_), definition, "", 0, extension, None))
 
 
 def ros2_name(type_: str) -> str:

@@ -14,10 +14,10 @@ from operator import attrgetter
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, SECOND, Sample
+from robophm.transports.notes import PeerError, TypeRefusedError
 from robophm.transports.recording import STAMP_LIMIT
-from robophm.transports.ros1.environment import PeerError
 from robophm.transports.ros1.node import Node
-from robophm.transports.ros1.reading import Reading, TypeRefusedError
+from robophm.transports.ros1.reading import Reading
 from robophm.transports.ros1.stream import Stream
 from robophm.transports.ros1.tcpros import connect
 

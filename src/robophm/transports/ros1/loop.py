@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 
-from robophm.transports.ros1.environment import Notes
+from robophm.transports.notes import Notes
 
 TICK = 0.5
 """Seconds between ticks."""

@@ -12,8 +12,8 @@ from robophm.core.signal import SECOND, split_signal
 from robophm.transports.columns.layout import NotCompilableError, compile_fields
 from robophm.transports.columns.walk import Program
 from robophm.transports.message_type import HEADER, MessageType, field_getter
+from robophm.transports.notes import Notes, PeerError, TypeRefusedError
 from robophm.transports.ros1.definition import compiled, known_definition, md5_of
-from robophm.transports.ros1.environment import Notes, PeerError
 from robophm.transports.ros1.tcpros import ANY
 
 if TYPE_CHECKING:
@@ -25,10 +25,6 @@ LARGE = 1 << 18
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
 _SEQUENCE = "header.seq"
 _ONLY_IN_CDR = "structure_needs_at_least_one_member"
-
-
-class TypeRefusedError(PeerError):
-    """A type that cannot be read: one without a definition, or without a field that is wanted."""
 
 
 class Numbers(NamedTuple):

@@ -12,8 +12,9 @@ from queue import SimpleQueue
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, Sample, split_signal
 from robophm.transports.message_type import MessageType, numeric_fields
+from robophm.transports.notes import Notes, PeerError
 from robophm.transports.ros1.definition import ros2_name
-from robophm.transports.ros1.environment import Notes, PeerError, place
+from robophm.transports.ros1.environment import place
 from robophm.transports.ros1.listening import CONNECTORS, Count, Listening
 from robophm.transports.ros1.master import published_topics, system_state
 from robophm.transports.ros1.node import Node
