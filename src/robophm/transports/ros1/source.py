@@ -4,27 +4,23 @@ from __future__ import annotations
 
 import threading
 import uuid
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from queue import SimpleQueue
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, Sample, split_signal
+from robophm.transports.hearing import QUEUE, Count, Hearing, Queue
 from robophm.transports.message_type import MessageType, numeric_fields
 from robophm.transports.notes import Notes, PeerError
-from robophm.transports.ros1.definition import ros2_name
+from robophm.transports.ros1.definition import ros2_name, type_of
 from robophm.transports.ros1.environment import place
-from robophm.transports.ros1.listening import CONNECTORS, Count, Listening
+from robophm.transports.ros1.listening import CONNECTORS, Listening
 from robophm.transports.ros1.master import published_topics, system_state
 from robophm.transports.ros1.node import Node
-from robophm.transports.ros1.reading import type_of
 from robophm.transports.ros1.tcpros import connect
 from robophm.transports.ros1.xmlrpc import call
 from robophm.transports.source import SignalSource, TopicInfo
-
-QUEUE = 100_000
-"""Samples that may wait to be taken; further ones are dropped and counted."""
 
 START_SECONDS = 8.0
 """Within which what is published when listening begins is connected, or is left for later."""
@@ -64,7 +60,7 @@ class Ros1(SignalSource):
         """
         published = published_topics(self._master, CALLER)
         publishers, _ = system_state(self._master, CALLER)
-        counts = self._run.listening.counts if self._run else {}
+        counts = self._run.hearing.counts if self._run else {}
         with ThreadPoolExecutor(CONNECTORS) as pool:
             return list(
                 pool.map(
@@ -123,41 +119,24 @@ class _Run:
     """One call of ``samples``."""
 
     def __init__(self, master: str, wanted: dict[str, list[str]], notes: Notes, most: int) -> None:
-        self._waiting: SimpleQueue[Sample | None] = SimpleQueue()
-        self._notes = notes
-        self._most = most
-        self._over = False
+        self._queue = Queue(notes, most)
         self._closing = threading.Lock()
         self._node = Node(master=master, notes=notes)
-        self._node.told_to_end = lambda: self._waiting.put(None)
+        self._node.told_to_end = self._queue.end
         try:
             simulated = self._node.ask("getParam", "/use_sim_time") is True
         except PeerError:  # it is not set
             simulated = False
-        self.listening = Listening(self._node, wanted, self._put, simulated)
+        self.hearing = Hearing(notes, self._queue.put, simulated=simulated)
+        self.listening = Listening(self._node, wanted, self.hearing)
 
     def samples(self) -> Iterator[Sample]:
         """Until the end."""
-        try:
-            while (sample := self._waiting.get()) is not None and not self._over:
-                yield sample
-        finally:
-            if not self._over:  # otherwise somebody else is closing, which may take longer
-                self.close()
+        return self._queue.samples(self.close)
 
     def close(self) -> None:
         """Let go of all."""
-        self._over = True
-        self._waiting.put(None)
+        self._queue.close()
         with self._closing:  # who comes second returns when it is done
             self.listening.close()
             self._node.close()
-
-    def _put(self, samples: Sequence[Sample]) -> None:
-        """All samples of one message, or none."""
-        if self._waiting.qsize() + len(samples) > self._most:
-            for sample in samples:
-                self._notes.add(f"queue full, dropped {sample.signal}")
-        else:
-            for sample in samples:
-                self._waiting.put(sample)

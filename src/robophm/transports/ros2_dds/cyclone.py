@@ -5,12 +5,16 @@ Messages go in and come out as bytes, CDR with its encapsulation; that they are 
 
 from __future__ import annotations
 
+import os
 import platform
+import re
 import sys
-from collections.abc import Iterator
+import threading
+from collections import Counter
 from typing import Any, NamedTuple, cast
 
 from robophm.core.errors import SourceError
+from robophm.transports.notes import Notes
 from robophm.transports.ros2_dds.definition import Definition, dds_name
 
 BLOCKED = 0
@@ -19,12 +23,14 @@ BLOCKED = 0
 PUBLISHED = 100
 """Messages that a writer keeps for readers that are slower."""
 
-HISTORY = 5000
-"""Messages of a topic that may wait to be taken."""
-
 AT_ONCE = 256
 """Messages that are taken together."""
 
+HISTORY = 20 * AT_ONCE
+"""Messages of a topic that may wait to be taken."""
+
+_LONGEST_LINE = 4096
+_REFUSED = re.compile(rb": deserialization ([^ ]+)/[^ /]+ failed")
 _TIMED_OUT = -10
 _ANY_STATE = 0xFFFFFFFF
 
@@ -75,22 +81,60 @@ def _remedy() -> str:
     return "pip install robophm[ros2]"
 
 
+class Log(threading.Thread):
+    """What Cyclone says of messages that are not of their type: it drops them, and only says so in its log."""
+
+    def __init__(self) -> None:
+        super().__init__(name="ros2 log", daemon=True)
+        self.refused = Notes()
+        """Messages by topic, as DDS spells it."""
+        self._out, self._in = os.pipe()
+        self.config = (
+            f'<CycloneDDS><Domain id="any"><Tracing><Verbosity>warning</Verbosity>'
+            f"<OutputFile>/dev/fd/{self._in}</OutputFile></Tracing></Domain></CycloneDDS>"
+        )
+
+    def run(self) -> None:
+        """Until Cyclone has closed its log, and we ours."""
+        with os.fdopen(self._out, "rb") as lines:
+            while line := lines.readline(_LONGEST_LINE):
+                if match := _REFUSED.search(line):
+                    self.refused.add(match[1].decode("ascii", "replace"))
+
+    def close(self) -> None:
+        """Read no more."""
+        os.close(self._in)
+        if self.is_alive():
+            self.join()
+        else:
+            os.close(self._out)
+
+
 class Participant:
     """One participant of a domain, and the domain's settings, which hold for the whole process."""
 
     def __init__(self, domain: int, config: str) -> None:
         dds = wheel()
+        self._log = Log() if sys.platform != "win32" else None
         self._structs: dict[tuple[str, str], Any] = {}
         self._topics: dict[tuple[str, str], Any] = {}
         try:
-            self._domain = dds.domain.Domain(domain, config)
+            self._domain = dds.domain.Domain(domain, f"{self._log.config},{config}" if self._log else config)
             qos = dds.core.Qos(dds.core.Policy.Userdata(b"enclave=/;"))
             self.entity = dds.domain.DomainParticipant(domain, qos)
         except dds.core.DDSException as error:
+            if self._log:
+                self._log.close()
             raise SourceError(
                 f"no DDS in domain {domain}: {error}; expected a network interface and free ports"
             ) from None
         self.gid: bytes = self.entity.guid.bytes
+        if self._log:
+            self._log.start()
+
+    def refused(self) -> Counter[str]:
+        """Messages of each topic, by its name in DDS, that were not of its type."""
+        return self._log.refused.copy() if self._log else Counter()
 
     def topic(self, name: str, definition: Definition) -> Any:
         """A topic by its name in DDS."""
@@ -137,6 +181,8 @@ class Participant:
         """Leave; twice does no harm."""
         delete(self.entity)
         delete(self._domain)
+        if self._log:
+            self._log.close()
 
 
 class Writer:
@@ -194,7 +240,8 @@ class Reader:
         status = dds.core.DDSStatus
         self.entity.set_status_mask(status.DataAvailable)
         self._take = dds._clayer.ddspy_take
-        self._at_once = AT_ONCE
+        self._together = 0
+        self._overrun = 0
         self.gid: bytes = self.entity.guid.bytes
 
     def take(self) -> list[Message]:
@@ -202,6 +249,11 @@ class Reader:
         taken = self._take(self.entity._ref, _ANY_STATE, AT_ONCE)
         if isinstance(taken, int):
             return []
+        # a history that was full has let the oldest go without a word
+        self._together = self._together + len(taken) if len(taken) == AT_ONCE else 0
+        if self._together >= HISTORY:
+            self._together = 0
+            self._overrun += 1
         # without valid data it says that a writer is gone
         return [Message(raw, info.publication_handle) for raw, info in taken if info.valid_data]
 
@@ -210,6 +262,11 @@ class Reader:
         lost = self.entity.get_sample_lost_status().total_count_change
         rejected = self.entity.get_sample_rejected_status().total_count_change
         return cast(int, lost + rejected)
+
+    def overrun(self) -> int:
+        """How often since this was asked last more messages than the history keeps had come in the meantime."""
+        overrun, self._overrun = self._overrun, 0
+        return overrun
 
     def refused(self) -> int:
         """Publishers that came since this was asked last, and whose quality of service does not go with ours."""
@@ -297,9 +354,3 @@ def delete(entity: Any) -> None:
         entity._delete(entity._ref)
         entity._entities.pop(entity._ref, None)
         entity._ref = -1
-
-
-def batches(reader: Reader) -> Iterator[list[Message]]:
-    """All that has come to a reader."""
-    while taken := reader.take():
-        yield taken

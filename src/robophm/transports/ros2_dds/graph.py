@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Iterable
 from typing import Any
 
@@ -17,6 +18,9 @@ from robophm.transports.ros2_dds.environment import Place, place
 TOPIC = "ros_discovery_info"
 """Where every participant tells of its nodes (rmw_dds_common)."""
 
+DISCOVERY_SECONDS = 2.0
+"""From the making of a participant until those who were there before are taken to be known."""
+
 _INFO = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 _OPEN: dict[int, Graph] = {}
 _LOCK = threading.RLock()
@@ -28,6 +32,7 @@ class Graph:
     def __init__(self, where: Place) -> None:
         self.place = where
         self.users = 0
+        self._born = time.monotonic()
         self.participant = Participant(where.domain, where.config)
         self._nodes: dict[str, tuple[set[bytes], set[bytes]]] = {}
         definition = known(TOPIC, _INFO, newest=True)
@@ -35,6 +40,10 @@ class Graph:
         self._type = definition.type
         user_data = f"typehash={definition.hash};".encode()
         self._writer = Writer(self.participant, TOPIC, definition, latched=True, user_data=user_data)
+
+    def settle(self) -> None:
+        """Wait until those who were there before us can be known."""
+        time.sleep(max(0.0, self._born + DISCOVERY_SECONDS - time.monotonic()))
 
     def add(self, name: str) -> None:
         """A node. Raises SourceError where there is one of this name here."""

@@ -1,0 +1,136 @@
+"""What all live sources do with a message that has come: its numbers get their time, and wait to be taken."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from queue import SimpleQueue
+
+from robophm.core.signal import CLOCK, SECOND, Sample
+from robophm.transports.notes import Notes
+from robophm.transports.reading import Reading
+from robophm.transports.recording import STAMP_LIMIT
+
+CLOCK_TOPIC = "/clock"
+"""Where the time comes from under use_sim_time (wiki.ros.org/Clock, design.ros2.org/articles/clock_and_time)."""
+
+QUEUE = 100_000
+"""Samples that may wait to be taken; further ones are dropped and counted."""
+
+TICK = 0.5
+"""Seconds between two clock samples."""
+
+_clock_of = attrgetter("clock.sec", "clock.nanosec")
+
+
+@dataclass
+class Count:
+    """Messages of a topic, and their receipt [ns]."""
+
+    messages: int
+    first: int
+    last: int
+
+
+class Hearing:
+    """Gives messages their time, and puts their samples, and those of the clock, in order. All in one thread."""
+
+    def __init__(self, notes: Notes, put: Callable[[Sequence[Sample]], None], *, simulated: bool) -> None:
+        self.simulated = simulated
+        """Receipt is the time of /clock."""
+        self.counts: dict[str, Count] = {}
+        self._notes = notes
+        self._put = put
+        self._now = 0
+        """The time of /clock; 0 before it is heard."""
+        self._told = 0
+        """The latest clock sample."""
+        self._latest = 0
+
+    def message(self, reading: Reading, raw: bytes, before: int | None) -> int | None:
+        """A message has come; ``before`` is the number in the sequence of the one before it, as is returned of this."""
+        topic = reading.topic
+        try:
+            if self.simulated and topic == CLOCK_TOPIC:
+                self._set_clock(reading, raw)
+            numbers = reading.read(raw)
+        except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
+            self._notes.add(f"unreadable message on {topic}")
+            return before
+        if numbers.sequence is not None and before is not None and numbers.sequence > before + 1:
+            self._notes.add(f"sequence gap on {topic}", numbers.sequence - before - 1)
+        receipt = self._now if self.simulated else time.time_ns()
+        if not receipt:
+            self._notes.add(f"before the first time of {CLOCK_TOPIC}, dropped {topic}")
+            return numbers.sequence
+        if receipt < self._latest:
+            self._notes.add(f"receipt time goes backwards on {topic}")
+        self._latest = receipt
+        count = self.counts.setdefault(topic, Count(0, receipt, receipt))
+        count.messages += 1
+        count.last = receipt
+        at = numbers.stamp
+        if at == 0 or abs(at - receipt) > STAMP_LIMIT:
+            self._notes.add(f"receipt time used for {topic}")
+            at = receipt
+        for signal in numbers.absent:
+            self._notes.add(f"no element for {signal}")
+        self._put([Sample(at, signal, value) for signal, value in numbers.values])
+        return numbers.sequence
+
+    def tell(self) -> None:
+        """A clock sample: silence is heard too."""
+        now = self._now if self.simulated else time.time_ns()
+        if now:
+            self._told = now
+            self._put([Sample(now, CLOCK, math.nan)])
+
+    def _set_clock(self, reading: Reading, raw: bytes) -> None:
+        seconds, nanoseconds = _clock_of(reading.type.decode(raw))
+        now = seconds * SECOND + nanoseconds
+        if now < self._now:
+            self._notes.add(f"time goes backwards on {CLOCK_TOPIC}")
+        self._now = self._latest = now
+        if not 0 <= now - self._told < SECOND:
+            self.tell()
+
+
+class Queue:
+    """Samples that wait to be taken, up to a number; what comes beyond it is dropped and counted."""
+
+    def __init__(self, notes: Notes, most: int) -> None:
+        self._notes = notes
+        self._most = most
+        self._waiting: SimpleQueue[Sample | None] = SimpleQueue()
+        self._over = threading.Event()
+
+    def put(self, samples: Sequence[Sample]) -> None:
+        """All samples of one message, or none."""
+        if self._waiting.qsize() + len(samples) > self._most:
+            for sample in samples:
+                self._notes.add(f"queue full, dropped {sample.signal}")
+        else:
+            for sample in samples:
+                self._waiting.put(sample)
+
+    def end(self) -> None:
+        """Let whoever takes have what is there, and no more."""
+        self._waiting.put(None)
+
+    def close(self) -> None:
+        """Let whoever takes go at once."""
+        self._over.set()
+        self._waiting.put(None)
+
+    def samples(self, close: Callable[[], None]) -> Iterator[Sample]:
+        """Until the end, or the taker has enough, which calls ``close``."""
+        try:
+            while (sample := self._waiting.get()) is not None and not self._over.is_set():
+                yield sample
+        finally:
+            if not self._over.is_set():  # otherwise somebody else is closing, which may take longer
+                close()
