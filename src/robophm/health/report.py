@@ -11,7 +11,7 @@ import numpy as np
 
 from robophm.blocks.diagram import Block
 from robophm.core.signal import SECOND
-from robophm.design.robot import MeasuredClock, Robot, Thresholds
+from robophm.design.robot import FailureMode, Robot, Thresholds
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger
@@ -39,6 +39,8 @@ class ComponentHealth:
     sensor_based_reliability: float
     remaining_life: RemainingLife | None = None
     """Sensor-based, of the component alone [h]; where it was asked for."""
+    flags: tuple[str, ...] = ()
+    """As of a subject."""
 
 
 @dataclass(frozen=True)
@@ -121,6 +123,21 @@ class HealthReport:
                 for one, system in zip(self.subjects, _systems(robot), strict=True)
             ),
             components=components,
+        )
+
+    def beside(self, earlier: HealthReport) -> HealthReport:
+        """The same with the remaining lives and completions of an earlier look, which takes longer to have."""
+        robot = self.outlooks["sensor_based"].plant.robot
+        return replace(
+            self,
+            subjects=tuple(
+                _subject(system, one.flags, {view: getattr(one, view).beside(getattr(before, view)) for view in VIEWS})
+                for one, before, system in zip(self.subjects, earlier.subjects, _systems(robot), strict=True)
+            ),
+            components=tuple(
+                replace(one, remaining_life=before.remaining_life)
+                for one, before in zip(self.components, earlier.components, strict=True)
+            ),
         )
 
     def reliability(self, hours: float, view: View = "sensor_based") -> float:
@@ -208,6 +225,7 @@ def health_now(
     if plan:
         views = {view: replace(outlook, plan=plan_future(outlook, plan)) for view, outlook in views.items()}
     silent = set(exposure.silent(ledger)) if ledger.integrated_to is not None else set()  # a mere look ahead
+    odometers = {signal for clock in robot.clocks.values() for signal in clock.signals}
     rates, survival = (
         [getattr(views[view], method)() for view in VIEWS]
         for method in ("component_hazard_rates", "component_survival")
@@ -221,13 +239,26 @@ def health_now(
         tuple(
             _subject(
                 system,
-                _flags(plant, system.diagram, ledger, silent, robot.clocks.values() if system.kind == "robot" else ()),
+                _flags(
+                    (robot.modes[i] for i in plant.system(system.diagram).modes),
+                    ledger,
+                    silent,
+                    *(odometers if system.kind == "robot" else ()),
+                ),
                 {view: figures_now(views[view], system.diagram) for view in VIEWS},
             )
             for system in _systems(robot)
         ),
         tuple(
-            ComponentHealth(component.path, component.quantity, float(rate), float(lived), float(new), float(kept))
+            ComponentHealth(
+                component.path,
+                component.quantity,
+                float(rate),
+                float(lived),
+                float(new),
+                float(kept),
+                flags=_flags(component.modes, ledger, silent),
+            )
             for component, rate, lived, new, kept in zip(plant.components, *rates, *survival, strict=True)
         ),
         task or robot.task,
@@ -265,15 +296,15 @@ def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None
     return life_uncertainty(lived, plant.robot.diagram, loads=loads, draws=draws)
 
 
-def _flags(
-    plant: Plant, diagram: Block, ledger: Ledger, silent: Collection[str], odometers: Iterable[MeasuredClock]
-) -> tuple[str, ...]:
-    """What qualifies a system: the silent signals that its parts hang on, and models outside their range."""
-    modes = [plant.robot.modes[i] for i in plant.system(diagram).modes]
-    heard_by = {channel.signal for mode in modes for stress in mode.stresses for channel in stress.channels.values()}
-    for clock in (*odometers, *(mode.measured_clock for mode in modes)):
-        heard_by |= set(clock.signals) if clock else set()
-    extrapolated = any(ledger.extrapolated[mode.path] for mode in modes)
+def _flags(modes: Iterable[FailureMode], ledger: Ledger, silent: Collection[str], *signals: str) -> tuple[str, ...]:
+    """What qualifies failure modes: the silent signals that they hang on, and models outside their range."""
+    if not silent and not any(ledger.extrapolated.values()):
+        return ()
+    heard_by, extrapolated = {*signals}, False
+    for mode in modes:
+        heard_by |= {channel.signal for stress in mode.stresses for channel in stress.channels.values()}
+        heard_by |= set(mode.measured_clock.signals if mode.measured_clock else ())
+        extrapolated |= bool(ledger.extrapolated[mode.path])
     return (
         *(f"{STALE}{signal}" for signal in sorted(heard_by & set(silent))),
         *(["extrapolated"] if extrapolated else []),

@@ -32,6 +32,10 @@ class Figures:
     completion: Completion | None = None
     """Of the task; of a module or function, that it does its share throughout."""
 
+    def beside(self, earlier: Figures) -> Figures:
+        """Hazard rate and reliability of now, with an earlier look ahead."""
+        return replace(self, remaining_life=earlier.remaining_life, completion=earlier.completion)
+
 
 def figures_now(outlook: Outlook, diagram: Block) -> Figures:
     """Hazard rate and reliability of one system."""

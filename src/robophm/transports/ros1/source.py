@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import uuid
 from collections.abc import Collection, Iterator, Sequence
@@ -15,6 +16,7 @@ from robophm.transports.message_type import MessageType, numeric_fields
 from robophm.transports.ros1.definition import ros2_name
 from robophm.transports.ros1.environment import Notes, PeerError, place
 from robophm.transports.ros1.listening import CONNECTORS, Count, Listening
+from robophm.transports.ros1.loop import TICK
 from robophm.transports.ros1.master import published_topics, system_state
 from robophm.transports.ros1.node import Node
 from robophm.transports.ros1.reading import type_of
@@ -38,15 +40,17 @@ class Ros1(SignalSource):
     ``samples`` is endless: it goes on through a master, publishers and types that come and go, until ``close``, which
     may come from any thread. Topics that nobody publishes yet are waited for. A sample's time is its header's
     stamp, or its receipt where that is zero or 10 s off; under use_sim_time receipt is the time of /clock. ``notes``
-    counts what was dropped, refused, unreadable, missing in the sequence of a publisher, and made anew.
+    counts what was dropped, refused, unreadable, missing in the sequence of a publisher, and made anew. Clock samples
+    come at whole multiples of ``period`` [s], and at least twice a second.
 
     Raises SourceError where there is no master.
     """
 
-    def __init__(self, master: str | None = None, *, queue: int = QUEUE) -> None:
+    def __init__(self, master: str | None = None, *, queue: int = QUEUE, period: float = TICK) -> None:
         self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
         self.notes = Notes()
         self._queue = queue
+        self._tick = period / math.ceil(period / TICK)
         self._master = place(master).master
         self._closed = False
         self._run: _Run | None = None
@@ -103,7 +107,7 @@ class Ros1(SignalSource):
         if self._closed:
             raise SourceError("the source is closed")
         self.notes = Notes()
-        self._run = run = _Run(self._master, wanted, self.notes, self._queue)
+        self._run = run = _Run(self._master, wanted, self.notes, self._queue, self._tick)
         try:
             run.listening.start(START_SECONDS)
         except BaseException:
@@ -121,13 +125,14 @@ class Ros1(SignalSource):
 class _Run:
     """One call of ``samples``."""
 
-    def __init__(self, master: str, wanted: dict[str, list[str]], notes: Notes, most: int) -> None:
+    def __init__(self, master: str, wanted: dict[str, list[str]], notes: Notes, most: int, tick: float) -> None:
         self._waiting: SimpleQueue[Sample | None] = SimpleQueue()
         self._notes = notes
         self._most = most
         self._over = False
         self._closing = threading.Lock()
         self._node = Node(master=master, notes=notes)
+        self._node.loop.tick = tick
         self._node.told_to_end = lambda: self._waiting.put(None)
         try:
             simulated = self._node.ask("getParam", "/use_sim_time") is True
