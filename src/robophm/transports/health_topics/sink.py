@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import ExitStack
-from typing import Any, Protocol
+from typing import Any
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
@@ -12,8 +12,9 @@ from robophm.design.robot import Robot
 from robophm.health.report import HealthReport
 from robophm.transports.health_topics import messages
 from robophm.transports.health_topics.compose import compose
-from robophm.transports.health_topics.definitions import PACKAGE, Generation, definition, typestore
+from robophm.transports.health_topics.definitions import PACKAGE, typestore
 from robophm.transports.health_topics.names import topics_of
+from robophm.transports.health_topics.outlet import Outlet, Publisher
 from robophm.transports.sink import JudgedTask, ReportSink
 
 MOST_TOPICS = 200
@@ -28,28 +29,6 @@ DIAGNOSTICS_EVERY = SECOND
 """Nanoseconds between two messages on /diagnostics (REP-107)."""
 
 
-class Publisher(Protocol):
-    """Of one topic."""
-
-    def publish(self, message: Any) -> None:
-        """Send a message; never waits."""
-
-    def close(self) -> None:
-        """The topic is published no longer."""
-
-
-class Ros(Protocol):
-    """How one generation of ROS is spoken to."""
-
-    generation: Generation
-
-    def publisher(self, node: str, topic: str, type_: str, definition: str, *, latched: bool) -> Publisher:
-        """A publisher in the node of this name, which is made when it is first asked for."""
-
-    def close(self) -> None:
-        """End all nodes."""
-
-
 class HealthTopics(ReportSink):
     """Publishes a robot's health to ROS, below a namespace; a context manager.
 
@@ -60,13 +39,13 @@ class HealthTopics(ReportSink):
     Raises SourceError where the namespace is none.
     """
 
-    def __init__(self, robot: Robot, ros: Ros, *, namespace: str = "/", frame: str = "base_link") -> None:
+    def __init__(self, robot: Robot, outlet: Outlet, *, namespace: str = "/", frame: str = "base_link") -> None:
         if not namespace.startswith("/"):
             raise SourceError(f"namespace '{namespace}' is none; expected it to begin with '/', e.g. /ota")
         self._root = namespace.rstrip("/")
-        self._ros = ros
+        self._outlet = outlet
         self._frame = frame
-        self._store: Any = typestore(ros.generation)
+        self._store: Any = typestore(outlet.generation)
         self._publishers: dict[str, tuple[Publisher, str]] = {}
         self._lock = threading.Lock()
         self._latest: dict[bool, JudgedTask] = {}
@@ -90,9 +69,7 @@ class HealthTopics(ReportSink):
             undo.pop_all()
 
     def _open(self, node: str, topic: str, type_: str, *, latched: bool = True) -> None:
-        text = definition(type_, self._ros.generation)
-        name = f"{self._root}/{node}"
-        self._publishers[topic] = self._ros.publisher(name, topic, type_, text, latched=latched), type_
+        self._publishers[topic] = self._outlet.publisher(f"{self._root}/{node}", topic, type_, latched=latched), type_
 
     def publish(self, report: HealthReport) -> None:
         """Hazard rates and reliabilities, then all else."""
@@ -128,7 +105,5 @@ class HealthTopics(ReportSink):
     def close(self) -> None:
         """Publish no longer; twice does no harm."""
         with self._lock:
-            for publisher, _ in self._publishers.values():
-                publisher.close()
             self._publishers.clear()
-            self._ros.close()
+            self._outlet.close()

@@ -17,9 +17,10 @@ from robophm.core.signal import CLOCK, SECOND, Sample
 from robophm.transports.recording import STAMP_LIMIT
 from robophm.transports.ros1.environment import PeerError
 from robophm.transports.ros1.node import Node
-from robophm.transports.ros1.reading import Reading, TypeRefusedError
+from robophm.transports.ros1.reading import LARGE, Reading, TypeRefusedError
 from robophm.transports.ros1.stream import Stream
 from robophm.transports.ros1.tcpros import connect
+from robophm.transports.source import Told
 
 CLOCK_TOPIC = "/clock"
 """Where the time comes from under use_sim_time (wiki.ros.org/Clock)."""
@@ -43,7 +44,7 @@ class Count:
 
 
 class Listening:
-    """Listens to the topics of signals through a node and puts their samples, and those of the clock, in order.
+    """Listens to topics through a node and puts samples of signals, those of the clock, and whole messages in order.
 
     All but the making of connections happens in the node's loop, so that nothing here is shared between threads.
     """
@@ -52,7 +53,8 @@ class Listening:
         self,
         node: Node,
         wanted: Mapping[str, Collection[str]],
-        put: Callable[[Sequence[Sample]], None],
+        whole: Collection[str],
+        put: Callable[[Sequence[Sample | Told]], None],
         simulated: bool,
     ) -> None:
         self.mistake: SourceError | None = None
@@ -62,7 +64,8 @@ class Listening:
         self.counts: dict[str, Count] = {}
         self._node = node
         self._notes = node.notes
-        self._wanted = dict(wanted)
+        self._wanted = dict.fromkeys(whole, ()) | dict(wanted)
+        self._whole = frozenset(whole)
         self._put = put
         self._simulated = simulated
         if simulated:
@@ -108,13 +111,14 @@ class Listening:
             numbers = stream.reading.read(raw)
         except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
             self._notes.add(f"unreadable message on {topic}")
+            if topic in self._whole and (receipt := self._receipt()):
+                self._put([Told(receipt, topic, None)])
             return
         if numbers.sequence is not None:
             if stream.sequence is not None and numbers.sequence > stream.sequence + 1:
                 self._notes.add(f"sequence gap on {topic}", numbers.sequence - stream.sequence - 1)
             stream.sequence = numbers.sequence
-        receipt = self._now if self._simulated else time.time_ns()
-        if not receipt:
+        if not (receipt := self._receipt()):
             self._notes.add(f"before the first time of {CLOCK_TOPIC}, dropped {topic}")
             return
         if receipt < self._latest:
@@ -129,7 +133,16 @@ class Listening:
             at = receipt
         for signal in numbers.absent:
             self._notes.add(f"no element for {signal}")
-        self._put([Sample(at, signal, value) for signal, value in numbers.values])
+        heard: list[Sample | Told] = [Sample(at, signal, value) for signal, value in numbers.values]
+        if topic in self._whole:
+            if numbers.message is None:
+                self._notes.add(f"message on {topic} longer than {LARGE} bytes")
+            heard.append(Told(receipt, topic, numbers.message))
+        self._put(heard)
+
+    def _receipt(self) -> int:
+        """The time that what comes now gets; 0 before there is any."""
+        return self._now if self._simulated else time.time_ns()
 
     def ended(self, stream: Stream) -> None:
         """A connection is gone."""
@@ -152,8 +165,7 @@ class Listening:
 
     def _tell(self) -> None:
         """A clock sample: silence is heard too."""
-        now = self._now if self._simulated else time.time_ns()
-        if now:
+        if now := self._receipt():
             self._told = now
             self._put([Sample(now, CLOCK, math.nan)])
 

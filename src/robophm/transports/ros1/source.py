@@ -22,10 +22,13 @@ from robophm.transports.ros1.node import Node
 from robophm.transports.ros1.reading import type_of
 from robophm.transports.ros1.tcpros import connect
 from robophm.transports.ros1.xmlrpc import call
-from robophm.transports.source import SignalSource, TopicInfo
+from robophm.transports.source import LiveSource, Told, TopicInfo
 
 QUEUE = 100_000
 """Samples that may wait to be taken; further ones are dropped and counted."""
+
+MOST_WHOLE = 200
+"""Whole messages that may wait."""
 
 START_SECONDS = 8.0
 """Within which what is published when listening begins is connected, or is left for later."""
@@ -34,7 +37,7 @@ CALLER = "/robophm"
 """By which we ask before we have a node."""
 
 
-class Ros1(SignalSource):
+class Ros1(LiveSource):
     """Live topics of ROS 1, of any type, through the master at ``master`` or ROS_MASTER_URI; a context manager.
 
     ``samples`` is endless: it goes on through a master, publishers and types that come and go, until ``close``, which
@@ -90,8 +93,8 @@ class Ros1(SignalSource):
             return TopicInfo(topic, name, 0, None, None, fields)
         return TopicInfo(topic, name, count.messages, count.first, count.last, fields)
 
-    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
-        """The samples of these signals in order of arrival, and clock samples, until ``close``.
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | Told]:
+        """The samples of these signals in order of arrival, clock samples, and the messages on these topics.
 
         What an earlier call gave ends. Raises SourceError where a signal is none, a topic that is published has no
         such field or its type cannot be read, or there is no master.
@@ -107,13 +110,13 @@ class Ros1(SignalSource):
         if self._closed:
             raise SourceError("the source is closed")
         self.notes = Notes()
-        self._run = run = _Run(self._master, wanted, self.notes, self._queue, self._tick)
+        self._run = run = _Run(self._master, wanted, topics, self.notes, self._queue, self._tick)
         try:
             run.listening.start(START_SECONDS)
         except BaseException:
             run.close()
             raise
-        return run.samples()
+        return run.heard()
 
     def close(self) -> None:
         """End ``samples``, unregister, let go of all connections and threads; twice does no harm."""
@@ -125,8 +128,11 @@ class Ros1(SignalSource):
 class _Run:
     """One call of ``samples``."""
 
-    def __init__(self, master: str, wanted: dict[str, list[str]], notes: Notes, most: int, tick: float) -> None:
-        self._waiting: SimpleQueue[Sample | None] = SimpleQueue()
+    def __init__(
+        self, master: str, wanted: dict[str, list[str]], topics: Collection[str], notes: Notes, most: int, tick: float
+    ) -> None:
+        self._waiting: SimpleQueue[Sample | Told | None] = SimpleQueue()
+        self._whole_put = self._whole_taken = 0  # each by one thread alone
         self._notes = notes
         self._most = most
         self._over = False
@@ -138,13 +144,15 @@ class _Run:
             simulated = self._node.ask("getParam", "/use_sim_time") is True
         except PeerError:  # it is not set
             simulated = False
-        self.listening = Listening(self._node, wanted, self._put, simulated)
+        self.listening = Listening(self._node, wanted, topics, self._put, simulated)
 
-    def samples(self) -> Iterator[Sample]:
+    def heard(self) -> Iterator[Sample | Told]:
         """Until the end."""
         try:
-            while (sample := self._waiting.get()) is not None and not self._over:
-                yield sample
+            while (heard := self._waiting.get()) is not None and not self._over:
+                if isinstance(heard, Told):
+                    self._whole_taken += 1
+                yield heard
         finally:
             if not self._over:  # otherwise somebody else is closing, which may take longer
                 self.close()
@@ -157,11 +165,15 @@ class _Run:
             self.listening.close()
             self._node.close()
 
-    def _put(self, samples: Sequence[Sample]) -> None:
-        """All samples of one message, or none."""
-        if self._waiting.qsize() + len(samples) > self._most:
-            for sample in samples:
-                self._notes.add(f"queue full, dropped {sample.signal}")
-        else:
-            for sample in samples:
-                self._waiting.put(sample)
+    def _put(self, heard: Sequence[Sample | Told]) -> None:
+        """All of one message, or nothing."""
+        whole = sum(isinstance(one, Told) for one in heard)
+        if self._waiting.qsize() + len(heard) > self._most or (
+            whole and self._whole_put - self._whole_taken >= MOST_WHOLE
+        ):
+            for one in heard:
+                self._notes.add(f"queue full, dropped {one.signal if isinstance(one, Sample) else one.topic}")
+            return
+        self._whole_put += whole
+        for one in heard:
+            self._waiting.put(one)
