@@ -21,8 +21,9 @@ from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, RemainingLife, as_designed, outlooks
-from robophm.health.report import VIEWS, Figures, HealthReport
-from robophm.health.report import figures as all_figures
+from robophm.health.report import VIEWS, HealthReport
+from robophm.health.subject import Figures
+from robophm.health.subject import figures as all_figures
 from robophm.health.uncertainty import life_uncertainty
 from robophm.monitor import Monitor
 

@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from queue import SimpleQueue
 
 from robophm.core.signal import CLOCK, SECOND, Sample
 from robophm.transports.notes import Notes
-from robophm.transports.reading import Reading
+from robophm.transports.reading import LARGE, Reading
 from robophm.transports.recording import STAMP_LIMIT
+from robophm.transports.source import Told
 
 CLOCK_TOPIC = "/clock"
 """Where the time comes from under use_sim_time (wiki.ros.org/Clock, design.ros2.org/articles/clock_and_time)."""
@@ -21,8 +22,11 @@ CLOCK_TOPIC = "/clock"
 QUEUE = 100_000
 """Samples that may wait to be taken; further ones are dropped and counted."""
 
+MOST_WHOLE = 200
+"""Whole messages that may wait."""
+
 TICK = 0.5
-"""Seconds between two clock samples."""
+"""Seconds between two clock samples, at most."""
 
 _clock_of = attrgetter("clock.sec", "clock.nanosec")
 
@@ -37,11 +41,15 @@ class Count:
 
 
 class Hearing:
-    """Gives messages their time, and puts their samples, and those of the clock, in order. All in one thread."""
+    """Gives messages their time; puts samples, those of the clock, and whole messages in order. All in one thread."""
 
-    def __init__(self, notes: Notes, put: Callable[[Sequence[Sample]], None], *, simulated: bool) -> None:
+    def __init__(
+        self, notes: Notes, put: Callable[[Sequence[Sample | Told]], None], whole: Collection[str], *, simulated: bool
+    ) -> None:
         self.simulated = simulated
         """Receipt is the time of /clock."""
+        self.whole = frozenset(whole)
+        """Topics whose messages are wanted as they are."""
         self.counts: dict[str, Count] = {}
         self._notes = notes
         self._put = put
@@ -60,11 +68,12 @@ class Hearing:
             numbers = reading.read(raw)
         except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
             self._notes.add(f"unreadable message on {topic}")
+            if topic in self.whole and (receipt := self._receipt()):
+                self._put([Told(receipt, topic, None)])
             return before
         if numbers.sequence is not None and before is not None and numbers.sequence > before + 1:
             self._notes.add(f"sequence gap on {topic}", numbers.sequence - before - 1)
-        receipt = self._now if self.simulated else time.time_ns()
-        if not receipt:
+        if not (receipt := self._receipt()):
             self._notes.add(f"before the first time of {CLOCK_TOPIC}, dropped {topic}")
             return numbers.sequence
         if receipt < self._latest:
@@ -79,15 +88,23 @@ class Hearing:
             at = receipt
         for signal in numbers.absent:
             self._notes.add(f"no element for {signal}")
-        self._put([Sample(at, signal, value) for signal, value in numbers.values])
+        heard: list[Sample | Told] = [Sample(at, signal, value) for signal, value in numbers.values]
+        if topic in self.whole:
+            if numbers.message is None:
+                self._notes.add(f"message on {topic} longer than {LARGE} bytes")
+            heard.append(Told(receipt, topic, numbers.message))
+        self._put(heard)
         return numbers.sequence
 
     def tell(self) -> None:
         """A clock sample: silence is heard too."""
-        now = self._now if self.simulated else time.time_ns()
-        if now:
+        if now := self._receipt():
             self._told = now
             self._put([Sample(now, CLOCK, math.nan)])
+
+    def _receipt(self) -> int:
+        """The time that what comes now gets; 0 before there is any."""
+        return self._now if self.simulated else time.time_ns()
 
     def _set_clock(self, reading: Reading, raw: bytes) -> None:
         seconds, nanoseconds = _clock_of(reading.type.decode(raw))
@@ -100,22 +117,27 @@ class Hearing:
 
 
 class Queue:
-    """Samples that wait to be taken, up to a number; what comes beyond it is dropped and counted."""
+    """What waits to be taken, up to a number; what comes beyond it is dropped and counted."""
 
     def __init__(self, notes: Notes, most: int) -> None:
         self._notes = notes
         self._most = most
-        self._waiting: SimpleQueue[Sample | None] = SimpleQueue()
+        self._waiting: SimpleQueue[Sample | Told | None] = SimpleQueue()
+        self._whole_put = self._whole_taken = 0  # each by one thread alone
         self._over = threading.Event()
 
-    def put(self, samples: Sequence[Sample]) -> None:
-        """All samples of one message, or none."""
-        if self._waiting.qsize() + len(samples) > self._most:
-            for sample in samples:
-                self._notes.add(f"queue full, dropped {sample.signal}")
-        else:
-            for sample in samples:
-                self._waiting.put(sample)
+    def put(self, heard: Sequence[Sample | Told]) -> None:
+        """All of one message, or nothing."""
+        whole = sum(isinstance(one, Told) for one in heard)
+        if self._waiting.qsize() + len(heard) > self._most or (
+            whole and self._whole_put - self._whole_taken >= MOST_WHOLE
+        ):
+            for one in heard:
+                self._notes.add(f"queue full, dropped {one.signal if isinstance(one, Sample) else one.topic}")
+            return
+        self._whole_put += whole
+        for one in heard:
+            self._waiting.put(one)
 
     def end(self) -> None:
         """Let whoever takes have what is there, and no more."""
@@ -126,11 +148,18 @@ class Queue:
         self._over.set()
         self._waiting.put(None)
 
-    def samples(self, close: Callable[[], None]) -> Iterator[Sample]:
+    def taken(self, close: Callable[[], None]) -> Iterator[Sample | Told]:
         """Until the end, or the taker has enough, which calls ``close``."""
         try:
-            while (sample := self._waiting.get()) is not None and not self._over.is_set():
-                yield sample
+            while (heard := self._waiting.get()) is not None and not self._over.is_set():
+                if isinstance(heard, Told):
+                    self._whole_taken += 1
+                yield heard
         finally:
             if not self._over.is_set():  # otherwise somebody else is closing, which may take longer
                 close()
+
+
+def tick_of(period: float) -> float:
+    """Seconds between two clock samples: a whole part of the period, TICK at most."""
+    return period / math.ceil(period / TICK)

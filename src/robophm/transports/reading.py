@@ -35,6 +35,8 @@ class Numbers(NamedTuple):
     values: list[tuple[str, float]]
     absent: list[str]
     """Signals whose array has no such element in this message."""
+    message: Any
+    """As rosbags decodes it; None of one that is large."""
 
 
 class Reading:
@@ -83,7 +85,7 @@ class Reading:
                 values.append((signal, float(value_of(message))))
             except IndexError:
                 absent.append(signal)
-        return Numbers(stamp, sequence, values, absent)
+        return Numbers(stamp, sequence, values, absent, message)
 
     def _walked(self, raw: bytes) -> Numbers:
         if self._program is None:
@@ -101,7 +103,7 @@ class Reading:
             else:
                 values.append((signal, float(number[field])))
         stamp = int(number[_STAMP[0]]) * SECOND + int(number[_STAMP[1]]) if self.type.stamp else 0
-        return Numbers(stamp, int(number[_SEQUENCE]) if self._numbered else None, values, absent)
+        return Numbers(stamp, int(number[_SEQUENCE]) if self._numbered else None, values, absent, None)
 
 
 def _bottomless(definitions: Typesdict) -> bool:

@@ -26,7 +26,7 @@ CONNECTORS = 8
 
 
 class Listening:
-    """Listens to the topics of signals through a node.
+    """Listens to topics through a node.
 
     All but the making of connections happens in the node's loop, so that nothing here is shared between threads.
     """
@@ -43,7 +43,7 @@ class Listening:
         """No connection is being made."""
         self._node = node
         self._notes = node.notes
-        self._wanted = dict(wanted)
+        self._wanted = dict.fromkeys(hearing.whole, ()) | dict(wanted)
         self._hearing = hearing
         if hearing.simulated:
             self._wanted.setdefault(CLOCK_TOPIC, ())

@@ -10,7 +10,7 @@ from contextlib import suppress
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, Sample, split_signal
-from robophm.transports.hearing import QUEUE, Count, Hearing, Queue
+from robophm.transports.hearing import QUEUE, TICK, Count, Hearing, Queue, tick_of
 from robophm.transports.message_type import MessageType, numeric_fields
 from robophm.transports.notes import Notes, PeerError
 from robophm.transports.ros1.definition import ros2_name, type_of
@@ -20,7 +20,7 @@ from robophm.transports.ros1.master import published_topics, system_state
 from robophm.transports.ros1.node import Node
 from robophm.transports.ros1.tcpros import connect
 from robophm.transports.ros1.xmlrpc import call
-from robophm.transports.source import SignalSource, TopicInfo
+from robophm.transports.source import LiveSource, Told, TopicInfo
 
 START_SECONDS = 8.0
 """Within which what is published when listening begins is connected, or is left for later."""
@@ -29,21 +29,23 @@ CALLER = "/robophm"
 """By which we ask before we have a node."""
 
 
-class Ros1(SignalSource):
+class Ros1(LiveSource):
     """Live topics of ROS 1, of any type, through the master at ``master`` or ROS_MASTER_URI; a context manager.
 
     ``samples`` is endless: it goes on through a master, publishers and types that come and go, until ``close``, which
     may come from any thread. Topics that nobody publishes yet are waited for. A sample's time is its header's
     stamp, or its receipt where that is zero or 10 s off; under use_sim_time receipt is the time of /clock. ``notes``
-    counts what was dropped, refused, unreadable, missing in the sequence of a publisher, and made anew.
+    counts what was dropped, refused, unreadable, missing in the sequence of a publisher, and made anew. Clock samples
+    come at whole multiples of ``period`` [s], and at least twice a second.
 
     Raises SourceError where there is no master.
     """
 
-    def __init__(self, master: str | None = None, *, queue: int = QUEUE) -> None:
+    def __init__(self, master: str | None = None, *, queue: int = QUEUE, period: float = TICK) -> None:
         self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
         self.notes = Notes()
         self._queue = queue
+        self._tick = tick_of(period)
         self._master = place(master).master
         self._closed = False
         self._run: _Run | None = None
@@ -83,8 +85,8 @@ class Ros1(SignalSource):
             return TopicInfo(topic, name, 0, None, None, fields)
         return TopicInfo(topic, name, count.messages, count.first, count.last, fields)
 
-    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
-        """The samples of these signals in order of arrival, and clock samples, until ``close``.
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | Told]:
+        """The samples of these signals in order of arrival, clock samples, and the messages on these topics.
 
         What an earlier call gave ends. Raises SourceError where a signal is none, a topic that is published has no
         such field or its type cannot be read, or there is no master.
@@ -100,13 +102,13 @@ class Ros1(SignalSource):
         if self._closed:
             raise SourceError("the source is closed")
         self.notes = Notes()
-        self._run = run = _Run(self._master, wanted, self.notes, self._queue)
+        self._run = run = _Run(self._master, wanted, topics, self.notes, self._queue, self._tick)
         try:
             run.listening.start(START_SECONDS)
         except BaseException:
             run.close()
             raise
-        return run.samples()
+        return run.heard()
 
     def close(self) -> None:
         """End ``samples``, unregister, let go of all connections and threads; twice does no harm."""
@@ -118,21 +120,24 @@ class Ros1(SignalSource):
 class _Run:
     """One call of ``samples``."""
 
-    def __init__(self, master: str, wanted: dict[str, list[str]], notes: Notes, most: int) -> None:
+    def __init__(
+        self, master: str, wanted: dict[str, list[str]], topics: Collection[str], notes: Notes, most: int, tick: float
+    ) -> None:
         self._queue = Queue(notes, most)
         self._closing = threading.Lock()
         self._node = Node(master=master, notes=notes)
+        self._node.loop.tick = tick
         self._node.told_to_end = self._queue.end
         try:
             simulated = self._node.ask("getParam", "/use_sim_time") is True
         except PeerError:  # it is not set
             simulated = False
-        self.hearing = Hearing(notes, self._queue.put, simulated=simulated)
+        self.hearing = Hearing(notes, self._queue.put, topics, simulated=simulated)
         self.listening = Listening(self._node, wanted, self.hearing)
 
-    def samples(self) -> Iterator[Sample]:
+    def heard(self) -> Iterator[Sample | Told]:
         """Until the end."""
-        return self._queue.samples(self.close)
+        return self._queue.taken(self.close)
 
     def close(self) -> None:
         """Let go of all."""

@@ -104,10 +104,10 @@ class Log(threading.Thread):
     def close(self) -> None:
         """Read no more."""
         os.close(self._in)
-        if self.is_alive():
-            self.join()
-        else:
+        if self.ident is None:  # it never ran
             os.close(self._out)
+        else:
+            self.join()
 
 
 class Participant:

@@ -32,16 +32,20 @@ class Ear:
 class Listening(threading.Thread):
     """Listens to the topics of signals through a node. All that DDS tells is heard in this thread."""
 
-    def __init__(self, node: Node, wanted: Mapping[str, Collection[str]], hearing: Hearing, notes: Notes) -> None:
+    def __init__(
+        self, node: Node, wanted: Mapping[str, Collection[str]], hearing: Hearing, notes: Notes, tick: float
+    ) -> None:
         super().__init__(name=f"ros2 {node.name}", daemon=True)
         self.mistake: SourceError | None = None
         """The first signal that a topic does not have, or type that cannot be read."""
         self._node = node
         self._notes = notes
         self._hearing = hearing
-        self._wanted = {f"rt{topic}": (topic, signals) for topic, signals in wanted.items()}
+        all_wanted = dict.fromkeys(hearing.whole, ()) | dict(wanted)
         if hearing.simulated:
-            self._wanted.setdefault(f"rt{CLOCK_TOPIC}", (CLOCK_TOPIC, ()))
+            all_wanted.setdefault(CLOCK_TOPIC, ())
+        self._wanted = {f"rt{topic}": (topic, signals) for topic, signals in all_wanted.items()}
+        self._every = tick
         self._participant = node.graph.participant
         self._discovery = Discovery(self._participant)
         self._waiting = Waiting(self._participant)
@@ -61,16 +65,16 @@ class Listening(threading.Thread):
 
     def run(self) -> None:
         """Until ``close``."""
-        due = 0.0
+        latest = 0.0
         while not self._over.is_set():
             try:
-                self._waiting.wait(max(0.0, due - time.monotonic()))
+                self._waiting.wait(self._every - time.time() % self._every)
                 if self._discovery.look():
                     self._match()
                 for ear in self._ears.values():
                     self._hear(ear)
-                if time.monotonic() >= due:
-                    due = time.monotonic() + TICK
+                if (begun := time.time() // self._every) != latest:
+                    latest = begun
                     self._tick()
             except Exception:
                 # a fault of ours must not end the listening; it is counted and logged

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, Sample, split_signal
-from robophm.transports.hearing import CLOCK_TOPIC, QUEUE, Hearing, Queue
+from robophm.transports.hearing import CLOCK_TOPIC, QUEUE, TICK, Hearing, Queue, tick_of
 from robophm.transports.message_type import numeric_fields
 from robophm.transports.notes import Notes
 from robophm.transports.ros2_dds.cyclone import Discovery, Offer
@@ -16,24 +16,26 @@ from robophm.transports.ros2_dds.definition import name_of_dds
 from robophm.transports.ros2_dds.graph import join, leave
 from robophm.transports.ros2_dds.listening import Listening, definition_of
 from robophm.transports.ros2_dds.node import Node
-from robophm.transports.source import SignalSource, TopicInfo
+from robophm.transports.source import LiveSource, Told, TopicInfo
 
 
-class Ros2Dds(SignalSource):
+class Ros2Dds(LiveSource):
     """Live topics of ROS 2, of any type whose definition is known, in a domain or ROS_DOMAIN_ID's; a context manager.
 
     ``samples`` is endless: it goes on through publishers and types that come and go, until ``close``, which may come
     from any thread. Topics that nobody publishes yet are waited for. A sample's time is its header's stamp, or its
     receipt where that is zero or 10 s off; where /clock is published when listening begins, receipt is its time.
-    ``notes`` counts what was dropped, lost, refused, unreadable, and made anew.
+    ``notes`` counts what was dropped, lost, refused, unreadable, and made anew. Clock samples come at multiples of
+    ``period`` [s], and at least twice a second.
 
     Raises SourceError where there is no DDS.
     """
 
-    def __init__(self, domain: int | None = None, *, queue: int = QUEUE) -> None:
+    def __init__(self, domain: int | None = None, *, queue: int = QUEUE, period: float = TICK) -> None:
         self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
         self.notes = Notes()
         self._queue = queue
+        self._tick = tick_of(period)
         self._closed = False
         self._closing = threading.Lock()
         self._run: _Run | None = None
@@ -75,8 +77,8 @@ class Ros2Dds(SignalSource):
             self._fields[key] = tuple(numeric_fields(type_.definitions, type_.name))
         return self._fields[key]
 
-    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
-        """The samples of these signals in order of arrival, and clock samples, until ``close``.
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | Told]:
+        """The samples of these signals in order of arrival, clock samples, and the messages on these topics.
 
         What an earlier call gave ends. Raises SourceError where a signal is none, or a topic that is published has no
         such field or its type's definition is not known.
@@ -91,7 +93,9 @@ class Ros2Dds(SignalSource):
             self._run.close()
         simulated = any(offer.topic == f"rt{CLOCK_TOPIC}" for offer in self._offers())
         self.notes = Notes()
-        self._run = run = _Run(self._graph.place.domain, wanted, self.notes, self._queue, simulated=simulated)
+        queue = Queue(self.notes, self._queue)
+        hearing = Hearing(self.notes, queue.put, topics, simulated=simulated)
+        self._run = run = _Run(self._graph.place.domain, wanted, self.notes, queue, hearing, self._tick)
         if run.listening.mistake:
             run.close()
             raise run.listening.mistake
@@ -111,18 +115,20 @@ class Ros2Dds(SignalSource):
 class _Run:
     """One call of ``samples``."""
 
-    def __init__(self, domain: int, wanted: dict[str, list[str]], notes: Notes, most: int, *, simulated: bool) -> None:
-        self._queue = Queue(notes, most)
+    def __init__(
+        self, domain: int, wanted: dict[str, list[str]], notes: Notes, queue: Queue, hearing: Hearing, tick: float
+    ) -> None:
+        self.hearing = hearing
+        self._queue = queue
         self._closing = threading.Lock()
         self._closed = False
         self._node = Node(domain=domain, notes=notes)
-        self.hearing = Hearing(notes, self._queue.put, simulated=simulated)
-        self.listening = Listening(self._node, wanted, self.hearing, notes)
+        self.listening = Listening(self._node, wanted, hearing, notes, tick)
 
-    def start(self) -> Iterator[Sample]:
+    def start(self) -> Iterator[Sample | Told]:
         """Listen until the end."""
         self.listening.start()
-        return self._queue.samples(self.close)
+        return self._queue.taken(self.close)
 
     def close(self) -> None:
         """Let go of all."""
