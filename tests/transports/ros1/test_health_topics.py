@@ -150,8 +150,8 @@ for topic in ("r_2/power/battery", "r_2/arm/n6_dof", "r_2"):
     assert battery["remaining_life_median_sensor_based"] == pytest.approx(math.log(2) * 1000, rel=1e-9)
     assert battery["remaining_life_early_sensor_based"] == pytest.approx(-math.log(0.95) * 1000, rel=1e-9)
     assert math.isnan(battery["completion_nominal"])
-    assert arm["unreliability_sensor_based"] == -math.expm1(-6e-9)
-    assert arm["reliability_sensor_based"] == math.exp(-6e-9)  # float32 would say 1
+    assert arm["unreliability_sensor_based"] == pytest.approx(-math.expm1(-6e-9), rel=1e-14, abs=0)
+    assert arm["reliability_sensor_based"] == pytest.approx(math.exp(-6e-9), rel=3e-16, abs=0)  # float32 would say 1
     assert robot["completion_sensor_based"] == pytest.approx(math.exp(-0.002 - 4e-9), rel=1e-14)
     assert robot["failure_nominal"] == pytest.approx(-math.expm1(-0.002 - 4e-9), rel=1e-12)
 
