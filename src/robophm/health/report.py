@@ -254,14 +254,9 @@ def health_now(
             ComponentHealth(
                 component.path,
                 component.quantity,
-                rate,
-                lived_rate,
-                works,
-                lived_works,
-                failed,
-                lived_failed,
+                *(rate, lived_rate, works, lived_works, failed, lived_failed),
                 flags=_flags(component.modes, ledger, silent),
-            )  # fmt: skip
+            )
             for component, (rate, lived_rate, works, lived_works, failed, lived_failed) in zip(
                 plant.components, numbers.tolist(), strict=True
             )
