@@ -27,10 +27,12 @@ def watch(
     journal: Journal | None = None,
     period: float = 1.0,
     on_tick: Callable[[Monitor], None] | None = None,
+    on_start: Callable[[Monitor], None] | None = None,
 ) -> Monitor:
     """Listen until the source is closed, from where the store's ledger stands; the monitor as it is then.
 
     ``period`` [s] is the step of integration: a journal replayed with the same gives the same ledger, bit for bit.
+    ``on_start`` is called before the first sample.
 
     Raises SourceError as the source does, and where the ledger is ahead of the samples' time.
     """
@@ -54,6 +56,8 @@ def watch(
 
     monitor = Monitor(robot, ledger, period=period, on_tick=tick)
     ahead = ledger.integrated_to if ledger else None
+    if on_start:
+        on_start(monitor)
     try:
         for sample in source.samples(robot.signals):
             if ahead is not None and sample.time < ahead:
