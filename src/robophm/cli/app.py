@@ -9,6 +9,7 @@ import typer
 
 from robophm.cli import BREACHED
 from robophm.cli.data import data
+from robophm.cli.field import COMMANDS
 from robophm.cli.output import Json, json_text, may_write
 from robophm.core.errors import RobophmError, UnitError
 from robophm.report.words import rate_text
@@ -23,6 +24,8 @@ app = typer.Typer(
 
 
 app.add_typer(data, name="data")
+for _command in COMMANDS:
+    app.command()(_command)
 
 
 def _version(wanted: bool) -> None:

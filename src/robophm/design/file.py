@@ -275,6 +275,7 @@ def _keys(place: tuple[str, ...], lines: Lines, root: type[BaseModel]) -> list[s
         "usage": schema.Usage,
         "task": schema.Leg,
         "uncertainty": schema.Uncertainty,
+        "learned": schema.Learned,
         "knowledge": schema.Knowledge,
         "thresholds": schema.Thresholds if len(place) == 1 else schema.ModuleThresholds,
         "warning": schema.Limits,
