@@ -11,10 +11,8 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 
-from robophm.transports.ros1.environment import Notes
-
-TICK = 0.5
-"""Seconds between ticks, at most."""
+from robophm.transports.hearing import TICK
+from robophm.transports.notes import Notes
 
 MOST_HELD = 128 << 20
 """Bytes of unfinished messages over all sockets, beyond which the one that holds most is closed."""

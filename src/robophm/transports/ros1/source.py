@@ -2,33 +2,25 @@
 
 from __future__ import annotations
 
-import math
 import threading
 import uuid
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from queue import SimpleQueue
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, Sample, split_signal
+from robophm.transports.hearing import QUEUE, TICK, Count, Hearing, Queue, tick_of
 from robophm.transports.message_type import MessageType, numeric_fields
-from robophm.transports.ros1.definition import ros2_name
-from robophm.transports.ros1.environment import Notes, PeerError, place
-from robophm.transports.ros1.listening import CONNECTORS, Count, Listening
-from robophm.transports.ros1.loop import TICK
+from robophm.transports.notes import Notes, PeerError
+from robophm.transports.ros1.definition import ros2_name, type_of
+from robophm.transports.ros1.environment import place
+from robophm.transports.ros1.listening import CONNECTORS, Listening
 from robophm.transports.ros1.master import published_topics, system_state
 from robophm.transports.ros1.node import Node
-from robophm.transports.ros1.reading import type_of
 from robophm.transports.ros1.tcpros import connect
 from robophm.transports.ros1.xmlrpc import call
 from robophm.transports.source import LiveSource, Told, TopicInfo
-
-QUEUE = 100_000
-"""Samples that may wait to be taken; further ones are dropped and counted."""
-
-MOST_WHOLE = 200
-"""Whole messages that may wait."""
 
 START_SECONDS = 8.0
 """Within which what is published when listening begins is connected, or is left for later."""
@@ -53,7 +45,7 @@ class Ros1(LiveSource):
         self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
         self.notes = Notes()
         self._queue = queue
-        self._tick = period / math.ceil(period / TICK)
+        self._tick = tick_of(period)
         self._master = place(master).master
         self._closed = False
         self._run: _Run | None = None
@@ -70,7 +62,7 @@ class Ros1(LiveSource):
         """
         published = published_topics(self._master, CALLER)
         publishers, _ = system_state(self._master, CALLER)
-        counts = self._run.listening.counts if self._run else {}
+        counts = self._run.hearing.counts if self._run else {}
         with ThreadPoolExecutor(CONNECTORS) as pool:
             return list(
                 pool.map(
@@ -131,49 +123,25 @@ class _Run:
     def __init__(
         self, master: str, wanted: dict[str, list[str]], topics: Collection[str], notes: Notes, most: int, tick: float
     ) -> None:
-        self._waiting: SimpleQueue[Sample | Told | None] = SimpleQueue()
-        self._whole_put = self._whole_taken = 0  # each by one thread alone
-        self._notes = notes
-        self._most = most
-        self._over = False
+        self._queue = Queue(notes, most)
         self._closing = threading.Lock()
         self._node = Node(master=master, notes=notes)
         self._node.loop.tick = tick
-        self._node.told_to_end = lambda: self._waiting.put(None)
+        self._node.told_to_end = self._queue.end
         try:
             simulated = self._node.ask("getParam", "/use_sim_time") is True
         except PeerError:  # it is not set
             simulated = False
-        self.listening = Listening(self._node, wanted, topics, self._put, simulated)
+        self.hearing = Hearing(notes, self._queue.put, topics, simulated=simulated)
+        self.listening = Listening(self._node, wanted, self.hearing)
 
     def heard(self) -> Iterator[Sample | Told]:
         """Until the end."""
-        try:
-            while (heard := self._waiting.get()) is not None and not self._over:
-                if isinstance(heard, Told):
-                    self._whole_taken += 1
-                yield heard
-        finally:
-            if not self._over:  # otherwise somebody else is closing, which may take longer
-                self.close()
+        return self._queue.taken(self.close)
 
     def close(self) -> None:
         """Let go of all."""
-        self._over = True
-        self._waiting.put(None)
+        self._queue.close()
         with self._closing:  # who comes second returns when it is done
             self.listening.close()
             self._node.close()
-
-    def _put(self, heard: Sequence[Sample | Told]) -> None:
-        """All of one message, or nothing."""
-        whole = sum(isinstance(one, Told) for one in heard)
-        if self._waiting.qsize() + len(heard) > self._most or (
-            whole and self._whole_put - self._whole_taken >= MOST_WHOLE
-        ):
-            for one in heard:
-                self._notes.add(f"queue full, dropped {one.signal if isinstance(one, Sample) else one.topic}")
-            return
-        self._whole_put += whole
-        for one in heard:
-            self._waiting.put(one)
