@@ -59,8 +59,8 @@ def judge_tasks(
     """
     signals = available(robot, source, skip_missing=skip_missing)
     monitor = Monitor(robot, ledger, on_tick=on_tick)
-    drafts = [_Draft(monitor, plan, done, speed, functions, knowledge) for plan, done in _pairs(told)]
-    marks = [mark for draft in drafts for mark in draft.marks()]
+    records = judge_on_the_way(monitor, told, speed=speed, functions=functions, knowledge=knowledge)
+    marks = monitor.marks
     if (
         ledger
         and ledger.integrated_to is not None
@@ -72,13 +72,22 @@ def judge_tasks(
             f"the robot's past that is kept goes on for {late:.6g} s beyond the first task's beginning; expected one "
             "that ends before it, or none"
         )
-    monitor.marks = sorted(marks, key=itemgetter(0))
     for sample in source.samples(signals):
         monitor.observe(sample)
     monitor.reach_marks()
-    if marks and monitor.ledger.newest is None:
+    if told and monitor.ledger.newest is None:
         raise SourceError("the recording has no sample of the robot; expected some beside its tasks")
-    return [draft.record() for draft in drafts], monitor
+    return records(), monitor
+
+
+def judge_on_the_way(
+    monitor: Monitor, told: Sequence[PlannedTask | DoneTask], *,
+    speed: float | None = None, functions: Sequence[str] = (), knowledge: Knowledge | None = None,
+) -> Callable[[], list[TaskRecord]]:  # fmt: skip
+    """Have a monitor judge tasks as it comes to their times; what is called tells what is known of them so far."""
+    drafts = [_Draft(monitor, plan, done, speed, functions, knowledge) for plan, done in _pairs(told)]
+    monitor.marks = sorted((mark for draft in drafts for mark in draft.marks()), key=itemgetter(0))
+    return lambda: [draft.record() for draft in drafts]
 
 
 class _Draft:

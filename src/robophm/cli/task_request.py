@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from robophm.cli.task import run as of_plan
 from robophm.core.errors import RobophmError, UnitError, nearest
 from robophm.core.units import quantity
 from robophm.design.file import load
+from robophm.design.robot import Robot
 from robophm.design.task import Plan
 from robophm.design.task_file import load_plan
 from robophm.transports.recording import SUFFIXES, Recording

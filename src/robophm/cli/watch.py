@@ -6,24 +6,25 @@ import signal
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack, nullcontext
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import FrameType
 
+from rich.console import Console
 from rich.live import Live
 
 from robophm.cli.live_table import LiveTable
 from robophm.cli.output import console, may_write, print_json, print_report, warn
 from robophm.cli.task_request import known_functions, stated_speed
-from robophm.core.signal import split_signal
 from robophm.design.file import load
 from robophm.drives import lacking
-from robophm.health.report import HealthReport
-from robophm.report.words import rate_text
+from robophm.health.report import HealthReport, plain
+from robophm.report.words import duration_text, number_text, probability_text, rate_text
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.health_topics import HealthTopics, Outlet
 from robophm.transports.journal import Journal
 from robophm.transports.ros1 import Node, Publisher, Ros1
+from robophm.transports.sink import JudgedTask, ReportSink
 from robophm.transports.tasks.listener import ACTIONS, topics_of
 from robophm.transports.tasks.texts import TEXT_TOPICS
 from robophm.watching import watch
@@ -61,11 +62,9 @@ def run(design: Path, asked: Watched) -> bool:
     with ExitStack() as stack:
         source = stack.enter_context(Ros1(period=asked.period))
         published = {info.topic: (info.type, info.fields) for info in source.topics()}
-        for name, words in lacking(robot, published).items():
-            topic, _ = split_signal(name)
-            warn(
-                words.replace("the recording has no topic", "nobody publishes yet") if topic not in published else words
-            )
+        lacks = lacking(robot, published)
+        for words in dict.fromkeys(lacks.values()):
+            warn(words.replace("the recording has no topic", "nobody publishes yet"))
         kept = stack.enter_context(SqliteStore(asked.store)) if asked.store else None
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
         sinks = []
@@ -81,26 +80,13 @@ def run(design: Path, asked: Watched) -> bool:
 
         for number in (signal.SIGINT, signal.SIGTERM):
             stack.callback(signal.signal, number, signal.signal(number, stop))
-        out, table, said = console(), LiveTable(), time.monotonic()
+        out = console()
         to_terminal = out.is_terminal and not asked.as_json
         with Live(console=out, auto_refresh=False) if to_terminal else nullcontext() as live:
-
-            def look(report: HealthReport) -> None:
-                nonlocal said
-                if live:
-                    if table.due():
-                        live.update(table.draw(report), refresh=True)
-                elif time.monotonic() - said >= asked.every:
-                    said = time.monotonic()
-                    if asked.as_json:
-                        print_json(report.to_json())
-                    else:
-                        rate = rate_text(report.system.sensor_based.hazard_rate, asked.unit)
-                        out.print(f"{report.clocks['operating']:.3f} h  λ {rate}", markup=False)
-
+            shown = _OnTerminal(live) if live else _Lines(out, asked)
             monitor = watch(
-                robot, source, store=kept, journal=written, period=asked.period, sinks=sinks,
-                task_topics=_task_topics(asked), speed=speed, functions=asked.functions, on_report=look,
+                robot, source, store=kept, journal=written, period=asked.period, sinks=[*sinks, shown],
+                task_topics=_task_topics(asked), speed=speed, functions=asked.functions,
             )  # fmt: skip
         health = monitor.report()
         if asked.as_json:
@@ -110,6 +96,52 @@ def run(design: Path, asked: Watched) -> bool:
         for what, count in sorted(source.notes.items()):
             warn(f"{what} ({count} times)")
     return bool(health.breaches)
+
+
+class _OnTerminal(ReportSink):
+    """A table that stays where it is, and the tasks above it."""
+
+    def __init__(self, live: Live) -> None:
+        self._live, self._table = live, LiveTable()
+
+    def publish(self, report: HealthReport) -> None:
+        if self._table.due():
+            self._live.update(self._table.draw(report), refresh=True)
+
+    def judged(self, task: JudgedTask) -> None:
+        self._live.console.print(_task_text(task), markup=False)
+
+
+class _Lines(ReportSink):
+    """A line now and then, or a line of JSON."""
+
+    def __init__(self, out: Console, asked: Watched) -> None:
+        self._out, self._asked, self._said = out, asked, time.monotonic()
+
+    def publish(self, report: HealthReport) -> None:
+        if time.monotonic() - self._said < self._asked.every:
+            return
+        self._said = time.monotonic()
+        if self._asked.as_json:
+            print_json(report.to_json())
+        else:
+            rate = rate_text(report.system.sensor_based.hazard_rate, self._asked.unit)
+            self._out.print(f"{report.clocks['operating']:.3f} h  λ {rate}", markup=False)
+
+    def judged(self, task: JudgedTask) -> None:
+        if self._asked.as_json:
+            print_json({"schema_version": 1, "task": plain(asdict(task))})
+        else:
+            self._out.print(_task_text(task), markup=False)
+
+
+def _task_text(task: JudgedTask) -> str:
+    what = "done" if task.done else "arrived"
+    chance = task.completion["sensor_based"]
+    length = f"{number_text(task.distance)} m in {duration_text(task.duration)}"
+    return (
+        f"task {what} on {task.topic}: {length}, completed with {probability_text(chance.probability, chance.failure)}"
+    )
 
 
 def _task_topics(asked: Watched) -> list[str]:

@@ -28,6 +28,7 @@ from robophm.design.robot import (
     CLOCK_UNITS,
     Channel,
     Component,
+    Evidence,
     FailureMode,
     Limits,
     MeasuredClock,
@@ -192,6 +193,7 @@ class _Builder:
                 "clock",
                 "scaling",
                 "initial_exposure",
+                "learned",
             }
             if inline or own_acceleration is not None:
                 raise Fault(
@@ -246,7 +248,8 @@ class _Builder:
         if rate is not None and not rate > 0:
             at, said = ("hazard", f"{rate:g}") if hazard else ("rate", mode.rate)
             raise Fault((*place, at), f"hazard rate {said}; expected above zero: a part that never fails is no part")
-        life, rate = self._life((*place, "life"), mode.life, rate, clock_unit, place)
+        factor = mode.learned.factor if mode.learned else 1.0
+        life, rate = self._life((*place, "life"), mode.life, rate, clock_unit, place, factor)
         if hazard and "b10" in hazard.design and getattr(life, "shape", 1.0) != hazard.design["shape"]:
             raise Fault(
                 (*place, "life"),
@@ -269,10 +272,12 @@ class _Builder:
                     f"{mode.initial_exposure} is negative; expected at least zero",
                 )
         measured = scope.clocks.get(mode.clock)
+        stated = self._uncertainty(place, mode, rate / factor, f"1/{clock_unit}", scope)
         return FailureMode(
             "/".join(path), rate, life, mode.clock, self._measured_clock(mode.clock, *measured) if measured else None,
             mode.scaling, initial, (hazard, *stresses) if hazard else stresses, mode.source or self._said_source(mode),
-            self._uncertainty(place, mode, rate, f"1/{clock_unit}", scope),
+            Uncertainty(failures=mode.learned.shape) if mode.learned else stated,
+            evidence=Evidence(factor, stated) if mode.learned else None,
         )  # fmt: skip
 
     @staticmethod
@@ -446,7 +451,7 @@ class _Builder:
         return MeasuredClock(clock, kind, signals, written, scale, binding.threshold, round(binding.max_age * SECOND))
 
     def _life(
-        self, place: Path, life: schema.Life, rate: float | None, unit: str, mode_place: Path
+        self, place: Path, life: schema.Life, rate: float | None, unit: str, mode_place: Path, factor: float
     ) -> tuple[LifeDistribution, float]:
         distribution: type[LifeDistribution] = _plug((*place, "distribution"), life_distribution, life.distribution)
         parameters: dict[str, Any] = {}
@@ -469,13 +474,16 @@ class _Builder:
                         "has no rate; expected rate, hazard, failure_modes, or a life with its scale",
                     )
                 whole = distribution(**parameters)
-                return whole, 1 / whole.mean()
-            if distribution.scale_parameter in parameters:
+                if factor == 1:
+                    return whole, 1 / whole.mean()
+                parameters.pop(str(distribution.scale_parameter), None)
+                rate = 1 / whole.mean()
+            elif distribution.scale_parameter in parameters:
                 raise Fault(
                     (*place, str(distribution.scale_parameter)),
                     f"a rate and the life's own {distribution.scale_parameter} are given; expected one of the two",
                 )
-            return distribution.with_rate(rate, **parameters), rate
+            return distribution.with_rate(rate * factor, **parameters), rate * factor
         except (ModelError, TypeError) as error:
             raise Fault(place, str(error)) from None
 

@@ -111,6 +111,16 @@ class Uncertainty:
 
 
 @dataclass(frozen=True)
+class Evidence:
+    """What the field has said of a stated rate; it is in the failure mode's rate and uncertainty already."""
+
+    factor: float
+    """The rate is so many times the stated one."""
+    stated: Uncertainty | None
+    """How sure the stated rate was."""
+
+
+@dataclass(frozen=True)
 class FailureMode:
     """One way of one component to fail."""
 
@@ -130,6 +140,8 @@ class FailureMode:
     """None: the rate is taken as exact."""
     share: float = 1.0
     """Of the hazard of that rate and life: what is not this part's own is a common cause's."""
+    evidence: Evidence | None = None
+    """None: nothing was learned of it."""
     member: str = ""
     """Of a common cause's: path of the part's failure mode that it is a share of."""
 

@@ -196,6 +196,20 @@ class Uncertainty(_Strict):
         return self
 
 
+class Learned(_Strict):
+    """What the field says of a stated rate; `robophm learn` writes it, from all that was seen so far."""
+
+    factor: float = Field(gt=0, le=1e12, description="the rate is so many times what is stated")
+    shape: float = Field(gt=0, le=1e12, description="gamma: as sure as if so many failures had been seen")
+    failures: float = Field(ge=0, description="that were seen")
+    expected: float = Field(ge=0, description="failures by the stated rate in the same exposure")
+    exposure: Written | None = Field(None, description="of all parts together, e.g. 120000 h")
+    low: float | None = Field(None, ge=0, description="the factor is above this with 95 %")
+    high: float | None = Field(None, gt=0, description="the factor is below this with 95 %")
+    prior: float | None = Field(None, ge=0, description="failures that the stated rate counted as")
+    note: str = Field("", max_length=500)
+
+
 class FailureMode(_Strict):
     """One way to fail; the modes of a component are in series."""
 
@@ -208,6 +222,7 @@ class FailureMode(_Strict):
     initial_exposure: Written | None = Field(None, description="what a used part has behind it, e.g. 1200 h")
     source: str | None = Field(None, description="where the rate is from")
     uncertainty: Uncertainty | None = Field(None, description="how sure the rate is; inherited, default exact")
+    learned: Learned | None = Field(None, description="what the field says of it, and how sure it is then")
 
 
 def _one_or_list(value: object) -> str:

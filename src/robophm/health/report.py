@@ -37,6 +37,8 @@ class ComponentHealth:
     sensor_based_hazard_rate: float
     nominal_reliability: float
     sensor_based_reliability: float
+    nominal_unreliability: float
+    sensor_based_unreliability: float
     remaining_life: RemainingLife | None = None
     """Sensor-based, of the component alone [h]; where it was asked for."""
     flags: tuple[str, ...] = ()
@@ -226,10 +228,9 @@ def health_now(
         views = {view: replace(outlook, plan=plan_future(outlook, plan)) for view, outlook in views.items()}
     silent = set(exposure.silent(ledger)) if ledger.integrated_to is not None else set()  # a mere look ahead
     odometers = {signal for clock in robot.clocks.values() for signal in clock.signals}
-    rates, survival = (
-        [getattr(views[view], method)() for view in VIEWS]
-        for method in ("component_hazard_rates", "component_survival")
-    )
+    rates = [views[view].component_hazard_rates() for view in VIEWS]
+    survival = [views[view].component_survival() for view in VIEWS]
+    numbers = np.stack([*rates, *(works for works, _ in survival), *(failed for _, failed in survival)], axis=1)
     clocks = ledger.clocks.value
     return HealthReport(
         robot.name,
@@ -253,13 +254,12 @@ def health_now(
             ComponentHealth(
                 component.path,
                 component.quantity,
-                float(rate),
-                float(lived),
-                float(new),
-                float(kept),
+                *(rate, lived_rate, works, lived_works, failed, lived_failed),
                 flags=_flags(component.modes, ledger, silent),
             )
-            for component, rate, lived, new, kept in zip(plant.components, *rates, *survival, strict=True)
+            for component, (rate, lived_rate, works, lived_works, failed, lived_failed) in zip(
+                plant.components, numbers.tolist(), strict=True
+            )
         ),
         task or robot.task,
         _notes(ledger),

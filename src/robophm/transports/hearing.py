@@ -84,7 +84,8 @@ class Hearing:
         count.last = receipt
         at = numbers.stamp
         if at == 0 or abs(at - receipt) > STAMP_LIMIT:
-            self._notes.add(f"receipt time used for {topic}")
+            if numbers.values:
+                self._notes.add(f"receipt time used for {topic}")
             at = receipt
         for signal in numbers.absent:
             self._notes.add(f"no element for {signal}")

@@ -10,7 +10,7 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
-from robophm.health.report import HealthReport, health_now
+from robophm.health.report import health_now
 from robophm.monitor import Monitor
 from robophm.replaying import REPORT_STEP, Course
 from robophm.stores.store import Store
@@ -29,14 +29,15 @@ def watch(
     store: Store | None = None, journal: Journal | None = None, period: float = 1.0,
     sinks: Sequence[ReportSink] = (), task_topics: Collection[str] = (),
     speed: float | None = None, functions: Sequence[str] = (),
-    on_report: Callable[[HealthReport], None] | None = None,
+    on_start: Callable[[Monitor], None] | None = None, on_tick: Callable[[Monitor], None] | None = None,
 ) -> Monitor:  # fmt: skip
     """Listen until the source is closed, from where the store's ledger stands; the monitor as it is then.
 
     ``period`` [s] is the step of integration and between two reports: a journal replayed with the same gives the same
-    ledger, bit for bit. Reports go to ``sinks`` and ``on_report``, with the remaining lives and completions last seen
-    ahead; so do the tasks that ``task_topics`` of a live source tell of, ``speed`` [m/s] and ``functions`` being as of
-    LiveTasks. What of them is not judged is in the source's notes.
+    ledger, bit for bit. Reports go to ``sinks`` with the remaining lives and completions last seen ahead; so do the
+    tasks that ``task_topics`` of a live source tell of, ``speed`` [m/s] and ``functions`` being as of LiveTasks; what
+    of them is not judged is in the source's notes. ``on_start`` is called before the first sample, ``on_tick`` after
+    each step.
 
     Raises SourceError as the source does, and where the ledger is ahead of the samples' time.
     """
@@ -58,19 +59,21 @@ def watch(
             report = ahead.beside(health_now(monitor.plant, monitor.exposure, settled))
             for sink in sinks:
                 sink.publish(report)
-            if on_report:
-                on_report(report)
         if task_topics:
             tasks.remember()
         if store:
             course.follow(monitor)
+        if on_tick:
+            on_tick(monitor)
 
     monitor = Monitor(robot, ledger, period=period, on_tick=tick)
     tasks = LiveTasks(monitor, speed=speed, functions=functions)
     behind = ledger.integrated_to if ledger else None
     with ExitStack() as opened:
-        ahead = opened.enter_context(LookAhead()) if sinks or on_report else None
+        ahead = opened.enter_context(LookAhead()) if sinks else None
         opened.callback(save)
+        if on_start:
+            on_start(monitor)
         for heard in _listen(source, robot.signals, task_topics):
             if isinstance(heard, Told):
                 if judged := tasks.hear(heard):

@@ -100,7 +100,7 @@ def health(report: HealthReport, of: Subject | ComponentHealth) -> Fields:
     else:
         rates = {view: getattr(of, f"{view}_hazard_rate") for view in VIEWS}
         survival = {view: getattr(of, f"{view}_reliability") for view in VIEWS}
-        failed = {view: 1 - value for view, value in survival.items()}
+        failed = {view: getattr(of, f"{view}_unreliability") for view in VIEWS}
         lives = {"nominal": None, "sensor_based": of.remaining_life}
         completions = dict.fromkeys(VIEWS)
         state = "stale" if any(flag.startswith(STALE) for flag in of.flags) else "ok"
