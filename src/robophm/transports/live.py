@@ -33,6 +33,11 @@ class Live:
     publisher: Callable[..., Any]
     """Makes a publisher of a node, topic, type and definition."""
 
+    @property
+    def said(self) -> str:
+        """What was taken and why, for people."""
+        return f"listening to ROS {self.generation} ({self.transport}): {self.reason}"
+
 
 def open_live(choice: str = "auto", *, period: float = 0.5) -> Live:
     """The live source of the ROS that runs here, or that is chosen; its clock comes at multiples of ``period`` [s].
