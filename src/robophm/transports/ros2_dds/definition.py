@@ -139,7 +139,7 @@ def _generated(store: Typestore, name: str) -> str:
 
 
 def _installed(prefix: Path, name: str) -> str | None:
-    """The texts of a type and of all types in it; None where one of them is neither here nor in rosbags."""
+    """The texts of a type and of all types in it, those that are not here by rosbags; None where it is not here."""
     from rosbags.interfaces import Nodetype
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -156,7 +156,7 @@ def _installed(prefix: Path, name: str) -> str | None:
                 return None
             others = others or get_typestore(Stores.LATEST)
             if part not in others.fielddefs:
-                return None
+                continue  # compiling it says so
             text = _generated(others, part).partition("\n" + "=" * 80)[0]
         texts[part] = text
         if len(texts) > MOST_PARTS:
