@@ -149,6 +149,9 @@ clocks:
 acceleration: [{model: arrhenius, activation_energy: 0.7 eV}]
 modules:
   M:
+    thresholds:
+      reliability: 0.8
+      warning: {hazard_rate: 50 FPMH, reliability: 0.9, remaining_life: 1 kh, completion: 0.9}
     uncertainty: {error_factor: 3}
     components:
       Motor:

@@ -236,15 +236,54 @@ def watch(
         Path | None, typer.Option(help="keep the robot's past in this SQLite file, and go on from it")
     ] = None,
     journal: Annotated[Path | None, typer.Option(help="write every sample to the end of this journal")] = None,
-    period: Annotated[float, typer.Option(min=0.1, max=3600, help="seconds that are integrated at once")] = 1.0,
+    period: Annotated[
+        float, typer.Option(min=0.1, max=3600, help="seconds that are integrated at once, and between two reports")
+    ] = 1.0,
     every: Annotated[float, typer.Option(min=0.1, help="seconds between two lines, off a terminal")] = 10.0,
+    publish: Annotated[bool, typer.Option(help="publish health as topics")] = True,
+    namespace: Annotated[str, typer.Option(help="of the topics that are published")] = "/",
+    frame: Annotated[str, typer.Option(help="where the markers for RViz stand")] = "base_link",
+    tasks: Annotated[
+        list[str] | None, typer.Option(help="topic or action that tells of tasks; default those known by name")
+    ] = None,
+    speed: Annotated[str | None, typer.Option(help="of planned legs that state none, e.g. '0.3 m/s'")] = None,
+    function: Annotated[list[str] | None, typer.Option(help="that tasks need; default the whole robot")] = None,
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
-    """The health of a robot that runs, through ROS 1 (ROS_MASTER_URI), until it is interrupted."""
-    from robophm.cli.watch import run
+    """The health of a robot that runs, from ROS 1 (ROS_MASTER_URI) and back to it, until it is interrupted."""
+    from robophm.cli.watch import Watched, run
 
-    _leave(run(design, store, journal, period, every, unit, as_json=as_json))
+    asked = Watched(
+        store, journal, period, every, namespace, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
+        unit, as_json,
+    )  # fmt: skip
+    _leave(run(design, asked))
+
+
+@app.command()
+def serve(
+    design: Design,
+    host: Annotated[str, typer.Option(help="address to listen on; any but 127.0.0.1 needs --token")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0 is any that is free")] = 8707,
+    token: Annotated[
+        str | None, typer.Option(help="secret that browsers must show once", envvar="ROBOPHM_TOKEN")
+    ] = None,
+    store: Annotated[Path | None, typer.Option(help="keep the robot's past in this SQLite file")] = None,
+    journal: Annotated[Path | None, typer.Option(help="write every sample to the end of this journal")] = None,
+    recordings: Annotated[
+        list[Path] | None, typer.Option("--replay", help="recordings that can be watched as if they were live")
+    ] = None,
+    synthetic: Annotated[bool, typer.Option("--synthetic", help="offer the synthetic OTA as a source")] = False,
+    start: Annotated[
+        str | None, typer.Option(help="watch at once: ros1, recordings or synthetic", metavar="SOURCE")
+    ] = None,
+    speed: Annotated[float, typer.Option(help="of a recording, as a multiple of its own")] = 1.0,
+) -> None:
+    """The page: design a robot, bind its sensors and watch its health, in any browser."""
+    from robophm.cli.serve import Wishes, run
+
+    run(design, Wishes(host, port, token, store, journal, tuple(recordings or ()), synthetic, start, speed))
 
 
 @app.command("import-bom")

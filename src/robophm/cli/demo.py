@@ -10,6 +10,7 @@ from rich.live import Live
 from robophm.cli.live_table import LiveTable
 from robophm.cli.output import console, print_report, write
 from robophm.core.errors import RobophmError
+from robophm.core.files import shipped
 from robophm.core.signal import split_signal
 from robophm.design.file import load
 from robophm.monitor import Monitor
@@ -25,12 +26,8 @@ from robophm.transports.synthetic import SyntheticOta
 
 
 def example_design() -> Path:
-    """The OTA's design: in the installed package, or beside the sources that it is installed from."""
-    package = Path(__file__).parents[1]
-    for folder in (package / "examples", package.parents[1] / "examples"):
-        if (folder / "ota" / "robot.yaml").is_file():
-            return folder / "ota" / "robot.yaml"
-    raise RobophmError("the example design examples/ota/robot.yaml is not installed")
+    """The OTA's design. Raises RobophmError where it is not installed."""
+    return shipped("examples/ota/robot.yaml")
 
 
 def run(output: Path, seed: int) -> None:

@@ -30,6 +30,7 @@ from robophm.design.robot import (
     Component,
     Evidence,
     FailureMode,
+    Limits,
     MeasuredClock,
     Module,
     Robot,
@@ -146,7 +147,7 @@ class _Builder:
             clocks=clocks,
             powered=self._powered(),
             max_gap=round(design.max_gap * SECOND),
-            thresholds=Thresholds(**design.thresholds.model_dump()),
+            thresholds=_thresholds(design.thresholds),
             warnings=tuple(warnings),
             design_hash=hashlib.sha256(content.encode()).hexdigest(),
         )
@@ -171,7 +172,9 @@ class _Builder:
             for name, component in level.components.items()
         )
         placeholder = blocks.Unit("")
-        return Module("/".join(path), modules, components, placeholder, placeholder, level.description or "")
+        thresholds = _thresholds(level.thresholds) if isinstance(level, schema.Module) else Thresholds()
+        text = level.description or ""
+        return Module("/".join(path), modules, components, placeholder, placeholder, text, thresholds)
 
     def _component(self, path: Path, place: Path, part: schema.Component, above: _Scope) -> Component:
         own_acceleration = part.acceleration
@@ -508,6 +511,11 @@ class _Builder:
         for kind in ("modules", "components"):
             for name, child in getattr(level, kind, {}).items():
                 yield from self._signal_places((*place, kind, name), child)
+
+
+def _thresholds(stated: schema.ModuleThresholds) -> Thresholds:
+    limits = stated.model_dump()
+    return Thresholds(**{**limits, "warning": Limits(**limits["warning"])})
 
 
 def _plug(place: Path, find: Any, name: str) -> Any:

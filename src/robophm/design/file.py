@@ -68,7 +68,7 @@ def validated(model: type[_Model], data: dict[str, Any], name: str, lines: Lines
     except ValidationError as error:
         details = error.errors(include_url=False)
         details.sort(key=lambda detail: detail["type"] != "extra_forbidden")  # a misspelt key explains a missing one
-        place, message = _first_fault(details[0], lines, model)
+        place, message = fault_of(details[0], lines, model)
         more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
         raise DesignError(located(name, lines, place, message) + more) from None
 
@@ -81,12 +81,12 @@ class DesignFile:
         self.path = Path(path)
         text = read(self.path)
         parse(text, str(path))
-        self.document: Any = _yaml().load(text)
+        self.document: Any = round_trip().load(text)
 
     def text(self) -> str:
         """The file as it would be saved."""
         stream = io.StringIO()
-        _yaml().dump(self.document, stream)
+        round_trip().dump(self.document, stream)
         return stream.getvalue()
 
     def save(self) -> Robot:
@@ -116,7 +116,8 @@ def replace_text(path: Path, text: str) -> None:
         raise DesignError(f"{path}: cannot be saved: {error.strerror}; the file is as it was") from None
 
 
-def _yaml() -> Any:
+def round_trip() -> Any:
+    """What reads and writes a document with its comments."""
     from ruamel.yaml import YAML
 
     yaml = YAML(typ="rt")
@@ -222,7 +223,7 @@ def located(name: str, lines: Lines, place: tuple[str, ...], message: str) -> st
     return f"{name}:{lines.get(known, 1)}: {_text(place)}{message}"
 
 
-def _first_fault(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> tuple[tuple[str, ...], str]:
+def fault_of(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> tuple[tuple[str, ...], str]:
     """Place and message of a pydantic error: its location less the names of union branches."""
     place: tuple[str, ...] = ()
     for i, step in enumerate(detail["loc"]):
@@ -276,7 +277,8 @@ def _keys(place: tuple[str, ...], lines: Lines, root: type[BaseModel]) -> list[s
         "uncertainty": schema.Uncertainty,
         "learned": schema.Learned,
         "knowledge": schema.Knowledge,
-        "thresholds": schema.Thresholds,
+        "thresholds": schema.Thresholds if len(place) == 1 else schema.ModuleThresholds,
+        "warning": schema.Limits,
         "powered": schema.PowerBinding,
         "k_of_n": schema.KOutOfNGroup,
         "standby": schema.StandbyGroup,

@@ -414,9 +414,33 @@ class _Group(_Strict):
     common_causes: dict[Name, CommonCause] = Field(default_factory=dict, description="groups that may fail together")
 
 
+class Limits(_Strict):
+    """How good health must be, as sensors have it."""
+
+    hazard_rate: _quantity("1/h", "at most", "1000 FPMH", 0.0) | None = None  # type: ignore[valid-type]
+    reliability: Annotated[float, Field(gt=0, lt=1, description="at least, since new")] | None = None
+    remaining_life: _quantity("h", "median, at least", "500 h", 0.0) | None = None  # type: ignore[valid-type]
+    completion: Annotated[float, Field(gt=0, lt=1, description="of the task, at least")] | None = None
+
+
+class ModuleThresholds(Limits):
+    """Where a module's health is no longer good enough: an error, and before it a warning."""
+
+    warning: Limits = Field(default_factory=Limits, description="the same, where attention is due")
+
+
+class Thresholds(ModuleThresholds):
+    """Where the robot's health is no longer good enough (exit code 1)."""
+
+    survival: Annotated[float, Field(gt=0, lt=1, description="state also when survival ahead falls to this")] | None = (
+        None
+    )
+
+
 class Module(_Group):
     """A module or sub-module, to any depth."""
 
+    thresholds: ModuleThresholds = Field(default_factory=ModuleThresholds)
     depends_on: DependsOn | None = Field(None, description="works only while this does: a part, a block, or a list")
 
 
@@ -479,18 +503,6 @@ class TaskFile(_Strict):
     tasks: list[AnyTask] = Field(min_length=1, max_length=100_000)
     knowledge: Knowledge = Field(default_factory=Knowledge)
     every: _quantity("h", "the list is begun anew so often", "8 h", 0.0) | None = None  # type: ignore[valid-type]
-
-
-class Thresholds(_Strict):
-    """Where the robot's health is no longer good enough (exit code 1)."""
-
-    hazard_rate: _quantity("1/h", "at most", "1000 FPMH", 0.0) | None = None  # type: ignore[valid-type]
-    reliability: Annotated[float, Field(gt=0, lt=1, description="at least, since new")] | None = None
-    remaining_life: _quantity("h", "median, at least", "500 h", 0.0) | None = None  # type: ignore[valid-type]
-    completion: Annotated[float, Field(gt=0, lt=1, description="of the task, at least")] | None = None
-    survival: Annotated[float, Field(gt=0, lt=1, description="state also when survival ahead falls to this")] | None = (
-        None
-    )
 
 
 class RobotFile(_Group):

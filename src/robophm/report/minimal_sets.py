@@ -74,7 +74,7 @@ class Listed:
 def what_it_takes_to_fail(robot: Robot, report: HealthReport) -> Iterator[Html | str]:
     """The body of a section: from new to now, sensor-based."""
     parts = dict.fromkeys(units(robot.diagram))
-    failed = _failed(report.outlooks["sensor_based"])
+    failed = failed_of(report.outlooks["sensor_based"])
     alone = sorted(single_points_of_failure(robot.diagram), key=lambda name: (-failed[name], name))
     if alone:
         more = f" and {len(alone) - _MOST_LISTED:,} more" if len(alone) > _MOST_LISTED else ""
@@ -104,7 +104,7 @@ def what_it_takes_to_fail(robot: Robot, report: HealthReport) -> Iterator[Html |
             yield listed.left_out()
 
 
-def _failed(outlook: Outlook) -> dict[str, float]:
+def failed_of(outlook: Outlook) -> dict[str, float]:
     """The probability that each unit has failed since new."""
     plant = outlook.plant
     lived = plant.parts.of_units(outlook.cumulative_hazard[plant.parts.modes])

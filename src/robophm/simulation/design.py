@@ -184,7 +184,7 @@ _SILENT = {"description", "environment", "source"}
 """Keys that say nothing about how a robot with stated rates fails."""
 _KEYS: Mapping[str, set[str]] = {
     "robot": _GROUP | {"schema_version", "name", "functions", "usage", "powered", "max_gap", "task", "thresholds"},
-    "module": _GROUP,
+    "module": _GROUP | {"thresholds"},
     "component": _MODE | {"quantity", "required", "monitored", "signals", "clocks", "offsets", "duty", "failure_modes"},
     "mode": _MODE,
     "binding": {"topic", "field", "unit", "range", "offset", "max_age", "stale"},

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from rosbags.interfaces.typing import Typesdict
     from rosbags.typesys.store import Typestore
 
+    from robophm.transports.tasks import DoneTask, PlannedTask
+
     Floats = NDArray[np.float64]
 
 STATIONS = ((4.25, 2.18), (5.55, 3.54), (10.34, 3.91), (8.16, 0.82))
@@ -277,6 +279,15 @@ class SyntheticOta(SignalSource):
             fields = tuple(numeric_fields(definitions, type_))
             found.append(TopicInfo(topic, type_, len(when), min(when, default=None), max(when, default=None), fields))
         return sorted(found, key=lambda info: info.topic)
+
+    def tasks(self) -> list[PlannedTask | DoneTask]:
+        """The tasks that it tells of, as a listener to its texts hears them."""
+        from robophm.transports.tasks import TaskListener
+
+        listener = TaskListener(self.notes)
+        texts = ((one, one.content) for one in self._told if isinstance(one.content, str))
+        heard = (listener.hear(int(self.times[one.look]) + _LATENCY[one.topic], one.topic, text) for one, text in texts)
+        return [task for task in heard if task]
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
         """The samples of these signals, as a recording of the drive yields them."""

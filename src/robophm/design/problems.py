@@ -1,0 +1,97 @@
+"""A design under edit: what it holds, whether it is one yet, and all that is wrong or odd in it, each at its place."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from robophm.core.errors import DesignError
+from robophm.design.fault import Fault, Path
+from robophm.design.file import Lines, fault_of, mapping
+from robophm.design.robot import Robot
+
+MOST_PROBLEMS = 500
+"""That are told of one design."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is wrong ("error": no robot can be made of it) or odd ("warning") at a place of the file."""
+
+    level: Literal["error", "warning"]
+    place: Path
+    message: str
+    line: int | None
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A text that is meant to be a design."""
+
+    document: dict[str, Any]
+    """Its plain values; empty where it is no YAML mapping."""
+    robot: Robot | None
+    """None where there is an error."""
+    problems: tuple[Problem, ...]
+
+
+def check(text: str) -> Checked:
+    """All that can be said of a text; raises nothing for whatever is wrong in it."""
+    try:
+        document, lines = mapping(text, "design", "design")
+    except DesignError as error:
+        line = str(error).removeprefix("design:").partition(":")[0]
+        return Checked({}, None, (Problem("error", (), _said(str(error)), int(line) if line.isdigit() else None),))
+    robot, wrong = _built(document, lines)
+    odd = _odd(robot, lines) if robot else ()
+    return Checked(document, robot, tuple([*wrong, *odd][:MOST_PROBLEMS]))
+
+
+def _said(text: str) -> str:
+    """An error's text without the name of a file that the reader knows."""
+    first, colon, rest = text.removeprefix("design:").partition(": ")
+    return rest if colon and (first.isdigit() or not first) else text
+
+
+def _built(document: dict[str, Any], lines: Lines) -> tuple[Robot | None, list[Problem]]:
+    from pydantic import ValidationError
+
+    from robophm.design.build import build
+    from robophm.design.schema import RobotFile
+
+    try:
+        return build(RobotFile.model_validate(document)), []
+    except ValidationError as error:
+        places = [fault_of(detail, lines, RobotFile) for detail in error.errors(include_url=False)]
+    except Fault as fault:
+        places = [(fault.place, str(fault))]
+    return None, [Problem("error", place, message, _line(place, lines)) for place, message in dict.fromkeys(places)]
+
+
+def _line(place: Path, lines: Lines) -> int | None:
+    return next((lines[place[:n]] for n in range(len(place), -1, -1) if place[:n] in lines), None)
+
+
+def _odd(robot: Robot, lines: Lines) -> Iterator[Problem]:
+    """The warnings of a design with their places, and parts that a diagram draws twice at one level."""
+    by_name = {_names(place): place for place in reversed(lines)}
+    for warning in robot.warnings:
+        said, _, message = warning.partition(": ")
+        place = by_name.get(said.partition("[")[0], tuple(said.split("/")))
+        yield Problem("warning", place, message, _line(place, lines))
+    from robophm.blocks.diagram import units
+
+    for module in (robot, *robot.all_modules()):
+        for name, times in Counter(units(module.wiring)).items():
+            if times > 1:
+                place = by_name.get(name.partition("[")[0], ())
+                yield Problem("warning", place, f"drawn in {times} places; it counts as one part", _line(place, lines))
+
+
+def _names(place: Path) -> str:
+    """The path of a module or component at a place, as a robot names it; the place itself of anything else."""
+    if len(place) % 2 == 0 and all(key in ("modules", "components") for key in place[::2]):
+        return "/".join(place[1::2])
+    return "/".join(place)

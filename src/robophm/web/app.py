@@ -1,0 +1,123 @@
+"""The service put together: routes, the built page, errors in words, and the guard around all of it."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.concurrency import run_in_threadpool
+from starlette.exceptions import HTTPException
+from starlette.staticfiles import StaticFiles
+
+from robophm.core.errors import RobophmError
+from robophm.design.fault import Fault
+from robophm.web.guard import Guard, TooLargeError
+from robophm.web.routes import analysis, data, design, library, live, tasks
+from robophm.web.service import Service, Settings
+from robophm.web.workspace import StaleError
+
+STATIC = Path(__file__).with_name("static")
+"""The built page; not in git."""
+
+DESCRIPTION = (
+    "One robot's design, analysis, monitoring and tasks. Times are in hours, samples' times in seconds since the "
+    "epoch, hazard rates in 1/h. Live values come over the WebSocket /api/live in binary frames (docs/guides/page.md)."
+)
+
+
+def create_app(settings: Settings) -> FastAPI:
+    """The service of one robot. Raises DesignError, StoreError; ValueError for an open address without a token."""
+    service = Service(settings)
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        yield
+        service.close()
+
+    app = api(lifespan=lifespan)
+    app.state.service = service
+    if (STATIC / "index.html").is_file():
+        app.mount("/", StaticFiles(directory=STATIC, html=True), name="page")
+    else:
+        app.add_api_route("/", _unbuilt, include_in_schema=False)
+    app.add_middleware(Guard, host=settings.host, token=settings.token)
+    return app
+
+
+def api(**more: Any) -> FastAPI:
+    """The routes alone, as the OpenAPI schema describes them."""
+    app = FastAPI(
+        title="robophm", version=version("robophm"), description=DESCRIPTION, docs_url=None, redoc_url=None,
+        openapi_url="/api/openapi.json", **more,
+    )  # fmt: skip
+    for routes in (design, library, analysis, tasks, data, live):
+        app.include_router(routes.router)
+    app.add_exception_handler(RobophmError, _refused)
+    app.add_exception_handler(RequestValidationError, _misspelt)
+    app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(TooLargeError, _too_large)
+    app.add_exception_handler(RecursionError, _too_deep)
+    app.add_exception_handler(Exception, _our_fault)
+    return app
+
+
+def _said(status: int, message: str, place: tuple[str, ...] = ()) -> JSONResponse:
+    return JSONResponse({"message": message, "place": list(place)}, status)
+
+
+async def _refused(request: Request, error: Exception) -> JSONResponse:
+    if isinstance(error, StaleError):
+        service: Service = request.app.state.service
+        current = (await run_in_threadpool(service.design_state)).model_dump(mode="json")
+        yours = (await _json(request)).get("revision", 0)
+        return JSONResponse({"message": str(error), "place": [], "yours": yours, "current": current}, 409)
+    return _said(422, str(error), error.place if isinstance(error, Fault) else ())
+
+
+async def _json(request: Request) -> dict[str, Any]:
+    try:
+        found = await request.json()
+    except (ValueError, RuntimeError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+async def _misspelt(request: Request, error: Exception) -> JSONResponse:
+    if not isinstance(error, RequestValidationError):
+        raise error
+    first = error.errors()[0]
+    where = " / ".join(str(step) for step in first["loc"])
+    return _said(422, f"{where}: {first['msg']}")
+
+
+async def _http(request: Request, error: Exception) -> JSONResponse:
+    if not isinstance(error, HTTPException):
+        raise error
+    words = {404: "there is nothing of that name", 405: "this cannot be done here"}
+    response = _said(error.status_code, words.get(error.status_code, str(error.detail)))
+    response.headers.update(error.headers or {})
+    return response
+
+
+async def _too_large(request: Request, error: Exception) -> JSONResponse:
+    return _said(413, "the request is too large")
+
+
+async def _too_deep(request: Request, error: Exception) -> JSONResponse:
+    return _said(422, "what was sent is nested too deeply")
+
+
+async def _our_fault(request: Request, error: Exception) -> JSONResponse:
+    logging.getLogger("robophm").error("request %s", request.url.path, exc_info=error)
+    return _said(500, "a fault within robophm; its log says where")
+
+
+async def _unbuilt() -> JSONResponse:
+    return _said(503, "the page is not built; expected `python -m build`, or `npm ci && npm run build` in ui/")

@@ -1,0 +1,181 @@
+"""Who may ask what: nobody from elsewhere, nothing too large, and with a token where the service is open to others.
+
+A web site that a person visits could ask a service on that person's machine in their name. So requests must name this
+host, writes and WebSockets must come from its own page, and what is answered may load nothing from elsewhere.
+"""
+
+from __future__ import annotations
+
+import hmac
+import json
+from contextlib import suppress
+from http.cookies import CookieError, SimpleCookie
+from ipaddress import ip_address
+from urllib.parse import parse_qsl, urlencode, urlsplit
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+MOST_BYTES = 24_000_000
+"""Of a request's body: a design is 20 MB at most."""
+
+COOKIE = "robophm_token"
+
+SECURITY = {
+    "content-security-policy": "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'; "
+    "object-src 'none'",
+    "x-content-type-options": "nosniff",
+    "referrer-policy": "no-referrer",
+    "cross-origin-opener-policy": "same-origin",
+    "cross-origin-resource-policy": "same-origin",
+}
+REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
+"""Of a stand-alone report, whose style is within."""
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine can reach an address."""
+    if host == "localhost":
+        return True
+    try:
+        return ip_address(host.strip("[]")).is_loopback
+    except ValueError:
+        return False
+
+
+class Guard:
+    """Middleware around the whole service."""
+
+    def __init__(self, app: ASGIApp, host: str, token: str | None) -> None:
+        self._app = app
+        self._open = not is_loopback(host)
+        self._token = token
+        if self._open and not token:
+            raise ValueError("an address that others reach needs a token")
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Refuse, or pass on."""
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        headers = Headers(scope=scope)
+        refused = self._refusal(scope, headers)
+        if refused:
+            await _refuse(scope, receive, send, *refused)
+            return
+        if scope["type"] == "websocket":
+            await self._app(scope, receive, send)
+            return
+        if self._token and (asked := _without_token(scope, self._token)):
+            await _welcome(send, asked, self._token, secure=scope.get("scheme") == "https")
+            return
+
+        async def answer(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                said = MutableHeaders(scope=message)
+                for name, value in SECURITY.items():
+                    said.setdefault(name, value)
+                if scope["path"].startswith("/api/"):
+                    said.setdefault("cache-control", "no-store")
+            await send(message)
+
+        await self._app(scope, _bounded(receive), answer)
+
+    def _refusal(self, scope: Scope, headers: Headers) -> tuple[int, str] | None:
+        host = headers.get("host", "")
+        try:
+            name = urlsplit(f"//{host}").hostname or ""
+        except ValueError:
+            name = ""
+        if not self._open and not is_loopback(name):
+            return 421, "this service is for its own machine; expected the host 127.0.0.1 or localhost"
+        writes = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD", "OPTIONS")
+        origin = headers.get("origin")
+        if writes and origin is not None and not _same(origin, host):
+            return 403, "a page from elsewhere may not do this"
+        if writes and headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
+            return 403, "a page from elsewhere may not do this"
+        length = headers.get("content-length", "0")
+        if not length.isdecimal() or int(length) > MOST_BYTES:
+            return 413, f"the request is larger than {MOST_BYTES // 1_000_000} MB"
+        if self._token and not self._knows(scope, headers):
+            return 401, "expected the token that the service was started with: open its address with ?token=… once"
+        return None
+
+    def _knows(self, scope: Scope, headers: Headers) -> bool:
+        said = [value for key, value in parse_qsl(scope["query_string"].decode("latin-1")) if key == "token"]
+        kind, _, bearer = headers.get("authorization", "").partition(" ")
+        if kind.lower() == "bearer":
+            said.append(bearer.strip())
+        cookies: SimpleCookie = SimpleCookie()
+        with suppress(CookieError):
+            cookies.load(headers.get("cookie", ""))
+        if COOKIE in cookies:
+            said.append(cookies[COOKIE].value)
+        return any(hmac.compare_digest(one.encode(), (self._token or "").encode()) for one in said)
+
+
+def _same(origin: str, host: str) -> bool:
+    try:
+        return urlsplit(origin).netloc.lower() == host.lower()
+    except ValueError:
+        return False
+
+
+def _without_token(scope: Scope, token: str) -> str | None:
+    """Where a page that was opened with the token goes on, so that the token stays in no history and no log."""
+    pairs = parse_qsl(scope["query_string"].decode("latin-1"), keep_blank_values=True)
+    if scope["method"] != "GET" or scope["path"].startswith("/api/") or ("token", token) not in pairs:
+        return None
+    rest = urlencode([pair for pair in pairs if pair[0] != "token"])
+    return "/" + str(scope["path"]).lstrip("/\\") + (f"?{rest}" if rest else "")
+
+
+async def _welcome(send: Send, location: str, token: str, *, secure: bool) -> None:
+    cookie: SimpleCookie = SimpleCookie()
+    cookie[COOKIE] = token
+    said = cookie[COOKIE]
+    for key, value in (("path", "/"), ("samesite", "Strict"), ("max-age", str(30 * 86400))):
+        said[key] = value
+    said["httponly"], said["secure"] = True, secure
+    headers = [
+        (b"location", location.encode("ascii", "ignore")),
+        (b"set-cookie", said.OutputString().encode()),
+        (b"cache-control", b"no-store"),
+        (b"referrer-policy", b"no-referrer"),
+    ]
+    await send({"type": "http.response.start", "status": 303, "headers": headers})
+    await send({"type": "http.response.body", "body": b""})
+
+
+class TooLargeError(Exception):
+    """The body goes on beyond what it may be."""
+
+
+def _bounded(receive: Receive) -> Receive:
+    """The same messages, as long as their bodies are not too large in all."""
+    total = 0
+
+    async def bounded() -> Message:
+        nonlocal total
+        message = await receive()
+        total += len(message.get("body", b""))
+        if total > MOST_BYTES:
+            raise TooLargeError
+        return message
+
+    return bounded
+
+
+async def _refuse(scope: Scope, receive: Receive, send: Send, status: int, why: str) -> None:
+    if scope["type"] == "websocket":
+        await receive()
+        await send({"type": "websocket.close", "code": 4000 + status, "reason": why[:100]})
+        return
+    body = json.dumps({"message": why, "place": []}).encode()
+    headers = [(b"content-type", b"application/json"), (b"content-length", str(len(body)).encode())]
+    headers += [(name.encode(), value.encode()) for name, value in SECURITY.items()]
+    if status == 401:
+        headers.append((b"www-authenticate", b"Bearer"))
+    await send({"type": "http.response.start", "status": status, "headers": headers})
+    await send({"type": "http.response.body", "body": body})

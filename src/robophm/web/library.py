@@ -1,0 +1,184 @@
+"""The hazard models as forms: one description of each, which the page draws, and its answer with every factor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import cache
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from robophm.core.errors import ModelError
+from robophm.core.table import Table
+from robophm.hazard.acceleration import ACCELERATIONS
+from robophm.hazard.formula import formula_model
+from robophm.hazard.handbooks import handbook_model, handbook_models
+from robophm.hazard.model import Choice, Model, Note, Range
+from robophm.web.shapes import Shape
+
+
+class FormInput(Shape):
+    """One input of a model."""
+
+    name: str
+    kind: Literal["number", "choice", "words"]
+    description: str
+    required: bool
+    unit: str = ""
+    low: float | None = None
+    high: float | None = None
+    default: str | float | None = None
+    options: list[str] = []
+    meanings: dict[str, str] = {}
+    """Of options, where the handbook says more."""
+    aliases: dict[str, str] = {}
+    """What people call an option, and the option."""
+    measurable: bool = False
+    """Whether a sensor can be bound to it."""
+
+
+class Form(Shape):
+    """A model."""
+
+    name: str
+    handbook: str
+    title: str
+    formula: str
+    source: str
+    unit: str
+    inputs: list[FormInput]
+
+
+class ModelName(Shape):
+    """A model in the list."""
+
+    name: str
+    handbook: str
+    title: str
+    formula: str
+
+
+class Library(Shape):
+    """All models."""
+
+    models: list[ModelName]
+    accelerations: list[Form]
+
+
+class RateAsked(Shape):
+    """Inputs as a person writes them: '60 degC', 'CDR'."""
+
+    model: Annotated[str, Field(max_length=200)]
+    inputs: Annotated[dict[str, str | float], Field(max_length=100)]
+
+
+class FormulaAsked(Shape):
+    """A user's own formula with its variables."""
+
+    formula: Annotated[str, Field(max_length=2000)]
+    unit: Annotated[str, Field(max_length=60)]
+    variables: Annotated[dict[str, float], Field(max_length=50)]
+
+
+class FactorValue(Shape):
+    """One factor of an answer."""
+
+    symbol: str
+    value: float | None
+    note: str
+
+
+class RateAnswer(Shape):
+    """A hazard rate, and all that it is made of."""
+
+    hazard_rate: float | None
+    unit: str
+    formula: str
+    source: str
+    inputs: dict[str, str | float]
+    """As they were taken: converted, defaults filled in."""
+    factors: list[FactorValue]
+
+
+@cache
+def library() -> Library:
+    """All models of the handbooks, and how stress can accelerate a constant rate."""
+    models = [
+        ModelName(name=name, handbook=name.partition(".")[0], title=_title(model), formula=model.formula)
+        for name, model in ((name, handbook_model(name)) for name in handbook_models())
+    ]
+    return Library(models=models, accelerations=[_form(model) for model in ACCELERATIONS.values()])
+
+
+def form(name: str) -> Form:
+    """What a model asks for. Raises PlugError."""
+    return _form(handbook_model(name))
+
+
+def _title(model: Model) -> str:
+    return model.description.partition(":")[0] or model.name.rpartition(".")[2].replace("_", " ")
+
+
+def _form(model: Model) -> Form:
+    return Form(
+        name=model.name,
+        handbook=model.name.partition(".")[0],
+        title=_title(model),
+        formula=model.formula,
+        source=str(model.source),
+        unit=model.unit,
+        inputs=[_input(name, entry) for name, entry in model.inputs.items()],
+    )
+
+
+def _input(name: str, entry: Choice | Range | Note) -> FormInput:
+    said: dict[str, Any] = {
+        "name": name,
+        "description": entry.description,
+        "required": entry.required,
+        "default": entry.default,
+    }
+    if isinstance(entry, Range):
+        low, high = (bound if math.isfinite(bound) else None for bound in (entry.low, entry.high))
+        return FormInput(**said, kind="number", unit=entry.unit, low=low, high=high, measurable=True)
+    if isinstance(entry, Choice):
+        options = list(entry.options)
+        meanings: dict[str, str] = {}
+        if isinstance(entry.options, Table):
+            said["description"] = said["description"] or entry.options.name
+            meanings = {option: note for option, note in entry.options.notes.items() if note}
+        return FormInput(**said, kind="choice", options=options, meanings=meanings, aliases=dict(entry.aliases))
+    return FormInput(**said, kind="words")
+
+
+def answer(model: str, given: Mapping[str, str | float]) -> RateAnswer:
+    """The hazard rate for inputs as written. Raises ModelError, UnitError, PlugError."""
+    chosen = handbook_model(model)
+    return _answer(chosen, chosen.settle({name: said for name, said in given.items() if said != ""}))
+
+
+def formula_answer(formula: str, unit: str, variables: Mapping[str, float]) -> RateAnswer:
+    """The value of a user's own formula. Raises ModelError, UnitError."""
+    ranges = {name: Range(-math.inf, math.inf, "", default=value) for name, value in variables.items()}
+    return _answer(formula_model(formula, unit, ranges, "own formula"), dict(variables))
+
+
+def _answer(model: Model, settled: Mapping[str, str | float]) -> RateAnswer:
+    with np.errstate(all="ignore"):
+        result = model.explain(settled)
+        value = float(np.asarray(result.value))
+    if not math.isfinite(value):
+        raise ModelError(f"{model.name} has no number for these inputs")
+    factors = [
+        FactorValue(symbol=f.symbol, value=_number(float(np.asarray(f.value))), note=f.note) for f in result.leaves()
+    ]
+    return RateAnswer(
+        hazard_rate=value, unit=model.unit, formula=model.formula, source=str(model.source), inputs=dict(settled),
+        factors=factors,
+    )  # fmt: skip
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,73 @@
+"""The latest figures in the text format of Prometheus."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from robophm.web.service import Service
+
+_FIGURES = {
+    "hazard_rate": ("robophm_hazard_rate_per_hour", "Hazard rate now, per hour of operation"),
+    "reliability": ("robophm_reliability_ratio", "Probability of having survived since new"),
+    "unreliability": ("robophm_unreliability_ratio", "Its complement, with its own digits"),
+}
+
+
+def metrics_text(service: Service) -> str:
+    """All of it; of a robot that is not watched only that it is not."""
+    return "\n".join(_lines(service)) + "\n"
+
+
+def _lines(service: Service) -> Iterator[str]:
+    run = service.monitoring.run
+    yield "# HELP robophm_monitoring Whether the robot is watched now"
+    yield "# TYPE robophm_monitoring gauge"
+    yield f"robophm_monitoring {int(service.monitoring.state == 'running')}"
+    report, lives = (run.report, run.lives) if run else (None, None)
+    if run is None or report is None:
+        return
+    yield "# HELP robophm_samples_total Samples heard since monitoring began"
+    yield "# TYPE robophm_samples_total counter"
+    yield f"robophm_samples_total {run.samples}"
+    robot = _label(report.robot)
+    for key, (name, words) in _FIGURES.items():
+        yield f"# HELP {name} {words}"
+        yield f"# TYPE {name} gauge"
+        for subject in report.subjects:
+            path = "" if subject.kind == "robot" else subject.path
+            for view in ("nominal", "sensor_based"):
+                value = getattr(getattr(subject, view), key)
+                yield f'{name}{{robot="{robot}",path="{_label(path)}",view="{view}"}} {_number(value)}'
+    system = (lives or report).system
+    if system.nominal.remaining_life:
+        yield "# HELP robophm_remaining_life_hours Quantiles of remaining life, calendar time"
+        yield "# TYPE robophm_remaining_life_hours gauge"
+        for view in ("nominal", "sensor_based"):
+            life = getattr(system, view).remaining_life
+            for quantile, value in (("0.05", life.early), ("0.5", life.median), ("0.95", life.late)):
+                labels = f'robot="{robot}",view="{view}",quantile="{quantile}"'
+                yield f"robophm_remaining_life_hours{{{labels}}} {_number(value)}"
+    if report.system.nominal.completion:
+        yield "# HELP robophm_task_completion_ratio Probability that the design's task will be completed"
+        yield "# TYPE robophm_task_completion_ratio gauge"
+        for view in ("nominal", "sensor_based"):
+            value = getattr(report.system, view).completion.probability
+            yield f'robophm_task_completion_ratio{{robot="{robot}",view="{view}"}} {_number(value)}'
+    yield "# HELP robophm_clock_total How far each clock has gone: hours, kilometres, cycles, starts"
+    yield "# TYPE robophm_clock_total counter"
+    for clock, value in report.clocks.items():
+        yield f'robophm_clock_total{{robot="{robot}",clock="{_label(clock)}"}} {_number(value)}'
+    yield "# HELP robophm_threshold_breached Whether a threshold of the design is breached"
+    yield "# TYPE robophm_threshold_breached gauge"
+    yield f'robophm_threshold_breached{{robot="{robot}"}} {int(bool(report.breaches))}'
+
+
+def _label(text: str) -> str:
+    return text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ")
+
+
+def _number(value: float) -> str:
+    if math.isnan(value):
+        return "NaN"
+    return repr(value) if math.isfinite(value) else "+Inf" if value > 0 else "-Inf"

@@ -1,0 +1,220 @@
+"""A robot watched in a thread of its own, whether a browser looks or not; what is known of it now, for all who ask."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from robophm.core.errors import RobophmError, SourceError
+from robophm.core.signal import CLOCK, Sample
+from robophm.design.robot import Robot
+from robophm.health.ledger import Ledger
+from robophm.health.report import HealthReport, health_report
+from robophm.monitor import Monitor
+from robophm.stores.sqlite import SqliteStore
+from robophm.task_history import TaskRecord, judge_on_the_way
+from robophm.transports.journal import Journal
+from robophm.transports.source import SignalSource, TopicInfo
+from robophm.watching import watch
+from robophm.web.series import Board
+from robophm.web.sources import Choice
+
+QUICK, FULL = 0.25, 2.0
+"""Seconds between two looks at the figures, and at remaining life too, at least."""
+
+QUICK_SHARE, FULL_SHARE = 10.0, 20.0
+"""How many times as long as it takes, at least."""
+
+MOST_SUBJECTS = 60
+"""Whose figures become series."""
+
+State = Literal["idle", "running", "ended", "failed"]
+
+
+@dataclass
+class Run:
+    """One time that the robot was watched."""
+
+    robot: Robot
+    source: str
+    design_state: int
+    """Of the design when it began."""
+    state: State = "running"
+    error: str = ""
+    report: HealthReport | None = None
+    """The latest."""
+    lives: HealthReport | None = None
+    """The latest with remaining lives."""
+    ledger: Ledger | None = None
+    """Of the latest report, settled; nobody changes it."""
+    samples: int = 0
+    notes: Mapping[str, int] = field(default_factory=dict)
+    tasks: Callable[[], list[TaskRecord]] = list
+    looks: int = 0
+    """Goes up with every report."""
+
+
+class _Tapped(SignalSource):
+    """A source whose samples are put on a board as they pass."""
+
+    def __init__(self, source: SignalSource, board: Board, run: Run) -> None:
+        self._source, self._board, self._run = source, board, run
+        self.fingerprint = source.fingerprint
+        self.notes = source.notes
+
+    def topics(self) -> list[TopicInfo]:
+        return self._source.topics()
+
+    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
+        samples = self._source.samples(signals)
+        self.notes = self._source.notes
+        add, run = self._board.add, self._run
+        for sample in samples:
+            run.samples += 1
+            if sample.signal != CLOCK:
+                add(sample.signal, sample.time, sample.value)
+            yield sample
+
+    def close(self) -> None:
+        self._source.close()
+
+
+class Monitoring:
+    """Watches one robot at a time; for any number of threads."""
+
+    def __init__(self, store: Path | None = None, journal: Path | None = None, period: float = 1.0) -> None:
+        self._store, self._journal, self._period = store, journal, period
+        self._lock = threading.Lock()
+        self._source: SignalSource | None = None
+        self._thread: threading.Thread | None = None
+        self.board = Board()
+        self.run: Run | None = None
+        """The latest; None before the first."""
+
+    @property
+    def state(self) -> State:
+        """Whether it watches now."""
+        return self.run.state if self.run else "idle"
+
+    def start(self, robot: Robot, choice: Choice, speed: float, design_state: int) -> None:
+        """Begin to watch. Raises SourceError where it does already, the source is none, or the robot has no signals."""
+        with self._lock:
+            if self._thread and self._thread.is_alive():
+                raise SourceError("monitoring runs already; stop it first")
+            if not robot.signals:
+                raise SourceError("the design listens to nothing; bind a sensor first")
+            source = choice.open(speed)
+            try:
+                told = choice.tasks()
+            except RobophmError as error:
+                source.close()
+                raise SourceError(str(error)) from None
+            self.board = Board()
+            self._source = source
+            self.run = run = Run(robot, choice.label, design_state)
+            said = (run, source, told, self.board)
+            self._thread = threading.Thread(target=self._watch, args=said, name="monitoring", daemon=True)
+            self._thread.start()
+
+    def stop(self) -> None:
+        """End watching, and wait until all is kept; nothing where it does not watch."""
+        with self._lock:
+            source, thread = self._source, self._thread
+        if source:
+            source.close()
+        if thread:
+            thread.join(timeout=30)
+
+    def last_ledger(self, robot: Robot) -> Ledger:
+        """What a robot has lived as far as is known: from the latest run, else from the store, else nothing.
+
+        Raises StoreError where the past that is kept is not of this robot.
+        """
+        run = self.run
+        if run and run.ledger is not None:
+            return run.ledger if run.robot is robot else Ledger.of(robot, run.ledger.to_json())
+        if self._store and self._store.exists():
+            with SqliteStore(self._store) as store:
+                kept = store.ledger(robot.name)
+            if kept is not None:
+                return Ledger.of(robot, kept)
+        return Ledger.new(robot)
+
+    def _watch(self, run: Run, source: SignalSource, told: object, board: Board) -> None:
+        try:
+            with ExitStack() as stack:
+                stack.callback(source.close)
+                store = stack.enter_context(SqliteStore(self._store)) if self._store else None
+                journal = stack.enter_context(Journal(self._journal, run.robot.signals)) if self._journal else None
+                look = _Looking(run, board)
+
+                def begin(monitor: Monitor) -> None:
+                    if told:
+                        run.tasks = judge_on_the_way(monitor, told)  # type: ignore[arg-type]
+
+                tapped = _Tapped(source, board, run)
+                monitor = watch(run.robot, tapped, store=store, journal=journal, period=self._period,
+                                on_tick=look, on_start=begin)  # fmt: skip
+                newest = monitor.ledger.newest or 0
+                monitor.marks = [mark for mark in monitor.marks if mark[0] <= newest]
+                monitor.reach_marks()
+                look.at(monitor, full=True)
+                run.notes = dict(source.notes)
+            run.state = "ended"
+        except (RobophmError, OSError) as error:
+            run.error, run.state = str(error), "failed"
+        except Exception:  # a fault of ours must be seen on the page, not end in a thread that nobody watches
+            logging.getLogger("robophm").exception("monitoring")
+            run.error, run.state = "a fault within robophm; its log says where", "failed"
+
+
+class _Looking:
+    """Takes a report when it is time to: so that looking takes a tenth of the time at most."""
+
+    def __init__(self, run: Run, board: Board) -> None:
+        self._run, self._board = run, board
+        self._next = {False: 0.0, True: 0.0}
+
+    def __call__(self, monitor: Monitor) -> None:
+        now = time.monotonic()
+        if now >= self._next[True]:
+            self.at(monitor, full=True)
+        elif now >= self._next[False]:
+            self.at(monitor, full=False)
+
+    def at(self, monitor: Monitor, *, full: bool) -> None:
+        """Take a report now."""
+        begun, run = time.monotonic(), self._run
+        ledger = monitor.exposure.settled(monitor.ledger)
+        report = health_report(monitor.plant, monitor.exposure, ledger, remaining_life=full)
+        run.ledger, run.report = ledger, report
+        if full:
+            run.lives = report
+        run.looks += 1
+        if report.time is not None:
+            self._board.add_all(report.time, figures_of(report))
+        took = time.monotonic() - begun
+        least, share = (FULL, FULL_SHARE) if full else (QUICK, QUICK_SHARE)
+        self._next[full] = self._next[False] = time.monotonic() + max(QUICK, QUICK_SHARE * took)
+        if full:
+            self._next[True] = time.monotonic() + max(least, share * took)
+
+
+def figures_of(report: HealthReport) -> dict[str, float]:
+    """The figures that become series, by name: ``hazard_rate.nominal:Power``; of the robot nothing follows ":"."""
+    found: dict[str, float] = {}
+    for subject in report.subjects[:MOST_SUBJECTS]:
+        path = "" if subject.kind == "robot" else subject.path
+        for view in ("nominal", "sensor_based"):
+            figures = getattr(subject, view)
+            for name in ("hazard_rate", "reliability", "unreliability"):
+                found[f"{name}.{view}:{path}"] = getattr(figures, name)
+            if figures.completion:
+                found[f"completion.{view}:{path}"] = figures.completion.probability
+    return found

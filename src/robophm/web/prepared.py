@@ -1,0 +1,88 @@
+"""A robot prepared to be asked, once for each design: its plant, its new self, what its levels promise."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections import OrderedDict
+from collections.abc import Mapping
+from functools import cached_property
+
+from robophm.blocks.merging import single_points_of_failure
+from robophm.design.robot import Module, Robot
+from robophm.health.plant import Plant
+from robophm.health.prognosis import Outlook, as_designed
+from robophm.web.shapes import LevelFigures
+
+_KEPT = 4
+
+
+class Prepared:
+    """One robot."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.plant = Plant(robot)
+
+    @cached_property
+    def new(self) -> Outlook:
+        """As designed, nothing lived yet."""
+        return as_designed(self.plant)
+
+    @cached_property
+    def modules(self) -> Mapping[str, Module]:
+        """The robot under an empty path, then its modules by path."""
+        return {"": self.robot, **{module.path: module for module in self.robot.all_modules()}}
+
+    @cached_property
+    def rates(self) -> dict[str, float]:
+        """Nominal hazard rate when new of each level and part, by path; all equal parts of one together [1/h]."""
+        found = {path: self.new.hazard_rate(module.diagram) for path, module in self.modules.items()}
+        parts = zip(self.robot.all_components(), self.new.component_hazard_rates(), strict=True)
+        return found | {part.path: float(rate) for part, rate in parts}
+
+    @cached_property
+    def single_points(self) -> frozenset[str]:
+        """Paths of the components, and their units, whose failure alone fails the robot."""
+        units = single_points_of_failure(self.robot.diagram)
+        return frozenset(units) | frozenset(unit.partition("[")[0] for unit in units)
+
+    @cached_property
+    def levels(self) -> dict[str, LevelFigures]:
+        """What each level and part promises when new."""
+        found = {
+            path: LevelFigures(kind="module" if path else "robot", hazard_rate=finite(self.rates[path]))
+            for path in self.modules
+        }
+        for part in self.robot.all_components():
+            found[part.path] = LevelFigures(
+                kind="component",
+                hazard_rate=finite(self.rates[part.path]),
+                quantity=part.quantity,
+                single_point=part.path in self.single_points,
+            )
+        return found
+
+
+def finite(value: float) -> float | None:
+    """None where it is no finite number, which JSON cannot say."""
+    return value if math.isfinite(value) else None
+
+
+class Shelf:
+    """The latest few prepared robots, by identity; for any number of threads."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._found: OrderedDict[int, Prepared] = OrderedDict()
+
+    def of(self, robot: Robot) -> Prepared:
+        """The robot, prepared."""
+        with self._lock:
+            one = self._found.get(id(robot))
+            if one is None or one.robot is not robot:
+                one = self._found[id(robot)] = Prepared(robot)
+            self._found.move_to_end(id(robot))
+            while len(self._found) > _KEPT:
+                self._found.popitem(last=False)
+            return one

@@ -1,0 +1,233 @@
+"""Analysis: curves, what matters, what it takes to fail, what would be if."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+import numpy as np
+from fastapi import APIRouter, Query
+from pydantic import Field
+
+from robophm.blocks.cut_sets import MinimalSets
+from robophm.blocks.diagram import Block
+from robophm.blocks.fault_tree import FaultTree
+from robophm.core.errors import DesignError, nearest
+from robophm.health.importance import Drawn, importances, usual_hours
+from robophm.health.prognosis import Outlook, outlooks
+from robophm.health.report import VIEWS
+from robophm.report.minimal_sets import MOST_PARTS, STEPS, Listed, failed_of
+from robophm.web.health import Life, life_of
+from robophm.web.prepared import Prepared, finite
+from robophm.web.routes.design import REFUSED, apply
+from robophm.web.service import Served, Service
+from robophm.web.shapes import Operation, Shape
+
+router = APIRouter(prefix="/api/analysis", tags=["analysis"])
+
+Numbers = list[float | None]
+Hours = Annotated[float, Query(gt=0, le=1e9)]
+LONGEST = 1e9
+
+
+class CurveOf(Shape):
+    """In one view, of survivors since new; one number for each of the hours."""
+
+    reliability: Numbers
+    unreliability: Numbers
+    hazard_rate: Numbers
+    density: Numbers
+    remaining_life: Life
+    hazard_rate_now: float | None
+    """Given that it works now."""
+
+
+class Curves(Shape):
+    """Of a level or function."""
+
+    path: str
+    state: int
+    hours: list[float]
+    """Of operation from now on."""
+    nominal: CurveOf
+    sensor_based: CurveOf
+
+
+class Importance(Shape):
+    """How much one part matters; null where that says nothing."""
+
+    part: str
+    birnbaum: float | None
+    criticality: float | None
+    fussell_vesely: float | None
+    achievement: float | None
+    reduction: float | None
+    improvement: float | None
+    barlow_proschan: float | None
+
+
+class ImportanceList(Shape):
+    """The most important first."""
+
+    hours: float
+    failure: float | None
+    parts: list[Importance]
+    more: int
+    refused: str
+
+
+class CutSet(Shape):
+    """Parts whose failure together is enough to fail the robot."""
+
+    parts: list[str]
+    probability: float | None
+
+
+class CutSets(Shape):
+    """The likeliest first, by now."""
+
+    counted: str
+    sets: list[CutSet]
+    left_out: str
+
+
+class WhatIfAsked(Shape):
+    """Edits that are not made."""
+
+    operations: Annotated[list[Operation], Field(min_length=1, max_length=1000)]
+    path: Annotated[str, Field(max_length=5000)] = ""
+    horizon: Annotated[float, Field(gt=0, le=LONGEST)] | None = None
+
+
+class WhatIf(Shape):
+    """Before and after."""
+
+    baseline: Curves
+    changed: Curves
+
+
+def _system(prepared: Prepared, path: str) -> Block:
+    module = prepared.modules.get(path)
+    if module is not None:
+        return module.diagram
+    functions = prepared.robot.functions
+    if path in functions:
+        return functions[path]
+    for i, part in enumerate(prepared.plant.components):
+        if part.path == path:
+            return prepared.plant.alone[i]
+    known = (*prepared.modules, *functions, *(part.path for part in prepared.plant.components))
+    raise DesignError(f"no level, part or function '{path}'{nearest(path, known)}")
+
+
+def curves(service: Service, prepared: Prepared, path: str, horizon: float | None, points: int, state: int) -> Curves:
+    """Survival, hazard and density ahead in both views."""
+    diagram = _system(prepared, path)
+    exposure, ledger = service.past(prepared)
+    views = outlooks(prepared.plant, exposure, ledger)
+    lives = {view: views[view].remaining_life(diagram) for view in VIEWS}
+    if horizon is None:
+        late = max((life.late for life in lives.values() if math.isfinite(life.late)), default=10_000.0)
+        horizon = max(late * prepared.robot.usage.operating, 1e-6)
+    hours = np.linspace(0.0, horizon, points)
+    return Curves(
+        path=path,
+        state=state,
+        hours=hours.tolist(),
+        nominal=_curve(views["nominal"], diagram, hours, life_of(lives["nominal"])),
+        sensor_based=_curve(views["sensor_based"], diagram, hours, life_of(lives["sensor_based"])),
+    )
+
+
+def _curve(outlook: Outlook, diagram: Block, hours: Any, life: Life) -> CurveOf:
+    state = outlook.survival_curve(diagram, hours)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        rate = state.density / state.works
+    return CurveOf(
+        reliability=_numbers(state.works),
+        unreliability=_numbers(state.failed),
+        hazard_rate=_numbers(rate),
+        density=_numbers(state.density),
+        remaining_life=life,
+        hazard_rate_now=finite(outlook.hazard_rate(diagram)),
+    )
+
+
+def _numbers(values: Any) -> Numbers:
+    return [finite(float(value)) for value in values]
+
+
+@router.get("/curves", responses=REFUSED)
+def get_curves(
+    service: Served,
+    path: Annotated[str, Query(max_length=5000)] = "",
+    horizon: Hours | None = None,
+    points: Annotated[int, Query(ge=2, le=1000)] = 200,
+    state: Annotated[int, Query(ge=1, le=2**53)] | None = None,
+) -> Curves:
+    """Of the robot (empty path), a level, a part or a function; of the design now or an earlier state of it."""
+    prepared = service.prepared(state)
+    return curves(service, prepared, path, horizon, points, state or service.workspace.draft().state)
+
+
+@router.post("/what-if", responses=REFUSED)
+def what_if(asked: WhatIfAsked, service: Served) -> WhatIf:
+    """The design now beside what it would be with some edits; nothing is changed."""
+
+    def change(document: Any) -> None:
+        for operation in asked.operations:
+            apply(document, operation)
+
+    baseline = service.prepared()
+    changed = service.prepared_text(service.workspace.edited(change))
+    state = service.workspace.draft().state
+    before = curves(service, baseline, asked.path, asked.horizon, 200, state)
+    return WhatIf(baseline=before, changed=curves(service, changed, asked.path, before.hours[-1], 200, state))
+
+
+@router.get("/importance", responses=REFUSED)
+def get_importance(
+    service: Served,
+    path: Annotated[str, Query(max_length=5000)] = "",
+    hours: Hours | None = None,
+    most: Annotated[int, Query(ge=1, le=1000)] = 30,
+) -> ImportanceList:
+    """What matters most, sensor-based, given what is known now."""
+    prepared = service.prepared()
+    exposure, ledger = service.past(prepared)
+    lived = outlooks(prepared.plant, exposure, ledger)["sensor_based"]
+    diagram = _system(prepared, path)
+    drawn = Drawn(prepared.plant, diagram)
+    ahead = hours or usual_hours(lived, lived.remaining_life(diagram).median)
+    found = importances(lived, drawn, ahead, lifelong=len(drawn.structure.names) <= 2000)
+    measures = (
+        "birnbaum",
+        "criticality",
+        "fussell_vesely",
+        "achievement",
+        "reduction",
+        "improvement",
+        "barlow_proschan",
+    )
+    ranked = found.ranked()
+    parts = [
+        Importance(part=one.unit, **{name: finite(getattr(one, name)) for name in measures}) for one in ranked[:most]
+    ]
+    return ImportanceList(hours=ahead, failure=finite(found.failure), parts=parts, more=len(ranked) - len(parts),
+                          refused=found.refused)  # fmt: skip
+
+
+@router.get("/cut-sets", responses=REFUSED)
+def get_cut_sets(service: Served, most: Annotated[int, Query(ge=1, le=1000)] = 20) -> CutSets:
+    """The smallest sets of parts whose failure fails the robot, the likeliest by now first."""
+    prepared = service.prepared()
+    if len(prepared.plant.units) > MOST_PARTS:
+        raise DesignError(
+            f"{len(prepared.plant.units):,} parts; expected at most {MOST_PARTS:,}: `robophm cutsets` has the time"
+        )
+    exposure, ledger = service.past(prepared)
+    failed = failed_of(outlooks(prepared.plant, exposure, ledger)["sensor_based"])
+    sets = MinimalSets(FaultTree.of(prepared.robot.diagram, STEPS))
+    listed = Listed(sets, np.array([failed[name] for name in sets.names]), most)
+    found = [CutSet(parts=list(one.names), probability=finite(one.probability)) for one in listed.sets]
+    return CutSets(counted=listed.counted("cut"), sets=found, left_out=listed.left_out())

@@ -1,0 +1,165 @@
+"""The design: what it is, edits, undo, saving, its drawing."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query
+from fastapi.responses import PlainTextResponse
+
+from robophm.core.errors import DesignError
+from robophm.design import editing
+from robophm.design.fault import Fault
+from robophm.design.file import values
+from robophm.web.drawing import drawing
+from robophm.web.service import Served
+from robophm.web.shapes import (
+    Delete,
+    DesignState,
+    DesignStates,
+    DesignText,
+    Drawing,
+    Edits,
+    Group,
+    OfRevision,
+    Operation,
+    PastState,
+    Put,
+    PutText,
+    Rename,
+    Stale,
+    Trouble,
+    Ungroup,
+    Unit,
+    WholeText,
+    Wire,
+)
+
+REFUSED: dict[int | str, dict[str, Any]] = {422: {"model": Trouble, "description": "Refused, and why"}}
+WRITES: dict[int | str, dict[str, Any]] = {
+    **REFUSED, 409: {"model": Stale, "description": "The design has changed since that revision"}
+}  # fmt: skip
+MOST_STATES = 500
+
+router = APIRouter(prefix="/api/design", tags=["design"])
+
+
+@router.get("")
+def get_design(service: Served) -> DesignState:
+    """The design now, all that is wrong or odd in it, and what its parts promise when new."""
+    return service.design_state()
+
+
+@router.post("/edits", responses=WRITES)
+def edit_design(edits: Edits, service: Served) -> DesignState:
+    """Edit the design: all of the operations, or none."""
+
+    def change(document: Any) -> None:
+        for operation in edits.operations:
+            apply(document, operation)
+
+    draft = service.workspace.edit(edits.revision, change, edits.what or edits.operations[0].op)
+    return service.design_state(draft)
+
+
+@router.post("/undo", responses=WRITES)
+def undo(asked: OfRevision, service: Served) -> DesignState:
+    """Back to the state before."""
+    return service.design_state(service.workspace.undo(asked.revision))
+
+
+@router.post("/redo", responses=WRITES)
+def redo(asked: OfRevision, service: Served) -> DesignState:
+    """Forward again."""
+    return service.design_state(service.workspace.redo(asked.revision))
+
+
+@router.post("/save", responses=WRITES)
+def save(asked: OfRevision, service: Served) -> DesignState:
+    """Write the design file, what was there kept beside it."""
+    return service.design_state(service.workspace.save(asked.revision))
+
+
+@router.get("/text")
+def get_text(service: Served) -> DesignText:
+    """The design as its file would be."""
+    draft = service.workspace.draft()
+    return DesignText(revision=draft.revision, text=draft.text)
+
+
+@router.put("/text", responses=WRITES)
+def put_text(asked: WholeText, service: Served) -> DesignState:
+    """Put a whole text in place of the design; that is undone as any edit."""
+    return service.design_state(service.workspace.replace(asked.revision, asked.text, asked.what))
+
+
+@router.get("/download", response_class=PlainTextResponse)
+def download(service: Served) -> PlainTextResponse:
+    """The design file, as it would be saved."""
+    name = "".join(letter for letter in service.settings.design.name if letter.isascii() and letter not in '"\\')
+    headers = {"content-disposition": f'attachment; filename="{name or "robot.yaml"}"'}
+    return PlainTextResponse(service.workspace.draft().text, headers=headers, media_type="application/yaml")
+
+
+@router.get("/states")
+def get_states(service: Served) -> DesignStates:
+    """The states on the way here, the latest first."""
+    found = service.workspace.states(MOST_STATES)
+    return DesignStates(states=[PastState(state=state, what=what) for state, what in found])
+
+
+@router.get("/part", responses=REFUSED)
+def get_part_text(service: Served, path: Annotated[list[str] | None, Query(max_length=100)] = None) -> DesignText:
+    """What stands at a place of the design, as YAML."""
+    from robophm.web.workspace import dump, load
+
+    draft = service.workspace.draft()
+    here = load(draft.text)
+    for key in path or ():
+        try:
+            here = here[int(key)] if isinstance(here, list) else here[key]
+        except (KeyError, ValueError, IndexError, TypeError):
+            raise Fault(tuple(path or ()), "there is nothing at this place") from None
+    return DesignText(revision=draft.revision, text=dump(here).removesuffix("...\n"))
+
+
+@router.get("/drawing", responses=REFUSED)
+def get_drawing(
+    service: Served,
+    path: Annotated[str, Query(max_length=5000)] = "",
+    width: Annotated[float, Query(ge=100, le=20_000)] = 1000,
+    unit: Unit = "1/h",
+    whole: bool = False,
+) -> Drawing:
+    """The block diagram of a level, laid out."""
+    return drawing(service.prepared(), path, width, unit, whole=whole)
+
+
+def apply(document: Any, operation: Operation) -> None:
+    """Make one edit. Raises Fault."""
+    match operation:
+        case Put():
+            editing.put(document, operation.path, operation.value)
+        case PutText():
+            editing.put(document, operation.path, _read(operation))
+        case Delete():
+            editing.delete(document, operation.path)
+        case Rename():
+            editing.rename(document, operation.path, operation.name)
+        case Wire():
+            editing.wire(document, operation.path, operation.diagram)
+        case Group():
+            editing.group(document, operation.path, operation.members, operation.kind, operation.k)
+        case Ungroup():
+            editing.ungroup(document, operation.path, operation.members)
+
+
+def _read(operation: PutText) -> Any:
+    """The value of a text, its comments kept. Raises Fault."""
+    from robophm.web.workspace import load_value
+
+    try:
+        values(operation.text, "text")
+    except DesignError as error:
+        raise Fault(tuple(operation.path), str(error)) from None
+    return load_value(operation.text)

@@ -1,0 +1,268 @@
+"""Monitoring: start, stop, health now, topics, and live values over one WebSocket."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from contextlib import suppress
+from typing import Annotated
+
+from fastapi import APIRouter, WebSocket
+from pydantic import Field
+from starlette.websockets import WebSocketDisconnect, WebSocketState
+
+from robophm.core.signal import SECOND, signal_name, split_signal
+from robophm.core.units import conversion
+from robophm.design.robot import Robot
+from robophm.health.report import health_report
+from robophm.transports.message_units import field_unit
+from robophm.web.health import Freshness, Health, health_of
+from robophm.web.routes.design import REFUSED
+from robophm.web.service import Served, Service
+from robophm.web.shapes import Shape
+from robophm.web.sources import chosen
+from robophm.web.streaming import PERIOD, Viewer
+
+router = APIRouter(tags=["live"])
+
+
+class SourceChoice(Shape):
+    """Where samples can come from."""
+
+    name: str
+    label: str
+    paced: bool
+
+
+class MonitoringState(Shape):
+    """Whether the robot is watched."""
+
+    state: str
+    source: str
+    error: str
+    sources: list[SourceChoice]
+
+
+class StartAsked(Shape):
+    """Watch the robot of the design as it is now."""
+
+    source: Annotated[str, Field(max_length=100)]
+    speed: Annotated[float, Field(gt=0, le=10_000)] = 1.0
+    """How many times as fast as it was lived; of a recording."""
+
+
+class Topic(Shape):
+    """What a source offers."""
+
+    topic: str
+    type: str
+    messages: int
+    rate: float | None
+    """[1/s]"""
+    fields: list[TopicField]
+
+
+class TopicField(Shape):
+    """A number in its messages."""
+
+    field: str
+    unit: str | None
+    """As well-known messages have it."""
+    last: float | None
+
+
+class Topics(Shape):
+    """All of them."""
+
+    source: str
+    topics: list[Topic]
+
+
+class SeriesNames(Shape):
+    """Names of series, to watch over the WebSocket."""
+
+    names: list[str]
+
+
+class SensorTest(Shape):
+    """A binding that is tried."""
+
+    topic: Annotated[str, Field(max_length=300)]
+    field: Annotated[str, Field(max_length=300)]
+    unit: Annotated[str, Field(max_length=60)] = ""
+    """Of the field."""
+    wanted: Annotated[str, Field(max_length=60)] = ""
+    """That the model's input has."""
+
+
+class SensorTested(Shape):
+    """What was heard."""
+
+    signal: str
+    raw: float | None
+    value: float | None
+    """In the unit of the input."""
+    age: float | None
+    words: str
+
+
+@router.get("/api/monitoring")
+def get_monitoring(service: Served) -> MonitoringState:
+    """Whether the robot is watched, and by what it could be."""
+    run = service.monitoring.run
+    return MonitoringState(
+        state=service.monitoring.state,
+        source=run.source if run else "",
+        error=run.error if run else "",
+        sources=[SourceChoice(name=one.name, label=one.label, paced=one.paced) for one in service.sources.values()],
+    )
+
+
+@router.post("/api/monitoring/start", responses=REFUSED)
+def start(asked: StartAsked, service: Served) -> MonitoringState:
+    """Begin to watch; it goes on without any browser, until it is stopped."""
+    choice = chosen(dict(service.sources), asked.source)
+    state = service.workspace.draft().state
+    service.monitoring.start(service.prepared().robot, choice, asked.speed, state)
+    return get_monitoring(service)
+
+
+@router.post("/api/monitoring/stop")
+def stop(service: Served) -> MonitoringState:
+    """Watch no longer."""
+    service.monitoring.stop()
+    return get_monitoring(service)
+
+
+@router.get("/api/health", responses=REFUSED)
+def get_health(service: Served) -> Health:
+    """The robot's health now: as watched, else as it is by design and what a store has of its past."""
+    run = service.monitoring.run
+    changed = False
+    if run:
+        draft = service.workspace.draft()
+        checked = service.workspace.check(draft.text)
+        changed = checked.robot is None or checked.robot.design_hash != run.robot.design_hash
+    if run and run.report:
+        sensors = freshness(run.robot, service)
+        return health_of(run.report, run.lives, run, design_changed=changed, sensors=sensors)
+    prepared = service.prepared()
+    exposure, ledger = service.past(prepared)
+    report = health_report(prepared.plant, exposure, ledger)
+    sensors = freshness(prepared.robot, service)
+    return health_of(report, report, run, design_changed=changed, sensors=sensors)
+
+
+def freshness(robot: Robot, service: Service) -> list[Freshness]:
+    """How long each bound signal has been silent, before the newest sample."""
+    run = service.monitoring.run
+    heard = service.monitoring.board.last(robot.signals) if run else {}
+    newest = run.ledger.newest / SECOND if run and run.ledger and run.ledger.newest is not None else None
+    ages: dict[str, float] = {}
+    for mode in robot.modes:
+        for stress in mode.stresses:
+            for channel in stress.channels.values():
+                ages[channel.signal] = channel.max_age / SECOND
+        if mode.measured_clock:
+            ages |= dict.fromkeys(mode.measured_clock.signals, mode.measured_clock.max_age / SECOND)
+    for clock in robot.clocks.values():
+        ages |= dict.fromkeys(clock.signals, clock.max_age / SECOND)
+    found = []
+    for signal, unit in robot.signals.items():
+        time, value = heard.get(signal, (None, None))
+        age = max(newest - time, 0.0) if time is not None and newest is not None else None
+        most = ages.get(signal)
+        stale = run is not None and (age is None or (most is not None and age > most))
+        found.append(Freshness(signal=signal, unit=unit, value=value if value == value else None, age=age,
+                               max_age=most, stale=stale))  # fmt: skip
+    return found
+
+
+@router.get("/api/topics", responses=REFUSED)
+def get_topics(service: Served, source: str) -> Topics:
+    """What a source offers: types, rates, fields, and what bound signals said last."""
+    choice = chosen(dict(service.sources), source)
+    with choice.open(1.0) as opened:
+        infos = opened.topics()
+    board, found = service.monitoring.board, []
+    for info in infos:
+        span = (info.last - info.first) / SECOND if info.first is not None and info.last is not None else 0.0
+        fields = []
+        for field in info.fields:
+            try:
+                last = board.last([signal_name(info.topic, field)])
+            except Exception:
+                last = {}
+            value = next((value for _, value in last.values()), None)
+            fields.append(
+                TopicField(field=field, unit=field_unit(info.type, field), last=value if value == value else None)
+            )
+        rate = (info.messages - 1) / span if span > 0 and info.messages > 1 else None
+        found.append(Topic(topic=info.topic, type=info.type, messages=info.messages, rate=rate, fields=fields))
+    return Topics(source=choice.label, topics=found)
+
+
+@router.post("/api/sensors/test", responses=REFUSED)
+def test_sensor(asked: SensorTest, service: Served) -> SensorTested:
+    """What a binding would have heard last."""
+    signal = signal_name(asked.topic, asked.field)
+    split_signal(signal)
+    scale, offset = conversion(asked.unit, asked.wanted) if asked.unit or asked.wanted else (1.0, 0.0)
+    heard = service.monitoring.board.last([signal])
+    if signal not in heard:
+        words = "not heard: monitoring does not listen to it yet" if service.monitoring.state == "running" else (
+            "not heard: monitoring does not run")  # fmt: skip
+        return SensorTested(signal=signal, raw=None, value=None, age=None, words=words)
+    time, raw = heard[signal]
+    run = service.monitoring.run
+    newest = run.ledger.newest if run and run.ledger else None
+    age = max(newest / SECOND - time, 0.0) if newest is not None else None
+    if raw != raw:
+        return SensorTested(signal=signal, raw=None, value=None, age=age, words="says that it has no value")
+    value = scale * raw + offset
+    return SensorTested(signal=signal, raw=raw, value=value, age=age, words=f"{value:.6g} {asked.wanted}".strip())
+
+
+@router.get("/api/series")
+def get_series(service: Served) -> SeriesNames:
+    """What has been heard and worked out since monitoring began, by name."""
+    return SeriesNames(names=service.monitoring.board.names())
+
+
+Topic.model_rebuild()
+Topics.model_rebuild()
+
+
+@router.websocket("/api/live")
+async def live(socket: WebSocket) -> None:
+    """Live values: a client says what it watches, frames come ten times a second while there is something new."""
+    service: Service = socket.app.state.service
+    await socket.accept()
+    viewer = Viewer(service)
+    hearing = asyncio.create_task(_hear(socket, viewer))
+    try:
+        while not hearing.done():
+            if (frame := viewer.frame()) is not None:
+                await socket.send_bytes(frame)
+            await asyncio.wait([hearing], timeout=PERIOD)
+    except (WebSocketDisconnect, RuntimeError):
+        pass
+    finally:
+        hearing.cancel()
+        if socket.application_state is not WebSocketState.DISCONNECTED:
+            with suppress(RuntimeError):  # the browser was faster
+                await socket.close(1000)
+
+
+async def _hear(socket: WebSocket, viewer: Viewer) -> None:
+    """Until the client leaves, or says what nobody understands."""
+    while True:
+        try:
+            text = await socket.receive_text()
+        except (WebSocketDisconnect, KeyError, RuntimeError):
+            return
+        try:
+            viewer.hear(json.loads(text))
+        except (ValueError, TypeError, KeyError, RecursionError):
+            await socket.close(1003, "not understood; expected a JSON object with 'watch' or 'history'")
+            return

@@ -1,0 +1,121 @@
+"""What was heard and worked out lately, one series of numbers for each signal and figure, in bounded memory."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robophm.core.signal import SECOND
+
+Floats = NDArray[np.float64]
+
+KEPT = 2**16
+"""Points of one series: 22 minutes of 50 a second; older ones make room."""
+
+MOST_SERIES = 500
+
+
+class Points(NamedTuple):
+    """Times [s since the epoch] and values, shape (n,) each."""
+
+    times: Floats
+    values: Floats
+
+
+class Series:
+    """One series in a ring of KEPT points: one writer, any number of readers."""
+
+    def __init__(self, kept: int = KEPT) -> None:
+        self.times = np.empty(kept)
+        self.values = np.empty(kept)
+        self.count = 0
+        """Of all points that ever came."""
+
+    def add(self, time: float, value: float) -> None:
+        """The next point."""
+        at = self.count % len(self.times)
+        self.times[at], self.values[at] = time, value
+        self.count += 1
+
+    def since(self, count: int, last: int | None = None) -> Points:
+        """What came after so many points, up to the ``last``; of what has made room, what is left."""
+        kept = len(self.times)
+        last = self.count if last is None else last
+        first = max(count, last - kept + kept // 16)  # what a writer may be at just now is left out
+        first = count if last <= kept else first
+        if first >= last:
+            return Points(np.empty(0), np.empty(0))
+        rows = np.arange(first, last) % kept
+        return Points(self.times[rows], self.values[rows])
+
+    def between(self, start: float, end: float, pixels: int) -> Points:
+        """What lies in a span of time, lowest and highest of each pixel's share where there is more than that."""
+        times, values = self.since(0)
+        inside = (times >= start) & (times <= end)
+        return decimated(Points(times[inside], values[inside]), pixels)
+
+
+def decimated(points: Points, pixels: int) -> Points:
+    """Of each of so many equal spans of time the lowest and the highest point, in the order they came."""
+    times, values = points
+    if len(times) <= 2 * pixels or times[-1] <= times[0]:
+        return points
+    column = np.minimum(((times - times[0]) / (times[-1] - times[0]) * pixels).astype(np.int64), pixels - 1)
+    starts = np.flatnonzero(np.diff(column, prepend=-1) != 0)
+    ends = np.append(starts[1:], len(times))
+    keep = np.zeros(len(times), dtype=bool)
+    for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
+        part = values[start:end]
+        if np.isnan(part).all():
+            keep[start] = True
+            continue
+        keep[start + int(np.nanargmin(part))] = keep[start + int(np.nanargmax(part))] = True
+    return Points(times[keep], values[keep])
+
+
+class Board:
+    """All series by name, made when they first speak; what is beyond MOST_SERIES is counted and not kept."""
+
+    def __init__(self) -> None:
+        self._series: dict[str, Series] = {}
+        self._lock = threading.Lock()
+        self.refused = 0
+
+    def add(self, name: str, time: int, value: float) -> None:
+        """A point at a time [ns]."""
+        series = self._series.get(name)
+        if series is None:
+            with self._lock:
+                if len(self._series) >= MOST_SERIES:
+                    self.refused += 1
+                    return
+                series = self._series.setdefault(name, Series())
+        series.add(time / SECOND, value)
+
+    def add_all(self, time: int, values: Mapping[str, float]) -> None:
+        """Several points of one time."""
+        for name, value in values.items():
+            self.add(name, time, value)
+
+    def get(self, name: str) -> Series | None:
+        """A series, or None while there is none."""
+        return self._series.get(name)
+
+    def names(self) -> list[str]:
+        """Of all series."""
+        with self._lock:
+            return sorted(self._series)
+
+    def last(self, names: Iterable[str]) -> dict[str, tuple[float, float]]:
+        """The latest time and value of each series that has one."""
+        found = {}
+        for name in names:
+            series = self._series.get(name)
+            if series and series.count:
+                at = (series.count - 1) % len(series.times)
+                found[name] = (float(series.times[at]), float(series.values[at]))
+        return found

@@ -1,0 +1,122 @@
+"""What the routes share: one robot's design, its monitoring, its jobs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from fastapi import Depends, Request
+
+from robophm.core.errors import DesignError
+from robophm.design.problems import Problem as Found
+from robophm.health.exposure import Exposure
+from robophm.health.ledger import Ledger
+from robophm.web.jobs import Jobs
+from robophm.web.monitoring import Monitoring
+from robophm.web.prepared import Prepared, Shelf
+from robophm.web.shapes import DesignState, Problem
+from robophm.web.sources import Choice, choices
+from robophm.web.workspace import Draft, Workspace
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How the service was started."""
+
+    design: Path
+    store: Path | None = None
+    journal: Path | None = None
+    recordings: tuple[Path, ...] = ()
+    seed: int | None = None
+    """Of the synthetic robot, where it can be chosen."""
+    host: str = "127.0.0.1"
+    token: str | None = None
+
+
+class Service:
+    """One robot served."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.workspace = Workspace(settings.design)
+        self.monitoring = Monitoring(settings.store, settings.journal)
+        self.jobs = Jobs()
+        self.sources: Mapping[str, Choice] = choices(settings.recordings, seed=settings.seed)
+        self._shelf = Shelf()
+
+    def prepared(self, state: int | None = None) -> Prepared:
+        """The robot of the design now, or of an earlier state. Raises DesignError where that is no design."""
+        text = None if state is None else self.workspace.text(state)
+        return self.prepared_text(text)
+
+    def prepared_text(self, text: str | None) -> Prepared:
+        """The robot of a text, None for the design now. Raises DesignError."""
+        checked = self.workspace.check(text)
+        if checked.robot is None:
+            first = checked.problems[0]
+            raise DesignError(f"{'/'.join(first.place) or 'the design'}: {first.message}")
+        return self._shelf.of(checked.robot)
+
+    def past(self, prepared: Prepared) -> tuple[Exposure, Ledger]:
+        """What the robot has lived, as far as is known. Raises StoreError."""
+        return Exposure(prepared.robot), self.monitoring.last_ledger(prepared.robot)
+
+    def design_state(self, draft: Draft | None = None) -> DesignState:
+        """The design now, with all that is to be said of it."""
+        draft = draft or self.workspace.draft()
+        checked = self.workspace.check(draft.text)
+        name = checked.document.get("name")
+        return DesignState(
+            revision=draft.revision,
+            state=draft.state,
+            name=name if isinstance(name, str) else self.settings.design.stem,
+            file=self.settings.design.name,
+            document=speakable(checked.document),
+            saved=draft.saved,
+            undo=(draft.what or "the last change") if draft.undo else None,
+            redo=draft.redo,
+            valid=checked.robot is not None,
+            problems=told(checked.problems),
+            levels=self._shelf.of(checked.robot).levels if checked.robot else {},
+        )
+
+    def close(self) -> None:
+        """End monitoring and jobs; let go of files."""
+        self.monitoring.stop()
+        self.jobs.close()
+        self.workspace.close()
+
+
+def told(problems: Iterable[Found]) -> list[Problem]:
+    """Problems as they go over the wire."""
+    return [Problem(level=one.level, place=list(one.place), message=one.message, line=one.line) for one in problems]
+
+
+def speakable(value: object) -> dict[str, object]:
+    """A document as JSON can say it: numbers that are none, which a design may write, are words."""
+
+    def plain(one: object) -> object:
+        if isinstance(one, dict):
+            return {key: plain(inner) for key, inner in one.items()}
+        if isinstance(one, list):
+            return [plain(inner) for inner in one]
+        if isinstance(one, float) and one - one != 0:
+            return str(one)
+        return one
+
+    found = plain(value)
+    return found if isinstance(found, dict) else {}
+
+
+def _service(request: Request) -> Service:
+    service: Service = request.app.state.service
+    return service
+
+
+Served = Annotated[Service, Depends(_service)]
+"""The service, in a route."""

@@ -1,0 +1,58 @@
+"""The service on a port, until it is told to stop."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable
+
+import uvicorn
+
+from robophm.core.errors import RobophmError
+from robophm.web.app import create_app
+from robophm.web.guard import is_loopback
+from robophm.web.service import Service, Settings
+
+
+def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable[[], None]], None]) -> None:
+    """Serve until interrupted; ``ready`` is told the address, the service, and how to stop it.
+
+    Port 0 is any that is free. Raises RobophmError where the address cannot be had, or others reach it and there is no
+    token; else as ``create_app``.
+    """
+    if not is_loopback(settings.host) and not settings.token:
+        raise RobophmError(
+            f"--host {settings.host}: others on the network would reach the design; expected --token with a secret too"
+        )
+    app = create_app(settings)
+    service: Service = app.state.service
+    try:
+        listener = _listen(settings.host, port)
+    except BaseException:
+        service.close()
+        raise
+    config = uvicorn.Config(
+        app, log_level="warning", access_log=False, ws="websockets-sansio", ws_max_size=1 << 20, ws_max_queue=32,
+        limit_concurrency=200, timeout_keep_alive=15, timeout_graceful_shutdown=2, server_header=False,
+    )  # fmt: skip
+    server = uvicorn.Server(config)
+
+    def stop() -> None:
+        server.should_exit = True
+
+    host = f"[{settings.host}]" if ":" in settings.host else settings.host
+    query = f"?token={settings.token}" if settings.token else ""
+    ready(f"http://{host}:{listener.getsockname()[1]}/{query}", service, stop)
+    with listener:
+        server.run(sockets=[listener])
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        listener = socket.socket(family, kind, protocol)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(address)
+        listener.listen(128)
+    except OSError as error:
+        raise RobophmError(f"--host {host} --port {port}: cannot be had: {error.strerror}") from None
+    return listener

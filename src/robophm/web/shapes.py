@@ -1,0 +1,242 @@
+"""What goes over the wire, named and described: the OpenAPI schema is made of these."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Name = Annotated[str, Field(min_length=1, max_length=200)]
+Place = Annotated[list[Annotated[str, Field(max_length=300)]], Field(max_length=100)]
+"""Keys from the top of the design file down."""
+
+Unit = Literal["1/h", "FIT", "FPMH"]
+
+
+class Shape(BaseModel):
+    """Nothing beside what is named; no number is infinite or none."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+class Trouble(Shape):
+    """Why something was refused: what, where, and what was expected."""
+
+    message: str
+    place: list[str] = []
+    """In the design, where it is there."""
+
+
+class Problem(Shape):
+    """What is wrong or odd in the design."""
+
+    level: Literal["error", "warning"]
+    place: list[str]
+    message: str
+    line: int | None
+
+
+class DesignState(Shape):
+    """The design now."""
+
+    revision: int
+    state: int
+    name: str
+    file: str
+    document: dict[str, Any]
+    saved: bool
+    undo: str | None
+    """What would be undone; null where nothing is."""
+    redo: str | None
+    valid: bool
+    problems: list[Problem]
+    levels: dict[str, LevelFigures]
+    """What each level and part of a valid design promises when new, by path; "" is the robot."""
+
+
+class LevelFigures(Shape):
+    """Nominal, when new."""
+
+    kind: Literal["robot", "module", "component"]
+    hazard_rate: float | None
+    """Of all equal parts together [1/h of operation]."""
+    quantity: int = 1
+    single_point: bool = False
+    """Whether its failure alone fails the robot."""
+
+
+class Stale(Trouble):
+    """A write that was made of an older revision, and what the design is now."""
+
+    yours: int
+    current: DesignState
+
+
+class Put(Shape):
+    """Put a value at a place of the design."""
+
+    op: Literal["put"]
+    path: Place
+    value: Any
+
+
+class PutText(Shape):
+    """Put a value at a place, written as YAML."""
+
+    op: Literal["put_text"]
+    path: Place
+    text: Annotated[str, Field(max_length=200_000)]
+
+
+class Delete(Shape):
+    """Take away what is at a place."""
+
+    op: Literal["delete"]
+    path: Place
+
+
+class Rename(Shape):
+    """Give what is at a place another name."""
+
+    op: Literal["rename"]
+    path: Place
+    name: Name
+
+
+class Wire(Shape):
+    """Draw a level anew; null: all in series."""
+
+    op: Literal["wire"]
+    path: Place
+    diagram: Any
+
+
+class Group(Shape):
+    """Put parts that stand side by side into a group."""
+
+    op: Literal["group"]
+    path: Place
+    members: Annotated[list[Name], Field(max_length=10_000)]
+    kind: Literal["series", "parallel", "k_of_n", "standby", "load_sharing"]
+    k: Annotated[int, Field(ge=1, le=100_000)] | None = None
+
+
+class Ungroup(Shape):
+    """Dissolve the smallest group that holds all these parts."""
+
+    op: Literal["ungroup"]
+    path: Place
+    members: Annotated[list[Name], Field(max_length=10_000)]
+
+
+Operation = Annotated[Put | PutText | Delete | Rename | Wire | Group | Ungroup, Field(discriminator="op")]
+
+
+class Edits(Shape):
+    """Edits of one revision, done all or not at all."""
+
+    revision: int
+    operations: Annotated[list[Operation], Field(min_length=1, max_length=10_000)]
+    what: Annotated[str, Field(max_length=200)] = ""
+    """In words, for undo."""
+
+
+class OfRevision(Shape):
+    """Which revision a write is made of."""
+
+    revision: int
+
+
+class WholeText(OfRevision):
+    """A design as its file would be."""
+
+    text: Annotated[str, Field(max_length=20_000_000)]
+    what: Annotated[str, Field(max_length=200)] = "replace the design"
+
+
+class DesignText(Shape):
+    """The design as its file would be."""
+
+    revision: int
+    text: str
+
+
+class DesignStates(Shape):
+    """The states on the way to the design now, the latest first."""
+
+    states: list[PastState]
+
+
+class PastState(Shape):
+    """One of them."""
+
+    state: int
+    what: str
+
+
+class Imported(Shape):
+    """What a file would make of the design; nothing is changed yet."""
+
+    text: str
+    """Of the design then."""
+    findings: list[str]
+    columns: list[str]
+    rows: list[list[str]]
+    mapping: dict[str, str] = {}
+    """Of a parts list: what fields of a part stand under which headers."""
+    unused: list[str] = []
+    """Headers that were taken for nothing."""
+    fields: list[str] = []
+    """That headers can be taken for."""
+
+
+class Box(Shape):
+    """A part, or parts left out, in a drawing."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+    part: str | None
+    title: str
+    detail: str
+    badge: str
+    kind: Literal["module", "component", "more"]
+    spare: bool
+    places: int
+    single_point: bool
+
+
+class Gate(Shape):
+    """What stands behind branches: "1/2"."""
+
+    x: float
+    y: float
+    width: float
+    text: str
+
+
+class Line(Shape):
+    """A wire."""
+
+    points: list[tuple[float, float]]
+    dashed: bool
+
+
+class Drawing(Shape):
+    """A level's diagram laid out [px]."""
+
+    path: str
+    width: float
+    height: float
+    boxes: list[Box]
+    gates: list[Gate]
+    wires: list[Line]
+    ends: list[tuple[float, float]]
+    notes: list[str]
+    words: str
+    """The same, said."""
+
+
+DesignState.model_rebuild()
+DesignStates.model_rebuild()

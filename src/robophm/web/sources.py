@@ -1,0 +1,77 @@
+"""Where samples can come from: recordings named at the start, the synthetic robot, live ROS 1."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from robophm.core.errors import SourceError, nearest
+from robophm.transports.paced import Paced
+from robophm.transports.recording import Recording
+from robophm.transports.source import SignalSource, open_source
+from robophm.transports.tasks import DoneTask, PlannedTask, tasks_of
+
+Told = Sequence[PlannedTask | DoneTask]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A source that a person can choose."""
+
+    name: str
+    label: str
+    open: Callable[[float], SignalSource]
+    """By how many times as fast as it was lived."""
+    tasks: Callable[[], Told]
+    """What it tells of tasks, where that can be known beforehand."""
+    paced: bool
+    """Whether its speed can be chosen."""
+
+
+def choices(recordings: Iterable[Path], *, seed: int | None = None, ros1: bool = True) -> dict[str, Choice]:
+    """By name: "recordings" where there are any, "synthetic" with a seed, "ros1"."""
+    found = []
+    if files := [*recordings]:
+        label = files[0].name if len(files) == 1 else f"{len(files)} recordings"
+        found.append(
+            Choice("recordings", label, lambda speed: Paced(open_source(*files), speed), lambda: _told(files), True)
+        )
+    if seed is not None:
+        found.append(Choice("synthetic", "synthetic OTA", lambda speed: _synthetic(seed, speed),
+                            lambda: _synthetic_tasks(seed), True))  # fmt: skip
+    if ros1:
+        found.append(Choice("ros1", "ROS 1 (ROS_MASTER_URI)", lambda speed: _ros1(), lambda: (), False))
+    return {one.name: one for one in found}
+
+
+def chosen(known: dict[str, Choice], name: str) -> Choice:
+    """The source of that name. Raises SourceError."""
+    if name not in known:
+        raise SourceError(f"no source '{name}'{nearest(name, known)}")
+    return known[name]
+
+
+def _told(files: Sequence[Path]) -> Told:
+    if any(path.suffix.lower() in (".csv", ".journal") for path in files):
+        return ()
+    with Recording(*files) as recording:
+        return list(tasks_of(recording))
+
+
+def _synthetic(seed: int, speed: float) -> SignalSource:
+    from robophm.transports.synthetic import SyntheticOta
+
+    return Paced(SyntheticOta(seed=seed), speed)
+
+
+def _synthetic_tasks(seed: int) -> Told:
+    from robophm.transports.synthetic import SyntheticOta
+
+    return SyntheticOta(seed=seed).tasks()
+
+
+def _ros1() -> SignalSource:
+    from robophm.transports.ros1 import Ros1
+
+    return Ros1()

@@ -1,0 +1,296 @@
+"""The design under edit: every state that it was ever in, kept beside its file, so that undo has no limit.
+
+The YAML file stays the truth: it is read when the service starts, and written when somebody saves, atomically and with
+a backup. What is not saved yet, and all that can be undone, lies in ``<design>.edits``.
+"""
+
+from __future__ import annotations
+
+import io
+import sqlite3
+import threading
+import zlib
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from robophm.core.errors import DesignError, StoreError
+from robophm.design.fault import Fault
+from robophm.design.file import MAX_BYTES, read, replace_text
+from robophm.design.naming import design_name, quoted
+from robophm.design.problems import Checked, check
+
+VERSION = 1
+"""Of the tables; kept in the file's user_version."""
+
+_KEPT = 6  # checked texts that are kept in memory
+_TABLES = """
+CREATE TABLE state (id INTEGER PRIMARY KEY, parent INTEGER, text BLOB NOT NULL, what TEXT NOT NULL) STRICT;
+CREATE TABLE here (only INTEGER PRIMARY KEY CHECK (only = 1), state INTEGER NOT NULL, revision INTEGER NOT NULL,
+    saved INTEGER) STRICT;
+"""
+
+
+class StaleError(DesignError):
+    """Somebody else has changed the design since the revision that a write was made of."""
+
+
+@dataclass(frozen=True)
+class Draft:
+    """The design now."""
+
+    revision: int
+    """Goes up with every change, an undo among them."""
+    state: int
+    """Which of all states it is; going back comes to the same one again."""
+    text: str
+    saved: bool
+    """Whether the file holds this."""
+    what: str
+    """What made it of the state before; "" where there is none."""
+    redo: str | None
+    """What would be done again; None where nothing is."""
+    undo: bool
+
+
+class Workspace:
+    """One design file, its states, and the way through them; for any number of threads."""
+
+    def __init__(self, path: Path) -> None:
+        """Open a design, or begin one where there is no file. Raises DesignError, StoreError."""
+        self.path = path
+        self._lock = threading.RLock()
+        self._checked: OrderedDict[str, Checked] = OrderedDict()
+        self._document: tuple[int, Any] | None = None  # of which state, as ruamel keeps it
+        self._revision = 0
+        if not path.parent.is_dir():
+            raise DesignError(f"{path}: no such folder")
+        self.begun = not path.exists()
+        """Whether there was no file."""
+        text = new_design(path) if self.begun else read(path)
+        edits = path.with_name(path.name + ".edits")
+        try:
+            self._base = sqlite3.connect(edits, timeout=10.0, isolation_level=None, check_same_thread=False)
+            self._open(text)
+        except sqlite3.Error as error:
+            raise StoreError(f"{edits}: {error}; expected the edits of {path.name}, or no such file") from None
+
+    def _open(self, text: str) -> None:
+        version = self._base.execute("PRAGMA user_version").fetchone()[0]
+        tables = self._base.execute("SELECT count(*) FROM sqlite_schema").fetchone()[0]
+        if version != VERSION and (version or tables):
+            raise sqlite3.DatabaseError(f"version {version}, not {VERSION}")
+        if not tables:
+            self._base.execute("PRAGMA journal_mode = WAL")
+            self._base.executescript(f"BEGIN IMMEDIATE; {_TABLES} PRAGMA user_version = {VERSION}; COMMIT;")
+        self._base.execute("PRAGMA synchronous = NORMAL")
+        if self._base.execute("SELECT count(*) FROM here").fetchone()[0] == 0:
+            with self._base:
+                first = self._add(None, text, "")
+                self._base.execute("INSERT INTO here VALUES (1, ?, 1, ?)", (first, None if self.begun else first))
+            return
+        _, _, saved = self._here()
+        if saved is None or self._text(saved) != text:
+            if not self.begun:  # the file was changed by somebody else: that is one more state, and undone as any
+                with self._base:
+                    state, revision, _ = self._here()
+                    found = self._add(state, text, "changed outside")
+                    self._base.execute(
+                        "UPDATE here SET state = ?, revision = ?, saved = ?", (found, revision + 1, found)
+                    )
+            elif saved is not None:
+                self._base.execute("UPDATE here SET saved = NULL")
+
+    @property
+    def revision(self) -> int:
+        """Of the design now; never waits for an edit that is under way."""
+        return self._revision
+
+    def draft(self) -> Draft:
+        """The design now."""
+        with self._lock:
+            state, revision, saved = self._here()
+            parent, what = self._origin(state)
+            again = self._base.execute(
+                "SELECT what FROM state WHERE parent = ? ORDER BY id DESC LIMIT 1", (state,)
+            ).fetchone()
+            text = self._text(state)
+            same = saved is not None and (saved == state or self._text(saved) == text)
+            return Draft(revision, state, text, same, what, again[0] if again else None, parent is not None)
+
+    def text(self, state: int) -> str:
+        """Of any state. Raises DesignError where there is none of that number."""
+        with self._lock:
+            row = self._base.execute("SELECT 1 FROM state WHERE id = ?", (state,)).fetchone()
+            if not row:
+                raise DesignError(f"the design has no state {state}")
+            return self._text(state)
+
+    def states(self, most: int) -> list[tuple[int, str]]:
+        """The states on the way here, the latest first: number, and what made it."""
+        with self._lock:
+            found: list[tuple[int, str]] = []
+            state: int | None = self._here()[0]
+            while state is not None and len(found) < most:
+                parent, what = self._origin(state)
+                found.append((state, what))
+                state = parent
+            return found
+
+    def check(self, text: str | None = None) -> Checked:
+        """All that can be said of a text, or of the design now; the latest few are kept."""
+        with self._lock:
+            text = self.draft().text if text is None else text
+            if text not in self._checked:
+                self._checked[text] = check(text)
+                while len(self._checked) > _KEPT:
+                    self._checked.popitem(last=False)
+            self._checked.move_to_end(text)
+            return self._checked[text]
+
+    def edit(self, revision: int, change: Callable[[Any], None], what: str) -> Draft:
+        """Change the document, comments kept. Raises StaleError, and Fault where it cannot be done."""
+        with self._lock:
+            self._current(revision)
+            return self._move(self.edited(change, keep=True), what)
+
+    def edited(self, change: Callable[[Any], None], *, keep: bool = False) -> str:
+        """The text that a change would give. Raises Fault where it cannot be done."""
+        with self._lock:
+            state = self._here()[0]
+            cached = self._document if self._document and self._document[0] == state else None
+            self._document = None
+            document = cached[1] if cached else load(self._text(state))
+            change(document)
+            text = dump(document)
+            if len(text.encode()) > MAX_BYTES:
+                raise Fault((), f"the design would be more than {MAX_BYTES / 1e6:.0f} MB")
+            if keep:
+                self._document = -1, document  # of the state that is about to be
+            return text
+
+    def replace(self, revision: int, text: str, what: str) -> Draft:
+        """Put a whole text in place of the design. Raises StaleError; Fault where it is not even YAML."""
+        with self._lock:
+            self._current(revision)
+            if not check(text).document:
+                raise Fault((), check(text).problems[0].message)
+            return self._move(text, what)
+
+    def undo(self, revision: int) -> Draft:
+        """Back to the state before; where there is none, nothing happens. Raises StaleError."""
+        with self._lock:
+            self._current(revision)
+            return self._go(self._origin(self._here()[0])[0])
+
+    def redo(self, revision: int) -> Draft:
+        """Forward to what was undone last; where there is nothing, nothing happens. Raises StaleError."""
+        with self._lock:
+            self._current(revision)
+            query = "SELECT id FROM state WHERE parent = ? ORDER BY id DESC LIMIT 1"
+            row = self._base.execute(query, (self._here()[0],)).fetchone()
+            return self._go(row[0] if row else None)
+
+    def save(self, revision: int) -> Draft:
+        """Write the file, what was there kept beside it. Raises StaleError, and DesignError where it is no design."""
+        with self._lock:
+            self._current(revision)
+            draft = self.draft()
+            checked = self.check(draft.text)
+            if checked.robot is None:
+                first = checked.problems[0]
+                raise DesignError(f"not saved: {'/'.join(first.place) or 'the design'}: {first.message}")
+            self._write(draft.text)
+            with self._base:
+                self._base.execute("UPDATE here SET saved = ?", (draft.state,))
+            return self.draft()
+
+    def _write(self, text: str) -> None:
+        if self.path.exists():
+            replace_text(self.path, text)
+            return
+        from robophm.core.files import write_atomically
+
+        try:
+            write_atomically(self.path, text)
+        except OSError as error:
+            raise DesignError(f"{self.path}: cannot be saved: {error.strerror}") from None
+
+    def close(self) -> None:
+        """Let go of the file of edits."""
+        with self._lock:
+            self._base.close()
+
+    def _here(self) -> tuple[int, int, int | None]:
+        row: tuple[int, int, int | None] = self._base.execute("SELECT state, revision, saved FROM here").fetchone()
+        self._revision = row[1]
+        return row
+
+    def _origin(self, state: int) -> tuple[int | None, str]:
+        query = "SELECT parent, what FROM state WHERE id = ?"
+        row: tuple[int | None, str] = self._base.execute(query, (state,)).fetchone()
+        return row
+
+    def _text(self, state: int) -> str:
+        row = self._base.execute("SELECT text FROM state WHERE id = ?", (state,)).fetchone()
+        return zlib.decompress(row[0]).decode()
+
+    def _add(self, parent: int | None, text: str, what: str) -> int:
+        values = (parent, zlib.compress(text.encode(), 6), what[:200])
+        return int(self._base.execute("INSERT INTO state (parent, text, what) VALUES (?, ?, ?)", values).lastrowid or 0)
+
+    def _current(self, revision: int) -> None:
+        if revision != (now := self._here()[1]):
+            raise StaleError(f"the design has changed since: revision {now}, not {revision}")
+
+    def _move(self, text: str, what: str) -> Draft:
+        state, revision, _ = self._here()
+        if text != self._text(state):
+            with self._base:
+                state = self._add(state, text, what)
+                self._base.execute("UPDATE here SET state = ?, revision = ?", (state, revision + 1))
+        if self._document and self._document[0] == -1:
+            self._document = state, self._document[1]
+        return self.draft()
+
+    def _go(self, state: int | None) -> Draft:
+        if state is not None:
+            with self._base:
+                self._base.execute("UPDATE here SET state = ?, revision = revision + 1", (state,))
+        return self.draft()  # which takes note of the revision
+
+
+def new_design(path: Path) -> str:
+    """The text that a design begins with: its name."""
+    return f"schema_version: 1\nname: {quoted(design_name(path.stem))}\n"
+
+
+def load(text: str) -> Any:
+    """A design's document, comments attached. Raises Fault."""
+    document = load_value(text)
+    if not isinstance(document, dict):
+        raise Fault((), "the design is no mapping and can only be replaced")
+    return document
+
+
+def load_value(text: str) -> Any:
+    """Any value, comments attached. Raises Fault."""
+    from ruamel.yaml.error import YAMLError
+
+    from robophm.design.file import round_trip
+
+    try:
+        return round_trip().load(text)
+    except (YAMLError, ValueError, RecursionError) as error:
+        raise Fault((), f"is not YAML, and can only be replaced: {str(error).splitlines()[0]}") from None
+
+
+def dump(document: Any) -> str:
+    """A document, or a part of one, as text."""
+    from robophm.design.file import round_trip
+
+    stream = io.StringIO()
+    round_trip().dump(document, stream)
+    return stream.getvalue()
