@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -12,6 +12,12 @@ from robophm.cli.output import Json
 
 Design = Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")]
 Force = Annotated[bool, typer.Option("--force", help="also where that file exists")]
+
+
+def _known_way(by: str) -> str:
+    if by not in ("likelihood", "ranks"):
+        raise typer.BadParameter(f"no way '{by}'; expected likelihood or ranks")
+    return by
 
 
 def learn(
@@ -51,4 +57,42 @@ def service(
     run(design, part, store, repaired, failed=failed, history=history, as_json=as_json)
 
 
-COMMANDS: tuple[Callable[..., None], ...] = (learn, service)
+def fit(
+    lives: Annotated[
+        Path, typer.Argument(help="a table of lives: time [h], censored, count, stresses …", metavar="LIVES.CSV")
+    ],
+    distribution: Annotated[
+        str | None, typer.Option(help="exponential, weibull, weibull3, lognormal, normal, gamma, loglogistic, gumbel")
+    ] = None,
+    by: Annotated[
+        str, typer.Option(help="likelihood, or ranks: a line through median ranks", callback=_known_way)
+    ] = "likelihood",
+    use: Annotated[
+        list[str] | None, typer.Option(metavar="STRESS=VALUE", help="of use, e.g. temperature='40 degC'")
+    ] = None,
+    law: Annotated[
+        list[str] | None, typer.Option(metavar="STRESS=LAW", help="arrhenius, eyring, q10, inverse_power")
+    ] = None,
+    repairable: Annotated[bool, typer.Option("--repairable", help="items are repaired and go on: power law")] = False,
+    level: Annotated[float, typer.Option(help="of intervals", min=0.01, max=0.999)] = 0.9,
+    refits: Annotated[
+        int, typer.Option(help="simulate so many fits to say how well the best fits", min=0, max=10_000)
+    ] = 0,
+    seed: Annotated[int, typer.Option(help="of --refits", min=0)] = 0,
+    report: Annotated[Path | None, typer.Option(help="write a page with probability plots, HTML")] = None,
+    to: Annotated[Path | None, typer.Option(help="put the life into this design, with --part")] = None,
+    part: Annotated[str | None, typer.Option(help="path of the part, or of its failure mode")] = None,
+    as_json: Json = False,
+) -> None:
+    """Fit life data: distributions, lives at stress, repaired systems (needs robophm[fit])."""
+    from robophm.cli.fit import Wishes, run
+
+    how: Literal["likelihood", "ranks"] = "ranks" if by == "ranks" else "likelihood"
+    wishes = Wishes(
+        distribution, how, level, tuple(use or ()), tuple(law or ()), repairable, refits, seed, report, to, part,
+        as_json,
+    )  # fmt: skip
+    run(lives, wishes)
+
+
+COMMANDS: tuple[Callable[..., None], ...] = (learn, service, fit)
