@@ -55,6 +55,8 @@ class Message(NamedTuple):
     raw: bytes
     key: int
     """Of its publisher's offer."""
+    number: int | None = None
+    """In the sequence of its publisher; Cyclone does not tell."""
 
 
 def wheel() -> Any:

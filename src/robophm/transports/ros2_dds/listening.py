@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 from robophm.core.errors import SourceError
 from robophm.transports.hearing import CLOCK_TOPIC, TICK, Hearing
-from robophm.transports.notes import Notes, TypeRefusedError
+from robophm.transports.notes import TypeRefusedError
 from robophm.transports.reading import Reading
-from robophm.transports.ros2_dds.cyclone import Discovery, Offer, Reader, Waiting
+from robophm.transports.ros2_dds.cyclone import Offer, Reader
 from robophm.transports.ros2_dds.definition import Definition, known, name_of_dds
 from robophm.transports.ros2_dds.node import Node
 
@@ -27,28 +27,28 @@ class Ear:
     reading: Reading
     reliable: bool
     latched: bool
+    number: int | None = None
+    """Of the latest message, where the transport numbers them."""
 
 
 class Listening(threading.Thread):
     """Listens to the topics of signals through a node. All that DDS tells is heard in this thread."""
 
-    def __init__(
-        self, node: Node, wanted: Mapping[str, Collection[str]], hearing: Hearing, notes: Notes, tick: float
-    ) -> None:
+    def __init__(self, node: Node, wanted: Mapping[str, Collection[str]], hearing: Hearing, tick: float) -> None:
         super().__init__(name=f"ros2 {node.name}", daemon=True)
         self.mistake: SourceError | None = None
         """The first signal that a topic does not have, or type that cannot be read."""
         self._node = node
-        self._notes = notes
+        self._notes = node.notes
         self._hearing = hearing
         all_wanted = dict.fromkeys(hearing.whole, ()) | dict(wanted)
         if hearing.simulated:
             all_wanted.setdefault(CLOCK_TOPIC, ())
         self._wanted = {f"rt{topic}": (topic, signals) for topic, signals in all_wanted.items()}
         self._every = tick
-        self._participant = node.graph.participant
-        self._discovery = Discovery(self._participant)
-        self._waiting = Waiting(self._participant)
+        self._graph = node.graph
+        self._discovery = self._graph.discovery()
+        self._waiting = self._graph.waiting()
         self._waiting.add(self._discovery.entity)
         self._ears: dict[tuple[str, str], Ear] = {}
         """By topic and hash of the type."""
@@ -57,7 +57,7 @@ class Listening(threading.Thread):
         self._definitions: dict[tuple[str, bytes], Definition | TypeRefusedError] = {}
         self._refused: set[int] = set()
         """Publishers that were refused, each counted once."""
-        self._refused_before = self._participant.refused()
+        self._refused_before = self._graph.refused()
         """Messages that Cyclone has refused."""
         self._over = threading.Event()
         self._discovery.look()
@@ -100,6 +100,13 @@ class Listening(threading.Thread):
                 # two definitions of one name: each is read by its own
                 if here.get(message.key, ear.reading.identity) == ear.reading.identity:
                     self._hearing.message(ear.reading, message.raw, None)
+                    self._count(ear, message.number, alone=len(here) == 1)
+
+    def _count(self, ear: Ear, number: int | None, *, alone: bool) -> None:
+        """Say what is missing before a message, where the transport numbers those of the only publisher."""
+        if number is not None and alone and ear.number is not None and number > ear.number + 1:
+            self._notes.add(f"sequence gap on {ear.reading.topic}", number - ear.number - 1)
+        ear.number = number if alone else None
 
     def _tick(self) -> None:
         self._hearing.tell()
@@ -111,7 +118,7 @@ class Listening(threading.Thread):
                 self._notes.add(f"came too fast, some may be lost on {topic}", full)
             if refused := ear.reader.refused():
                 self._notes.add(f"incompatible publisher on {topic}", refused)
-        refused_before, self._refused_before = self._refused_before, self._participant.refused()
+        refused_before, self._refused_before = self._refused_before, self._graph.refused()
         for name, count in (self._refused_before - refused_before).items():
             if name in self._wanted:
                 self._notes.add(f"unreadable message on {self._wanted[name][0]}", count)
@@ -131,7 +138,7 @@ class Listening(threading.Thread):
             if groups:
                 for key in [key for key in self._ears if key[0] == topic and key[1] not in groups]:
                     self._ears.pop(key).reader.close()
-        self._node.graph.reads(self._node.name, [ear.reader.gid for ear in self._ears.values()])
+        self._graph.reads(self._node.name, [ear.reader.gid for ear in self._ears.values()])
 
     def _follow(self, topic: str, now: dict[int, str]) -> None:
         """Count who has come and gone."""
@@ -158,7 +165,7 @@ class Listening(threading.Thread):
             self._notes.add(f"subscribed again to {topic}, for a publisher that offers less")
         found = self._definition(topic, offers[0])
         assert isinstance(found, Definition)
-        reader = Reader(self._participant, f"rt{topic}", found, reliable=reliable, latched=latched)
+        reader = self._graph.reader(self._node.name, f"rt{topic}", found, reliable=reliable, latched=latched)
         self._waiting.add(reader.entity)
         self._ears[topic, hash_] = Ear(reader, reading, reliable, latched)
 
@@ -178,7 +185,8 @@ class Listening(threading.Thread):
         if offer.key not in self._refused:
             self._refused.add(offer.key)
             self._notes.add(f"{error.kind} on {topic}")
-            self.mistake = self.mistake or error
+            if topic not in self._hearing.whole:  # those may be there or not
+                self.mistake = self.mistake or error
 
     def _definition(self, topic: str, offer: Offer) -> Definition | TypeRefusedError:
         key = offer.type, offer.user_data
