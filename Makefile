@@ -17,6 +17,7 @@ help:
 
 setup:
 	@sh tools/setup "$(PYTHON)"
+	@$(BIN)/python hatch_build.py || true
 
 demo: setup
 	@$(BIN)/robophm demo --output demo-output
@@ -51,4 +52,4 @@ bench: setup
 	$(BIN)/python -m benchmarks.fault_trees --peer
 
 clean:
-	rm -rf .venv demo-output dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf .venv ui/node_modules src/robophm/web/static demo-output dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

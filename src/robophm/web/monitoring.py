@@ -155,6 +155,7 @@ class Monitoring:
                 look = _Looking(run, board)
 
                 def begin(monitor: Monitor) -> None:
+                    look.warm(monitor)
                     if told:
                         run.tasks = judge_on_the_way(monitor, told)  # type: ignore[arg-type]
 
@@ -187,6 +188,11 @@ class _Looking:
             self.at(monitor, full=True)
         elif now >= self._next[False]:
             self.at(monitor, full=False)
+
+    def warm(self, monitor: Monitor) -> None:
+        """Take a first report, whose preparations do not count as what looking takes."""
+        self.at(monitor, full=True)
+        self._next = {False: 0.0, True: 0.0}
 
     def at(self, monitor: Monitor, *, full: bool) -> None:
         """Take a report now."""
