@@ -6,8 +6,9 @@ import math
 import sys
 import time
 
-from robophm.cli.output import console, number_text, print_json, print_table, table, warn
+from robophm.cli.output import console, print_json, print_table, table, warn
 from robophm.core.signal import CLOCK, SECOND, split_signal
+from robophm.report.words import number_text
 from robophm.transports.live import open_live
 from robophm.transports.source import TopicInfo
 
