@@ -95,4 +95,26 @@ def fit(
     run(lives, wishes)
 
 
-COMMANDS: tuple[Callable[..., None], ...] = (learn, service, fit)
+def maintain(
+    design: Design,
+    costs: Annotated[Path, typer.Argument(help="a table: part, preventive, corrective, …", metavar="COSTS.CSV")],
+    store: Annotated[
+        Path | None, typer.Option("--store", help="the robot's past: what is due, and what to do first")
+    ] = None,
+    setup: Annotated[float, typer.Option(help="cost of a visit, whatever is done at it", min=0)] = 0.0,
+    downtime_cost: Annotated[float, typer.Option(help="of an hour that the robot stands still", min=0)] = 0.0,
+    horizon: Annotated[str, typer.Option(help="over which costs are simulated")] = "5 year",
+    robots: Annotated[int, typer.Option(help="that share a stock of spares", min=1, max=1_000_000)] = 1,
+    level: Annotated[float, typer.Option(help="with which spares are enough", min=0.001, max=0.99999)] = 0.95,
+    lead: Annotated[str, typer.Option(help="time for which spares must do")] = "90 day",
+    repetitions: Annotated[int, typer.Option(help="of the simulation", min=2, max=1_000_000)] = 2000,
+    seed: Annotated[int, typer.Option(help="of the simulation", min=0)] = 0,
+    as_json: Json = False,
+) -> None:
+    """When to replace which part, with which spares, at what cost; whether watching it pays."""
+    from robophm.cli.maintain import Wishes, run
+
+    run(design, costs, Wishes(store, setup, downtime_cost, horizon, robots, level, lead, repetitions, seed, as_json))
+
+
+COMMANDS: tuple[Callable[..., None], ...] = (learn, service, fit, maintain)
