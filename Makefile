@@ -36,6 +36,7 @@ test: lint peers
 
 # `make test` has a tenth of the calibration, by a fixed seed.
 test-full: test calibrate
+	$(BIN)/pytest -n 2 -m full
 
 fuzz: setup
 	@$(BIN)/python -m tests.transports.columns.fuzz

@@ -17,7 +17,7 @@ from robophm.design.task import Leg, Task
 from robophm.health.mission import completion as of_task
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, nominal_outlook
-from robophm.health.report import Figures, figures
+from robophm.health.subject import Figures, figures
 from robophm.health.uncertainty import draw_rates, life_uncertainty, predictive_life
 
 PEER = "RePyability"

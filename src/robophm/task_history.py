@@ -6,8 +6,8 @@ the distance, time and stresses that were then observed. Both nominal and sensor
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from operator import itemgetter
 
 import numpy as np
@@ -16,13 +16,13 @@ import numpy.typing as npt
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
-from robophm.design.task import Knowledge, Leg, Task
+from robophm.design.task import Knowledge, Task
 from robophm.drives import available
 from robophm.health.ledger import Ledger
-from robophm.health.mission import Completion, Steps, completion, completion_of_steps
-from robophm.health.plant import Plant
+from robophm.health.mission import Completion, completion
 from robophm.health.prognosis import Outlook, View, outlooks
 from robophm.health.report import VIEWS
+from robophm.judging import completion_as_done, task_as_done, task_as_planned
 from robophm.monitor import Monitor
 from robophm.transports.source import SignalSource
 from robophm.transports.tasks import DoneTask, PlannedTask
@@ -91,18 +91,18 @@ def judge_on_the_way(
 
 
 class _Draft:
-    """One task while its recording is lived through: nothing is kept of a ledger but what its figures need."""
+    """One task while its recording is lived through; a ledger is kept only while its task is under way."""
 
     def __init__(
         self, monitor: Monitor, plan: PlannedTask | None, done: DoneTask | None,
         speed: float | None, functions: Sequence[str], knowledge: Knowledge | None,
     ) -> None:  # fmt: skip
         self.monitor, self.plan, self.done, self.knowledge = monitor, plan, done, knowledge
-        self.planned = _planned(plan, speed, functions) if plan else None
-        self.driven = _task(((leg.duration, leg.distance) for leg in done.legs), functions) if done else None
+        self.planned = task_as_planned(plan, speed, functions) if plan else None
+        self.driven = task_as_done(done, functions) if done else None
         self.predicted: dict[View, Completion] | None = None
         self.actual: dict[View, Completion] | None = None
-        self.begun: tuple[Mapping[View, Outlook], Array, Array] | None = None
+        self.begun: tuple[Mapping[View, Outlook], Ledger] | None = None
 
     def marks(self) -> Iterator[tuple[int, Callable[[Ledger], None]]]:
         """When something is to be done with the robot's ledger, and what."""
@@ -121,19 +121,12 @@ class _Draft:
         if not self.plan:
             self._predict(ledger)
         views = outlooks(self.monitor.plant, self.monitor.exposure, ledger, knowledge=self.knowledge)
-        self.begun = views, ledger.age.value, ledger.effective.value
+        self.begun = views, ledger
 
     def _end(self, ledger: Ledger) -> None:
         if self.begun and self.driven:
-            views, age, effective = self.begun
-            # All legs need the same functions, so that they count as one.
-            whole = replace(self.driven, legs=(replace(self.driven.legs[0], duration=self.driven.duration,
-                                                       distance=self.driven.distance),))  # fmt: skip
-            gone, aged = ledger.age.value - age, ledger.effective.value - effective
-            self.actual = {
-                view: completion_of_steps(views[view], whole, _observed(self.monitor.plant, gone, aged, whole, view))
-                for view in VIEWS
-            }
+            views, begun = self.begun
+            self.actual = completion_as_done(self.monitor.plant, views, self.driven, begun, ledger)
             self.begun = None
 
     def record(self) -> TaskRecord:
@@ -162,26 +155,3 @@ def _pairs(told: Sequence[PlannedTask | DoneTask]) -> list[tuple[PlannedTask | N
         found.append((plan, task))
     found += [(plan, None) for plans in waiting.values() for plan in plans]
     return sorted(found, key=lambda pair: pair[0].time if pair[0] else pair[1].start if pair[1] else 0)
-
-
-def _planned(plan: PlannedTask, speed: float | None, functions: Sequence[str]) -> Task | None:
-    """None where a leg has no speed."""
-    legs = []
-    for leg in plan.legs:
-        at = leg.speed or speed
-        if at is None:
-            return None
-        legs.append((leg.distance / at / 3600, leg.distance))
-    return _task(legs, functions)
-
-
-def _task(legs: Iterable[tuple[float, float]], functions: Sequence[str]) -> Task:
-    return Task(tuple(Leg(duration, distance, functions=tuple(functions)) for duration, distance in legs))
-
-
-def _observed(plant: Plant, gone: Array, aged: Array, task: Task, view: View) -> Steps:
-    """What the robot's sensors say that a task added; as told where nothing measures the distance."""
-    factor = np.divide(aged, gone, out=np.ones_like(gone), where=gone > 0)
-    told = [mode.clock == "kilometres" and mode.measured_clock is None for mode in plant.robot.modes]
-    gone = np.where(told, task.distance / 1000, gone)
-    return Steps(gone[:, None], (factor * gone if view == "sensor_based" else gone)[:, None])

@@ -149,6 +149,9 @@ clocks:
 acceleration: [{model: arrhenius, activation_energy: 0.7 eV}]
 modules:
   M:
+    thresholds:
+      reliability: 0.8
+      warning: {hazard_rate: 50 FPMH, reliability: 0.9, remaining_life: 1 kh, completion: 0.9}
     uncertainty: {error_factor: 3}
     components:
       Motor:
@@ -171,6 +174,9 @@ components:
   Twin: {rate: 5 FIT, quantity: 2, required: 1}
   Triple: {rate: 5 FIT, quantity: 3, depends_on: Twin}
   Left: {rate: 5 FIT}
+  Lamp:
+    rate: 5 FIT
+    learned: {factor: 2, shape: 3, failures: 2, expected: 1, exposure: 1e6 h, low: 0.5, high: 4, prior: 1, note: odd}
   Pump: {rate: 5 FIT, quantity: 3}
   Wheel: {rate: 5 FIT, quantity: 2}
   Axle: {rate: 5 FIT, quantity: 2}

@@ -13,7 +13,7 @@ from mpmath import mp, mpf
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.task import Leg, Plan, Task
-from robophm.health.report import VIEWS, HealthReport
+from robophm.health.report import VIEWS, HealthReport, health_now
 from robophm.monitor import Monitor
 
 START = 1_700_000_040 * SECOND
@@ -41,6 +41,50 @@ def report(components: dict[str, Any], **more: Any) -> HealthReport:
 def test_each_threshold(key: str, kept: object, breached: object, says: str) -> None:
     assert report({"part": WORN}, thresholds={key: kept}).breaches == ()
     assert report({"part": WORN}, thresholds={key: breached}).breaches == (says,)
+
+
+@pytest.mark.parametrize(
+    ("limits", "state"),
+    [
+        ({"reliability": 0.905}, "error"),
+        ({"reliability": 0.904, "warning": {"reliability": 0.905}}, "warn"),
+        ({"reliability": 0.905, "warning": {"reliability": 0.91}}, "error"),
+        ({"completion": 0.9901}, "error"),
+        ({"warning": {"reliability": 0.904}}, "ok"),
+    ],
+)
+def test_a_module_has_thresholds_of_its_own(limits: dict[str, Any], state: str) -> None:
+    """R since new is exp(−0.1) = 0.9048, of the task of 10 h exp(−0.01) = 0.99005."""
+    found = report({"spare": {"rate": "1e-9 /h"}}, modules={"M": {"components": {"part": WORN}, "thresholds": limits}})
+    assert (found.system.state, found.subject("M").state) == ("ok", state)
+    assert all(words.startswith("M: ") for words in found.breaches + found.warnings)
+    assert bool(found.breaches) == (state == "error")
+    told = {subject["path"]: subject["state"] for subject in found.to_json()["subjects"]}
+    assert told == {"R": "ok", "M": state}
+
+
+def test_a_silent_sensor_makes_stale_and_an_error_is_told_first() -> None:
+    heat = {"signals": {"temperature": {"topic": "/t", "field": "c", "unit": "degC", "range": [0, 99]}}}
+    part = {"p": WORN | {"acceleration": {"model": "q10"}}}
+    still = {"reliability": 0.905, "warning": {"reliability": 0.91}}
+    levels = {"Quiet": {"components": part, **heat}, "Bad": {"components": part, **heat, "thresholds": still}}
+    design = {"schema_version": 1, "name": "R", "modules": levels}
+    observer = Monitor(parse(json.dumps(design)))
+    for second in range(100):
+        observer.observe(Sample(START + second * SECOND, "clock", math.nan))
+    states = {subject.path: subject.state for subject in observer.report().subjects}
+    assert states == {"R": "stale", "Quiet": "stale", "Bad": "error"}
+
+
+def test_what_is_ahead_is_added_to_what_is_now() -> None:
+    """In two steps as in one."""
+    design = {"schema_version": 1, "name": "R", "modules": {"M": {"components": {"part": WORN}}}, "task": TASK}
+    monitor = Monitor(parse(json.dumps(design)))
+    now = health_now(monitor.plant, monitor.exposure, monitor.ledger)
+    assert now.system.nominal.remaining_life is None
+    assert now.system.nominal.completion is None
+    assert now.looking_ahead(parts=True) == monitor.report(settled=False, parts=True)
+    assert now.looking_ahead().components[0].remaining_life is None
 
 
 def test_time_of_a_wanted_survival() -> None:

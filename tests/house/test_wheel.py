@@ -25,7 +25,8 @@ def test_it_installs_anywhere(wheel):
 def test_it_holds_what_is_needed_at_run_time(wheel):
     names = set(zipfile.ZipFile(wheel).namelist())
     examples = (f"examples/ota/{name}.yaml" for name in ("robot", "guide", "handbook"))
-    for needed in ("py.typed", "design/robot.schema.json", *examples):
+    messages = (f"ros/phm_msgs/{name}.msg" for name in ("msg/Health", "ros1/msg/Potc"))
+    for needed in ("py.typed", "design/robot.schema.json", *examples, *messages):
         assert f"robophm/{needed}" in names
     assert not {name for name in names if name.startswith(("tests", "benchmarks"))}
 

@@ -29,9 +29,11 @@ from robophm.transports.tasks import (
     PlannedLeg,
     PlannedTask,
     TaskListener,
+    TaskTopics,
     driven_task,
     tasks_of,
 )
+from robophm.transports.tasks.recorded import told_in
 
 T0 = 1_700_000_000 * SECOND
 TEXT, PATH, ODOMETRY, POSE = (
@@ -342,8 +344,6 @@ def test_paths_that_lead_nowhere(new: Path) -> None:
 
 
 def test_a_broken_path_is_no_half_of_a_task() -> None:
-    from robophm.transports.tasks import _tasks
-
     texts = [("/task_time", "[5]"), ("/plan", None), ("/task_position", "[[0, 0], [1, 0]]")]
 
     class Text:
@@ -355,12 +355,12 @@ def test_a_broken_path_is_no_half_of_a_task() -> None:
     class Other:
         __msgtype__ = "std_msgs/msg/Empty"
 
-    listener = TaskListener()
+    listener = TaskTopics()
     messages: list[tuple[int, str, Any]] = [(T0, topic, text and Text(text)) for topic, text in texts]
-    assert len(list(_tasks(messages, listener))) == 1
+    assert len(list(told_in(messages, listener))) == 1
     assert not listener.notes
     messages[1] = (T0, "/task_position", Other())  # a second publisher, of another type
-    assert list(_tasks(messages, listener)) == []
+    assert list(told_in(messages, listener)) == []
     assert listener.notes == {
         "/task_time without its other half": 1,
         "message of type std_msgs/msg/Empty on /task_position": 1,

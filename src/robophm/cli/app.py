@@ -9,6 +9,7 @@ import typer
 
 from robophm.cli import BREACHED
 from robophm.cli.data import data
+from robophm.cli.field import COMMANDS
 from robophm.cli.output import Json, json_text, may_write
 from robophm.core.errors import RobophmError, UnitError
 from robophm.report.words import rate_text
@@ -23,6 +24,8 @@ app = typer.Typer(
 
 
 app.add_typer(data, name="data")
+for _command in COMMANDS:
+    app.command()(_command)
 
 
 def _version(wanted: bool) -> None:
@@ -233,15 +236,29 @@ def watch(
         Path | None, typer.Option(help="keep the robot's past in this SQLite file, and go on from it")
     ] = None,
     journal: Annotated[Path | None, typer.Option(help="write every sample to the end of this journal")] = None,
-    period: Annotated[float, typer.Option(min=0.1, max=3600, help="seconds that are integrated at once")] = 1.0,
+    period: Annotated[
+        float, typer.Option(min=0.1, max=3600, help="seconds that are integrated at once, and between two reports")
+    ] = 1.0,
     every: Annotated[float, typer.Option(min=0.1, help="seconds between two lines, off a terminal")] = 10.0,
+    publish: Annotated[bool, typer.Option(help="publish health as topics")] = True,
+    namespace: Annotated[str, typer.Option(help="of the topics that are published")] = "/",
+    frame: Annotated[str, typer.Option(help="where the markers for RViz stand")] = "base_link",
+    tasks: Annotated[
+        list[str] | None, typer.Option(help="topic or action that tells of tasks; default those known by name")
+    ] = None,
+    speed: Annotated[str | None, typer.Option(help="of planned legs that state none, e.g. '0.3 m/s'")] = None,
+    function: Annotated[list[str] | None, typer.Option(help="that tasks need; default the whole robot")] = None,
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
-    """The health of a robot that runs, through ROS 1 (ROS_MASTER_URI), until it is interrupted."""
-    from robophm.cli.watch import run
+    """The health of a robot that runs, from ROS 1 (ROS_MASTER_URI) and back to it, until it is interrupted."""
+    from robophm.cli.watch import Watched, run
 
-    _leave(run(design, store, journal, period, every, unit, as_json=as_json))
+    asked = Watched(
+        store, journal, period, every, namespace, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
+        unit, as_json,
+    )  # fmt: skip
+    _leave(run(design, asked))
 
 
 @app.command()
@@ -259,7 +276,7 @@ def serve(
     ] = None,
     synthetic: Annotated[bool, typer.Option("--synthetic", help="offer the synthetic OTA as a source")] = False,
     start: Annotated[
-        str | None, typer.Option(help="watch at once: ros1, recordings or synthetic", metavar="SOURCE")
+        str | None, typer.Option(help="watch at once: ros1, ros2, recordings or synthetic", metavar="SOURCE")
     ] = None,
     speed: Annotated[float, typer.Option(help="of a recording, as a multiple of its own")] = 1.0,
 ) -> None:

@@ -16,6 +16,7 @@ from robophm.cli.live_table import LiveTable
 from robophm.cli.output import console, print_report, warn, write
 from robophm.cli.serve import started
 from robophm.core.errors import RobophmError
+from robophm.core.files import shipped
 from robophm.core.signal import split_signal
 from robophm.design.file import load
 from robophm.monitor import Monitor
@@ -35,12 +36,8 @@ PAGE_SPEED = 20.0
 
 
 def example_design() -> Path:
-    """The OTA's design: in the installed package, or beside the sources that it is installed from."""
-    package = Path(__file__).parents[1]
-    for folder in (package / "examples", package.parents[1] / "examples"):
-        if (folder / "ota" / "robot.yaml").is_file():
-            return folder / "ota" / "robot.yaml"
-    raise RobophmError("the example design examples/ota/robot.yaml is not installed")
+    """The OTA's design. Raises RobophmError where it is not installed."""
+    return shipped("examples/ota/robot.yaml")
 
 
 def run(output: Path, seed: int) -> None:

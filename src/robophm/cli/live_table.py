@@ -9,6 +9,7 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from robophm.cli.output import health_table
+from robophm.health.report import HealthReport
 from robophm.monitor import Monitor
 from robophm.report.curve import sparkline
 
@@ -28,12 +29,16 @@ class LiveTable:
         """Whether it is time to look again: looking takes a fifth of the time at most."""
         return time.monotonic() - self.drawn >= max(REDRAW, 4 * self.cost)
 
-    def look(self, monitor: Monitor, *, settled: bool = False) -> RenderableType:
-        """What to draw."""
+    def look(self, monitor: Monitor) -> RenderableType:
+        """What to draw of a replay."""
         begun = time.monotonic()
-        report = monitor.report(settled=settled)
+        drawn = self.draw(monitor.report(settled=False))
+        self.cost = time.monotonic() - begun
+        return drawn
+
+    def draw(self, report: HealthReport) -> RenderableType:
+        """What to draw of a report."""
         self.drawn = time.monotonic()
-        self.cost = self.drawn - begun
         for one in report.subjects:
             if "/" not in one.path:
                 self.course.setdefault(one.path, deque(maxlen=24)).append(one.sensor_based.hazard_rate)

@@ -155,6 +155,8 @@ def print_report(report: HealthReport, unit: str) -> None:
     flagged = [f"* {one.path}: {', '.join(one.flags)}" for one in report.subjects if one.flags]
     for line in (*flagged, *report.notes):
         out.print(line, style="yellow", markup=False)
+    for words in report.warnings:
+        out.print(f"warning: {words}", style="yellow", markup=False)
     for breach in report.breaches:
         out.print(f"threshold breached: {breach}", style="bold red", markup=False)
 

@@ -23,9 +23,7 @@ from robophm.report.words import duration_text, number_text, odds_text, percent_
 from robophm.task_history import TaskRecord, judge_tasks
 from robophm.transports.recording import Recording
 from robophm.transports.tasks import TEXT_TOPICS, PlannedTask, driven_task, tasks_of
-
-TASK_TYPES = ("std_msgs/msg/String", "nav_msgs/msg/Path")
-"""Of topics that tell of tasks; any other says where the robot was."""
+from robophm.transports.tasks.listener import PATH, TEXT, tells_of_tasks, topics_of
 
 
 def run(
@@ -35,7 +33,7 @@ def run(
 ) -> bool:  # fmt: skip
     """Predicted and actual of the tasks that a recording tells of; whether one is less likely than the design wants."""
     types = {info.topic: info.type for info in source.topics()}
-    driven = [topic for topic in topics if types.get(topic) not in TASK_TYPES]
+    driven = [topic for topic in topics if _says_where(topic, types)]
     listened = [topic for topic in topics if topic not in driven]
     told = list(tasks_of(source, listened or None)) if listened or not topics else []
     unread = dict(source.notes)
@@ -67,6 +65,12 @@ def run(
     wanted = robot.thresholds.completion
     asked = [one.predicted["sensor_based"].probability for one in records if one.predicted]
     return wanted is not None and any(probability < wanted for probability in asked)
+
+
+def _says_where(topic: str, types: Mapping[str, str]) -> bool:
+    """Whether it is asked for what was driven, not for what is told of tasks."""
+    meant = [each for each in topics_of([topic]) if each in types]
+    return types.get(topic) not in (TEXT, PATH) and not any(tells_of_tasks(each, types[each]) for each in meant)
 
 
 def _legacy(robot: Robot, record: TaskRecord, begin: int) -> dict[UnitMode, LegacyTask]:

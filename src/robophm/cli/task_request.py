@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from robophm.cli.task import run as of_plan
 from robophm.core.errors import RobophmError, UnitError, nearest
 from robophm.core.units import quantity
 from robophm.design.file import load
+from robophm.design.robot import Robot
 from robophm.design.task import Plan
 from robophm.design.task_file import load_plan
 from robophm.transports.recording import SUFFIXES, Recording
@@ -39,13 +41,26 @@ class Request:
     as_json: bool
 
 
+def known_functions(robot: Robot, functions: Sequence[str]) -> None:
+    """Raises RobophmError where the robot has no function of such a name."""
+    if unknown := [name for name in functions if name not in robot.functions]:
+        raise RobophmError(f"no function '{unknown[0]}'{nearest(unknown[0], robot.functions)}")
+
+
+def stated_speed(text: str | None) -> float | None:
+    """What ``--speed`` says [m/s]. Raises UnitError where it is none."""
+    speed = quantity(text, "m/s") if text is not None else None
+    if speed is not None and not speed > 0:
+        raise UnitError(f"--speed {text}: expected above zero")
+    return speed
+
+
 def run(design: Path, asked: Request) -> bool:
     """Answer; whether a threshold is breached."""
     robot, tasks = load(design), asked.tasks
     affordable(asked.draws, robot)
     chosen: Any = asked.future
-    if unknown := [name for name in asked.function if name not in robot.functions]:
-        raise RobophmError(f"no function '{unknown[0]}'{nearest(unknown[0], robot.functions)}")
+    known_functions(robot, asked.function)
     ledger = kept(asked.store, robot) if asked.store else None
     if tasks is not None and (tasks.is_dir() or tasks.suffix.lower() in SUFFIXES):
         listed = {
@@ -56,9 +71,7 @@ def run(design: Path, asked: Request) -> bool:
         if given := [name for name, stated in listed.items() if stated]:
             raise RobophmError(f"{given[0]} is of a list of tasks; {tasks} is a recording")
         knowledge = with_knowledge(Plan(()), robot, asked.failed, asked.working).knowledge
-        at = quantity(asked.speed, "m/s") if asked.speed is not None else None
-        if at is not None and not at > 0:
-            raise UnitError(f"--speed {asked.speed}: expected above zero")
+        at = stated_speed(asked.speed)
         with Recording(tasks) as source:
             breached = task_recording.run(
                 robot, ledger, source, asked.topic, speed=at, functions=asked.function, knowledge=knowledge,

@@ -4,72 +4,150 @@ from __future__ import annotations
 
 import signal
 import time
+from collections.abc import Sequence
 from contextlib import ExitStack, nullcontext
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import FrameType
 
+from rich.console import Console
 from rich.live import Live
 
 from robophm.cli.live_table import LiveTable
 from robophm.cli.output import console, may_write, print_json, print_report, warn
-from robophm.core.signal import split_signal
+from robophm.cli.task_request import known_functions, stated_speed
 from robophm.design.file import load
 from robophm.drives import lacking
-from robophm.monitor import Monitor
-from robophm.report.words import rate_text
+from robophm.health.report import HealthReport, plain
+from robophm.report.words import duration_text, number_text, probability_text, rate_text
 from robophm.stores.sqlite import SqliteStore
+from robophm.transports.health_topics import HealthTopics, Outlet
 from robophm.transports.journal import Journal
-from robophm.transports.ros1 import Ros1
+from robophm.transports.ros1 import Node, Publisher, Ros1
+from robophm.transports.sink import JudgedTask, ReportSink
+from robophm.transports.tasks.listener import ACTIONS, topics_of
+from robophm.transports.tasks.texts import TEXT_TOPICS
 from robophm.watching import watch
 
 
-def run(
-    design: Path, store: Path | None, journal: Path | None, period: float, every: float, unit: str, *, as_json: bool
-) -> bool:
+@dataclass(frozen=True)
+class Watched:
+    """What was asked for."""
+
+    store: Path | None
+    journal: Path | None
+    period: float
+    """[s]"""
+    every: float
+    """[s]"""
+    namespace: str
+    publish: bool
+    frame: str
+    tasks: Sequence[str]
+    """Topics and actions that tell of tasks; those that are known by their names unless given."""
+    speed: str | None
+    functions: Sequence[str]
+    unit: str
+    as_json: bool
+
+
+def run(design: Path, asked: Watched) -> bool:
     """Listen until SIGINT or SIGTERM; whether a threshold is breached at the end."""
-    may_write(journal, design, *([store] if store else []))
+    may_write(asked.journal, design, *([asked.store] if asked.store else []))
     robot = load(design)
+    known_functions(robot, asked.functions)
+    speed = stated_speed(asked.speed)
     for warning in robot.warnings:
         warn(warning)
     with ExitStack() as stack:
-        source = stack.enter_context(Ros1())
+        source = stack.enter_context(Ros1(period=asked.period))
         published = {info.topic: (info.type, info.fields) for info in source.topics()}
-        for name, words in lacking(robot, published).items():
-            topic, _ = split_signal(name)
-            warn(
-                words.replace("the recording has no topic", "nobody publishes yet") if topic not in published else words
-            )
-        kept = stack.enter_context(SqliteStore(store)) if store else None
-        written = stack.enter_context(Journal(journal, robot.signals)) if journal else None
+        lacks = lacking(robot, published)
+        for words in dict.fromkeys(lacks.values()):
+            warn(words.replace("the recording has no topic", "nobody publishes yet"))
+        kept = stack.enter_context(SqliteStore(asked.store)) if asked.store else None
+        written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
+        sinks = []
+        if asked.publish:
+            outlet = Outlet(1, Node, Publisher)
+            topics = stack.enter_context(HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame))
+            sinks.append(topics)
+            if topics.left_out:
+                warn(f"{topics.left_out} parts have no topic of their own: there are too many")
 
         def stop(number: int, frame: FrameType | None) -> None:
             source.close()
 
         for number in (signal.SIGINT, signal.SIGTERM):
             stack.callback(signal.signal, number, signal.signal(number, stop))
-        out, table, said = console(), LiveTable(), time.monotonic()
-        with Live(console=out, auto_refresh=False) if out.is_terminal and not as_json else nullcontext() as live:
-
-            def look(monitor: Monitor) -> None:
-                nonlocal said
-                if live:
-                    if table.due():
-                        live.update(table.look(monitor, settled=True), refresh=True)
-                elif time.monotonic() - said >= every:
-                    said = time.monotonic()
-                    report = monitor.report(remaining_life=False)
-                    if as_json:
-                        print_json(report.to_json())
-                    else:
-                        rate = rate_text(report.system.sensor_based.hazard_rate, unit)
-                        out.print(f"{report.clocks['operating']:.3f} h  λ {rate}", markup=False)
-
-            monitor = watch(robot, source, store=kept, journal=written, period=period, on_tick=look)
+        out = console()
+        to_terminal = out.is_terminal and not asked.as_json
+        with Live(console=out, auto_refresh=False) if to_terminal else nullcontext() as live:
+            shown = _OnTerminal(live) if live else _Lines(out, asked)
+            monitor = watch(
+                robot, source, store=kept, journal=written, period=asked.period, sinks=[*sinks, shown],
+                task_topics=_task_topics(asked), speed=speed, functions=asked.functions,
+            )  # fmt: skip
         health = monitor.report()
-        if as_json:
+        if asked.as_json:
             print_json(health.to_json())
         else:
-            print_report(health, unit)
+            print_report(health, asked.unit)
         for what, count in sorted(source.notes.items()):
             warn(f"{what} ({count} times)")
     return bool(health.breaches)
+
+
+class _OnTerminal(ReportSink):
+    """A table that stays where it is, and the tasks above it."""
+
+    def __init__(self, live: Live) -> None:
+        self._live, self._table = live, LiveTable()
+
+    def publish(self, report: HealthReport) -> None:
+        if self._table.due():
+            self._live.update(self._table.draw(report), refresh=True)
+
+    def judged(self, task: JudgedTask) -> None:
+        self._live.console.print(_task_text(task), markup=False)
+
+
+class _Lines(ReportSink):
+    """A line now and then, or a line of JSON."""
+
+    def __init__(self, out: Console, asked: Watched) -> None:
+        self._out, self._asked, self._said = out, asked, time.monotonic()
+
+    def publish(self, report: HealthReport) -> None:
+        if time.monotonic() - self._said < self._asked.every:
+            return
+        self._said = time.monotonic()
+        if self._asked.as_json:
+            print_json(report.to_json())
+        else:
+            rate = rate_text(report.system.sensor_based.hazard_rate, self._asked.unit)
+            self._out.print(f"{report.clocks['operating']:.3f} h  λ {rate}", markup=False)
+
+    def judged(self, task: JudgedTask) -> None:
+        if self._asked.as_json:
+            print_json({"schema_version": 1, "task": plain(asdict(task))})
+        else:
+            self._out.print(_task_text(task), markup=False)
+
+
+def _task_text(task: JudgedTask) -> str:
+    what = "done" if task.done else "arrived"
+    chance = task.completion["sensor_based"]
+    length = f"{number_text(task.distance)} m in {duration_text(task.duration)}"
+    return (
+        f"task {what} on {task.topic}: {length}, completed with {probability_text(chance.probability, chance.failure)}"
+    )
+
+
+def _task_topics(asked: Watched) -> list[str]:
+    """As named; else the 2020 tool's and those of actions of navigation, in the namespace and outside it."""
+    if asked.tasks:
+        return topics_of(asked.tasks)
+    roots = dict.fromkeys(("", asked.namespace.rstrip("/")))
+    texts = [f"{root}/{name}" for root in roots for name in TEXT_TOPICS]
+    return texts + topics_of(f"{root}{name}" for root in roots for name in ACTIONS)

@@ -6,6 +6,7 @@ RobophmError
 ├── ModelError         an input that a hazard model, acceleration or life distribution does not take
 ├── StructureError     a block diagram that is not one: k > n, empty group, cycle, unknown part
 ├── SourceError        a recording, topic or field that cannot be read
+├── DataError          failures, life data or wear that cannot be read, or cannot support what is asked of them
 ├── StoreError         a ledger or history that cannot be read or written
 └── PlugError          a plug (model, distribution, transport, store) that does not exist
 
@@ -51,6 +52,10 @@ class StructureError(RobophmError):
 
 class SourceError(RobophmError):
     """A recording, topic or field cannot be read."""
+
+
+class DataError(RobophmError):
+    """Failures, life data or a wear signal cannot be read, or do not support what is asked of them."""
 
 
 class StoreError(RobophmError):

@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Files that come with the package, and files that are written whole or not at all."""
 
 from __future__ import annotations
 
@@ -9,6 +9,20 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
+
+from robophm.core.errors import RobophmError
+
+
+def shipped(path: str) -> Path:
+    """A file or folder that comes with us: in the installed package, or beside the sources that it is installed from.
+
+    Raises RobophmError where it does not.
+    """
+    package = Path(__file__).parents[1]
+    for place in (package / path, package.parents[1] / path):
+        if place.exists():
+            return place
+    raise RobophmError(f"{path} is not installed")
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:

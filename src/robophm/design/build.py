@@ -28,7 +28,9 @@ from robophm.design.robot import (
     CLOCK_UNITS,
     Channel,
     Component,
+    Evidence,
     FailureMode,
+    Limits,
     MeasuredClock,
     Module,
     Robot,
@@ -145,7 +147,7 @@ class _Builder:
             clocks=clocks,
             powered=self._powered(),
             max_gap=round(design.max_gap * SECOND),
-            thresholds=Thresholds(**design.thresholds.model_dump()),
+            thresholds=_thresholds(design.thresholds),
             warnings=tuple(warnings),
             design_hash=hashlib.sha256(content.encode()).hexdigest(),
         )
@@ -170,7 +172,9 @@ class _Builder:
             for name, component in level.components.items()
         )
         placeholder = blocks.Unit("")
-        return Module("/".join(path), modules, components, placeholder, placeholder, level.description or "")
+        thresholds = _thresholds(level.thresholds) if isinstance(level, schema.Module) else Thresholds()
+        text = level.description or ""
+        return Module("/".join(path), modules, components, placeholder, placeholder, text, thresholds)
 
     def _component(self, path: Path, place: Path, part: schema.Component, above: _Scope) -> Component:
         own_acceleration = part.acceleration
@@ -189,6 +193,7 @@ class _Builder:
                 "clock",
                 "scaling",
                 "initial_exposure",
+                "learned",
             }
             if inline or own_acceleration is not None:
                 raise Fault(
@@ -243,7 +248,8 @@ class _Builder:
         if rate is not None and not rate > 0:
             at, said = ("hazard", f"{rate:g}") if hazard else ("rate", mode.rate)
             raise Fault((*place, at), f"hazard rate {said}; expected above zero: a part that never fails is no part")
-        life, rate = self._life((*place, "life"), mode.life, rate, clock_unit, place)
+        factor = mode.learned.factor if mode.learned else 1.0
+        life, rate = self._life((*place, "life"), mode.life, rate, clock_unit, place, factor)
         if hazard and "b10" in hazard.design and getattr(life, "shape", 1.0) != hazard.design["shape"]:
             raise Fault(
                 (*place, "life"),
@@ -266,10 +272,12 @@ class _Builder:
                     f"{mode.initial_exposure} is negative; expected at least zero",
                 )
         measured = scope.clocks.get(mode.clock)
+        stated = self._uncertainty(place, mode, rate / factor, f"1/{clock_unit}", scope)
         return FailureMode(
             "/".join(path), rate, life, mode.clock, self._measured_clock(mode.clock, *measured) if measured else None,
             mode.scaling, initial, (hazard, *stresses) if hazard else stresses, mode.source or self._said_source(mode),
-            self._uncertainty(place, mode, rate, f"1/{clock_unit}", scope),
+            Uncertainty(failures=mode.learned.shape) if mode.learned else stated,
+            evidence=Evidence(factor, stated) if mode.learned else None,
         )  # fmt: skip
 
     @staticmethod
@@ -443,7 +451,7 @@ class _Builder:
         return MeasuredClock(clock, kind, signals, written, scale, binding.threshold, round(binding.max_age * SECOND))
 
     def _life(
-        self, place: Path, life: schema.Life, rate: float | None, unit: str, mode_place: Path
+        self, place: Path, life: schema.Life, rate: float | None, unit: str, mode_place: Path, factor: float
     ) -> tuple[LifeDistribution, float]:
         distribution: type[LifeDistribution] = _plug((*place, "distribution"), life_distribution, life.distribution)
         parameters: dict[str, Any] = {}
@@ -466,13 +474,16 @@ class _Builder:
                         "has no rate; expected rate, hazard, failure_modes, or a life with its scale",
                     )
                 whole = distribution(**parameters)
-                return whole, 1 / whole.mean()
-            if distribution.scale_parameter in parameters:
+                if factor == 1:
+                    return whole, 1 / whole.mean()
+                parameters.pop(str(distribution.scale_parameter), None)
+                rate = 1 / whole.mean()
+            elif distribution.scale_parameter in parameters:
                 raise Fault(
                     (*place, str(distribution.scale_parameter)),
                     f"a rate and the life's own {distribution.scale_parameter} are given; expected one of the two",
                 )
-            return distribution.with_rate(rate, **parameters), rate
+            return distribution.with_rate(rate * factor, **parameters), rate * factor
         except (ModelError, TypeError) as error:
             raise Fault(place, str(error)) from None
 
@@ -500,6 +511,11 @@ class _Builder:
         for kind in ("modules", "components"):
             for name, child in getattr(level, kind, {}).items():
                 yield from self._signal_places((*place, kind, name), child)
+
+
+def _thresholds(stated: schema.ModuleThresholds) -> Thresholds:
+    limits = stated.model_dump()
+    return Thresholds(**{**limits, "warning": Limits(**limits["warning"])})
 
 
 def _plug(place: Path, find: Any, name: str) -> Any:

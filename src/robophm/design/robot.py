@@ -111,6 +111,16 @@ class Uncertainty:
 
 
 @dataclass(frozen=True)
+class Evidence:
+    """What the field has said of a stated rate; it is in the failure mode's rate and uncertainty already."""
+
+    factor: float
+    """The rate is so many times the stated one."""
+    stated: Uncertainty | None
+    """How sure the stated rate was."""
+
+
+@dataclass(frozen=True)
 class FailureMode:
     """One way of one component to fail."""
 
@@ -130,6 +140,8 @@ class FailureMode:
     """None: the rate is taken as exact."""
     share: float = 1.0
     """Of the hazard of that rate and life: what is not this part's own is a common cause's."""
+    evidence: Evidence | None = None
+    """None: nothing was learned of it."""
     member: str = ""
     """Of a common cause's: path of the part's failure mode that it is a share of."""
 
@@ -179,6 +191,26 @@ class Component:
 
 
 @dataclass(frozen=True)
+class Limits:
+    """How good health must be: λ at most [1/h], R and PoTC at least, median RUL at least [h]."""
+
+    hazard_rate: float | None = None
+    reliability: float | None = None
+    remaining_life: float | None = None
+    completion: float | None = None
+
+
+@dataclass(frozen=True)
+class Thresholds(Limits):
+    """Where health is no longer good enough, and before that, where attention is due."""
+
+    warning: Limits = field(default_factory=Limits)
+    survival: float | None = None
+    """Not a limit, and of the robot alone: remaining life is also stated as the time at which the chance to still work
+    falls to this."""
+
+
+@dataclass(frozen=True)
 class Module:
     """Modules and components wired by a diagram."""
 
@@ -190,6 +222,7 @@ class Module:
     diagram: Block
     """Expanded: units are units of components."""
     description: str = ""
+    thresholds: Thresholds = field(default_factory=Thresholds)
 
     @property
     def name(self) -> str:
@@ -224,18 +257,6 @@ class Usage:
 
 
 @dataclass(frozen=True)
-class Thresholds:
-    """Where health is no longer good enough: λ at most [1/h], R and PoTC at least, median RUL at least [h]."""
-
-    hazard_rate: float | None = None
-    reliability: float | None = None
-    remaining_life: float | None = None
-    completion: float | None = None
-    survival: float | None = None
-    """Not a limit: remaining life is also stated as the time at which the chance to still work falls to this."""
-
-
-@dataclass(frozen=True)
 class Robot(Module):
     """The outermost module, with what holds for the robot as a whole."""
 
@@ -254,7 +275,6 @@ class Robot(Module):
     max_gap: int = 60_000_000_000
     """Nanoseconds of silence after which the robot is off."""
     task: Task | None = None
-    thresholds: Thresholds = field(default_factory=Thresholds)
     warnings: tuple[str, ...] = ()
     design_hash: str = ""
     """SHA-256 of the design's content, to tell results of different designs apart."""

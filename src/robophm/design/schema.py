@@ -196,6 +196,20 @@ class Uncertainty(_Strict):
         return self
 
 
+class Learned(_Strict):
+    """What the field says of a stated rate; `robophm learn` writes it, from all that was seen so far."""
+
+    factor: float = Field(gt=0, le=1e12, description="the rate is so many times what is stated")
+    shape: float = Field(gt=0, le=1e12, description="gamma: as sure as if so many failures had been seen")
+    failures: float = Field(ge=0, description="that were seen")
+    expected: float = Field(ge=0, description="failures by the stated rate in the same exposure")
+    exposure: Written | None = Field(None, description="of all parts together, e.g. 120000 h")
+    low: float | None = Field(None, ge=0, description="the factor is above this with 95 %")
+    high: float | None = Field(None, gt=0, description="the factor is below this with 95 %")
+    prior: float | None = Field(None, ge=0, description="failures that the stated rate counted as")
+    note: str = Field("", max_length=500)
+
+
 class FailureMode(_Strict):
     """One way to fail; the modes of a component are in series."""
 
@@ -208,6 +222,7 @@ class FailureMode(_Strict):
     initial_exposure: Written | None = Field(None, description="what a used part has behind it, e.g. 1200 h")
     source: str | None = Field(None, description="where the rate is from")
     uncertainty: Uncertainty | None = Field(None, description="how sure the rate is; inherited, default exact")
+    learned: Learned | None = Field(None, description="what the field says of it, and how sure it is then")
 
 
 def _one_or_list(value: object) -> str:
@@ -399,9 +414,33 @@ class _Group(_Strict):
     common_causes: dict[Name, CommonCause] = Field(default_factory=dict, description="groups that may fail together")
 
 
+class Limits(_Strict):
+    """How good health must be, as sensors have it."""
+
+    hazard_rate: _quantity("1/h", "at most", "1000 FPMH", 0.0) | None = None  # type: ignore[valid-type]
+    reliability: Annotated[float, Field(gt=0, lt=1, description="at least, since new")] | None = None
+    remaining_life: _quantity("h", "median, at least", "500 h", 0.0) | None = None  # type: ignore[valid-type]
+    completion: Annotated[float, Field(gt=0, lt=1, description="of the task, at least")] | None = None
+
+
+class ModuleThresholds(Limits):
+    """Where a module's health is no longer good enough: an error, and before it a warning."""
+
+    warning: Limits = Field(default_factory=Limits, description="the same, where attention is due")
+
+
+class Thresholds(ModuleThresholds):
+    """Where the robot's health is no longer good enough (exit code 1)."""
+
+    survival: Annotated[float, Field(gt=0, lt=1, description="state also when survival ahead falls to this")] | None = (
+        None
+    )
+
+
 class Module(_Group):
     """A module or sub-module, to any depth."""
 
+    thresholds: ModuleThresholds = Field(default_factory=ModuleThresholds)
     depends_on: DependsOn | None = Field(None, description="works only while this does: a part, a block, or a list")
 
 
@@ -464,18 +503,6 @@ class TaskFile(_Strict):
     tasks: list[AnyTask] = Field(min_length=1, max_length=100_000)
     knowledge: Knowledge = Field(default_factory=Knowledge)
     every: _quantity("h", "the list is begun anew so often", "8 h", 0.0) | None = None  # type: ignore[valid-type]
-
-
-class Thresholds(_Strict):
-    """Where the robot's health is no longer good enough (exit code 1)."""
-
-    hazard_rate: _quantity("1/h", "at most", "1000 FPMH", 0.0) | None = None  # type: ignore[valid-type]
-    reliability: Annotated[float, Field(gt=0, lt=1, description="at least, since new")] | None = None
-    remaining_life: _quantity("h", "median, at least", "500 h", 0.0) | None = None  # type: ignore[valid-type]
-    completion: Annotated[float, Field(gt=0, lt=1, description="of the task, at least")] | None = None
-    survival: Annotated[float, Field(gt=0, lt=1, description="state also when survival ahead falls to this")] | None = (
-        None
-    )
 
 
 class RobotFile(_Group):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -94,6 +94,19 @@ class Seen(NamedTuple):
     hazard: float
 
 
+class Service(NamedTuple):
+    """A part put in new or repaired: what its failure mode had behind it, and what it has from then on."""
+
+    time: int
+    mode: str
+    kind: Literal["replaced", "repaired"]
+    failed: bool
+    """Whether this mode had failed; else it was served before."""
+    before: tuple[float, float, float]
+    """Age, effective age, cumulative hazard of its stress; without the initial exposure, while that still counts."""
+    after: tuple[float, float, float]
+
+
 @dataclass
 class Ledger:
     """A robot's past. Sums are by failure mode in design order, since new and without the initial exposure."""
@@ -132,9 +145,11 @@ class Ledger:
     history_step: int = HOUR
     """Nanoseconds of a step of the history; it doubles as the past grows."""
     replaced: dict[str, int] = field(default_factory=dict)
-    """When the part of a mode was last replaced by a new one: its sums and its initial exposure began anew."""
+    """When the sums of a mode last began anew, in a new part or a repaired one: its initial exposure counts no more."""
     seen: dict[str, Seen] = field(default_factory=dict)
     """When the part of a mode was last known to work."""
+    services: list[Service] = field(default_factory=list)
+    """Every replacement and repair, in order of time: what was there before stays known."""
 
     @classmethod
     def new(cls, robot: Robot) -> Ledger:
@@ -152,17 +167,41 @@ class Ledger:
     def copy(self) -> Ledger:
         """An independent copy, to look ahead without consequence."""
         totals = {name: getattr(self, name).copy() for name in ("age", "effective", "hazard", "clocks")}
-        kept = ("last", "pending", "counts", "stale", "extrapolated", "recent", "history", "replaced", "seen")
+        kept = (
+            "last",
+            "pending",
+            "counts",
+            "stale",
+            "extrapolated",
+            "recent",
+            "history",
+            "replaced",
+            "seen",
+            "services",
+        )
         return replace(self, **totals, **{name: getattr(self, name).copy() for name in kept})
 
-    def replace(self, modes: Iterable[str]) -> None:
-        """The parts of these modes, by key, are new from now on."""
+    def replace(self, modes: Iterable[str], failed: Collection[str] = ()) -> None:
+        """The parts of these modes, by key, are new from now on; the modes among them that had ``failed``."""
         for key in modes:
-            i = self.modes.index(key)
-            for total in (self.age, self.effective, self.hazard):
-                total.high[i] = total.low[i] = 0.0
-            self.replaced[key] = self.integrated_to or 0
+            self._begin_anew(key, "replaced", key in failed, (0.0, 0.0, 0.0))
             self.seen.pop(key, None)
+
+    def repair(self, mode: str, after: tuple[float, float, float], *, failed: bool = False) -> None:
+        """The part of this mode, by key, works again and has these sums from now on, initial exposure included."""
+        self._begin_anew(mode, "repaired", failed, after)
+        self.inspect((mode,))
+
+    def _begin_anew(
+        self, key: str, kind: Literal["replaced", "repaired"], failed: bool, after: tuple[float, float, float]
+    ) -> None:
+        i, now = self.modes.index(key), self.integrated_to or 0
+        totals = (self.age, self.effective, self.hazard)
+        age, effective, hazard = (float(total.high[i] + total.low[i]) for total in totals)
+        self.services.append(Service(now, key, kind, failed, (age, effective, hazard), after))
+        for total, value in zip(totals, after, strict=True):
+            total.high[i], total.low[i] = value, 0.0
+        self.replaced[key] = now
 
     def remember(self, new: Step) -> None:
         """Take a stretch of the past into what is kept of it, newest last."""
@@ -198,6 +237,7 @@ class Ledger:
             "history_step": self.history_step,
             "replaced": self.replaced,
             "seen": {key: list(seen) for key, seen in self.seen.items()},
+            "services": [list(service) for service in self.services],
         }
 
     @classmethod
@@ -253,6 +293,10 @@ class Ledger:
             history_step=data["history_step"],
             replaced=dict(data["replaced"]),
             seen={key: Seen(*values) for key, values in data["seen"].items()},
+            services=[
+                Service(time, mode, kind, failed, tuple(before), tuple(after))
+                for time, mode, kind, failed, before, after in data.get("services", ())
+            ],
         )
 
 

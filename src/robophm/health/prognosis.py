@@ -138,9 +138,10 @@ class Outlook:
         parts = self.plant.parts
         return self._by_component(parts.of_units(self._mode_hazard(parts)))
 
-    def component_survival(self) -> Array:
-        """Of every component since new, all of its parts; shape (components,)."""
-        return np.exp(-self._by_component(self.plant.parts.of_units(self.cumulative_hazard)))
+    def component_survival(self) -> tuple[Array, Array]:
+        """Of every component since new, all of its parts, and its complement; each of shape (components,)."""
+        lived = self._by_component(self.plant.parts.of_units(self.cumulative_hazard))
+        return np.exp(-lived), -np.expm1(-lived)
 
     def _by_component(self, of_units: Array) -> Array:
         components = self.plant.component_of[: len(of_units)]

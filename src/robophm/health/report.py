@@ -5,67 +5,26 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from robophm.blocks.diagram import Block
 from robophm.core.signal import SECOND
-from robophm.design.robot import MeasuredClock, Robot
+from robophm.design.robot import FailureMode, Robot, Thresholds
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion, plan_future
 from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName, Outlook, RemainingLife, View, outlooks
+from robophm.health.subject import STALE, Figures, Subject, breached, figures_now, looking_ahead
 from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, life_uncertainty
 
 SCHEMA_VERSION = 1
 """Of a report as JSON."""
 
 VIEWS: tuple[View, ...] = ("nominal", "sensor_based")
-
-
-@dataclass(frozen=True)
-class Figures:
-    """The health of a robot, module or function in one view."""
-
-    hazard_rate: float
-    """Now, given what is known now [1/h of operation]."""
-    reliability: float
-    """Probability of having survived since new."""
-    unreliability: float
-    """Its complement, with its own digits."""
-    remaining_life: RemainingLife | None = None
-    completion: Completion | None = None
-    """Of the task; of a module or function, that it does its share throughout."""
-
-
-def figures(
-    outlook: Outlook, diagram: Block, task: Task | None, *, remaining_life: bool = True, whole: bool = True
-) -> Figures:
-    """All figures of one system; it is ``whole`` where the task is its own."""
-    state = outlook.survival(diagram)
-    return Figures(
-        outlook.hazard_rate(diagram),
-        float(state.works),
-        float(state.failed),
-        outlook.remaining_life(diagram) if remaining_life else None,
-        completion(outlook, task, None if whole else diagram) if task else None,
-    )
-
-
-@dataclass(frozen=True)
-class Subject:
-    """What figures are given for: the robot, a module or a function."""
-
-    kind: str
-    """robot, module or function."""
-    path: str
-    nominal: Figures
-    sensor_based: Figures
-    flags: tuple[str, ...] = ()
-    """What qualifies the sensor-based figures: 'stale /topic.field', 'extrapolated'."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +37,12 @@ class ComponentHealth:
     sensor_based_hazard_rate: float
     nominal_reliability: float
     sensor_based_reliability: float
+    nominal_unreliability: float
+    sensor_based_unreliability: float
     remaining_life: RemainingLife | None = None
     """Sensor-based, of the component alone [h]; where it was asked for."""
+    flags: tuple[str, ...] = ()
+    """As of a subject."""
 
 
 @dataclass(frozen=True)
@@ -96,13 +59,28 @@ class HealthReport:
     """The robot first, then its modules outer before inner, then its functions."""
     components: tuple[ComponentHealth, ...]
     task: Task | None
-    breaches: tuple[str, ...]
-    """Thresholds of the design that the sensor-based figures fail."""
     notes: tuple[str, ...]
     """What was not taken, and why."""
     outlooks: Mapping[View, Outlook] = field(repr=False, compare=False)
     uncertainty: LifeUncertainty | None = None
     """Of the robot's sensor-based remaining life; where it was asked for, and rates or load are uncertain."""
+
+    @property
+    def breaches(self) -> tuple[str, ...]:
+        """Thresholds of the design that the sensor-based figures fail; a module's by its path."""
+        return self._told("breaches")
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The same of thresholds of a warning."""
+        return self._told("warnings")
+
+    def _told(self, what: Literal["breaches", "warnings"]) -> tuple[str, ...]:
+        return tuple(
+            words if subject.kind == "robot" else f"{subject.path}: {words}"
+            for subject in self.subjects
+            for words in getattr(subject, what)
+        )
 
     @property
     def system(self) -> Subject:
@@ -115,6 +93,54 @@ class HealthReport:
             if subject.path == path:
                 return subject
         raise KeyError(path)
+
+    def looking_ahead(self, *, remaining_life: bool = True, parts: bool = False) -> HealthReport:
+        """The same with what is to come: completion of the task, and remaining lives, which are the slow part."""
+        robot, lived = self.outlooks["sensor_based"].plant.robot, self.outlooks["sensor_based"]
+        components = self.components
+        if parts:
+            alone = lived.plant.alone
+            components = tuple(
+                replace(one, remaining_life=lived.remaining_life(diagram))
+                for one, diagram in zip(components, alone, strict=True)
+            )
+        return replace(
+            self,
+            subjects=tuple(
+                _subject(
+                    system,
+                    one.flags,
+                    {
+                        view: looking_ahead(
+                            getattr(one, view),
+                            self.outlooks[view],
+                            system.diagram,
+                            self.task,
+                            remaining_life=remaining_life,
+                            whole=system.kind == "robot",
+                        )
+                        for view in VIEWS
+                    },
+                )
+                for one, system in zip(self.subjects, _systems(robot), strict=True)
+            ),
+            components=components,
+        )
+
+    def beside(self, earlier: HealthReport) -> HealthReport:
+        """The same with the remaining lives and completions of an earlier look, which takes longer to have."""
+        robot = self.outlooks["sensor_based"].plant.robot
+        return replace(
+            self,
+            subjects=tuple(
+                _subject(system, one.flags, {view: getattr(one, view).beside(getattr(before, view)) for view in VIEWS})
+                for one, before, system in zip(self.subjects, earlier.subjects, _systems(robot), strict=True)
+            ),
+            components=tuple(
+                replace(one, remaining_life=before.remaining_life)
+                for one, before in zip(self.components, earlier.components, strict=True)
+            ),
+        )
 
     def reliability(self, hours: float, view: View = "sensor_based") -> float:
         """Survival since new after so many more operating hours of the same use."""
@@ -136,13 +162,14 @@ class HealthReport:
         return {
             "schema_version": SCHEMA_VERSION,
             **{name: getattr(self, name) for name in names},
-            "subjects": [plain(asdict(subject)) for subject in self.subjects],
+            "subjects": [plain(asdict(subject)) | {"state": subject.state} for subject in self.subjects],
             "components": [plain(asdict(component)) for component in self.components],
             "task": task_to_json(self.task) if self.task else None,
             "uncertainty": plain({name: interval._asdict() for name, interval in vars(self.uncertainty).items()})
             if self.uncertainty
             else None,
             "breaches": list(self.breaches),
+            "warnings": list(self.warnings),
             "notes": list(self.notes),
         }
 
@@ -182,54 +209,83 @@ def health_report(
     Under a ``plan`` the robot does its tasks again and again for the rest of its life. ``draws`` of uncertain rates and
     loads tell how far the remaining life may lie; ``parts``: state that of every component too.
     """
+    now = health_now(plant, exposure, ledger, task=task, future=future, plan=plan, knowledge=knowledge)
+    return replace(
+        now.looking_ahead(remaining_life=remaining_life, parts=parts),
+        uncertainty=_uncertainty(plant, ledger, now.outlooks["sensor_based"], plan, draws),
+    )
+
+
+def health_now(
+    plant: Plant, exposure: Exposure, ledger: Ledger, *,
+    task: Task | None = None, future: FutureName = "recent",
+    plan: Plan | None = None, knowledge: Knowledge | None = None,
+) -> HealthReport:  # fmt: skip
+    """Hazard rates and reliabilities alone, quickly; ``looking_ahead`` of it gives the rest."""
     robot = plant.robot
-    task = task or robot.task
     views = outlooks(plant, exposure, ledger, future=future, knowledge=knowledge)
     if plan:
         views = {view: replace(outlook, plan=plan_future(outlook, plan)) for view, outlook in views.items()}
-    lived = views["sensor_based"]
     silent = set(exposure.silent(ledger)) if ledger.integrated_to is not None else set()  # a mere look ahead
-    systems = [("robot", robot.name, robot.diagram), *(("module", m.path, m.diagram) for m in robot.all_modules())]
-    systems += [("function", name, diagram) for name, diagram in robot.functions.items()]
-    subjects = tuple(
-        Subject(
-            kind,
-            path,
-            *_both(views, kind, diagram, task, remaining_life),
-            _flags(plant, diagram, ledger, silent, robot.clocks.values() if kind == "robot" else ()),
-        )
-        for kind, path, diagram in systems
-    )
-    rates, survival = (
-        [getattr(views[view], method)() for view in VIEWS]
-        for method in ("component_hazard_rates", "component_survival")
-    )
-    components = tuple(
-        ComponentHealth(
-            component.path,
-            component.quantity,
-            float(rates[0][i]),
-            float(rates[1][i]),
-            float(survival[0][i]),
-            float(survival[1][i]),
-            remaining_life=lived.remaining_life(plant.alone[i]) if parts else None,
-        )
-        for i, component in enumerate(plant.components)
-    )
+    odometers = {signal for clock in robot.clocks.values() for signal in clock.signals}
+    rates = [views[view].component_hazard_rates() for view in VIEWS]
+    survival = [views[view].component_survival() for view in VIEWS]
+    numbers = np.stack([*rates, *(works for works, _ in survival), *(failed for _, failed in survival)], axis=1)
     clocks = ledger.clocks.value
     return HealthReport(
         robot.name,
         robot.design_hash,
         ledger.integrated_to,
         {name: float(total) for name, total in zip(("operating", "calendar", *robot.clocks), clocks, strict=True)},
-        subjects,
-        components,
-        task,
-        _breaches(robot, subjects[0].sensor_based),
+        tuple(
+            _subject(
+                system,
+                _flags(
+                    (robot.modes[i] for i in plant.system(system.diagram).modes),
+                    ledger,
+                    silent,
+                    *(odometers if system.kind == "robot" else ()),
+                ),
+                {view: figures_now(views[view], system.diagram) for view in VIEWS},
+            )
+            for system in _systems(robot)
+        ),
+        tuple(
+            ComponentHealth(
+                component.path,
+                component.quantity,
+                *(rate, lived_rate, works, lived_works, failed, lived_failed),
+                flags=_flags(component.modes, ledger, silent),
+            )
+            for component, (rate, lived_rate, works, lived_works, failed, lived_failed) in zip(
+                plant.components, numbers.tolist(), strict=True
+            )
+        ),
+        task or robot.task,
         _notes(ledger),
         views,
-        _uncertainty(plant, ledger, lived, plan, draws),
     )
+
+
+class _System(NamedTuple):
+    kind: str
+    path: str
+    diagram: Block
+    thresholds: Thresholds
+
+
+def _systems(robot: Robot) -> list[_System]:
+    return [
+        _System("robot", robot.name, robot.diagram, robot.thresholds),
+        *(_System("module", module.path, module.diagram, module.thresholds) for module in robot.all_modules()),
+        *(_System("function", name, diagram, Thresholds()) for name, diagram in robot.functions.items()),
+    ]
+
+
+def _subject(system: _System, flags: tuple[str, ...], of: Mapping[View, Figures]) -> Subject:
+    lived, limits = of["sensor_based"], system.thresholds
+    breaches, warnings = (tuple(breached(one, lived)) for one in (limits, limits.warning))
+    return Subject(system.kind, system.path, of["nominal"], lived, flags, breaches, warnings)
 
 
 def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None, draws: int) -> LifeUncertainty | None:
@@ -240,43 +296,19 @@ def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None
     return life_uncertainty(lived, plant.robot.diagram, loads=loads, draws=draws)
 
 
-def _both(
-    views: Mapping[View, Outlook], kind: str, diagram: Block, task: Task | None, remaining_life: bool
-) -> tuple[Figures, Figures]:
-    nominal, sensor_based = (
-        figures(views[view], diagram, task, remaining_life=remaining_life, whole=kind == "robot") for view in VIEWS
-    )
-    return nominal, sensor_based
-
-
-def _flags(
-    plant: Plant, diagram: Block, ledger: Ledger, silent: Collection[str], odometers: Iterable[MeasuredClock]
-) -> tuple[str, ...]:
-    """What qualifies a system: the silent signals that its parts hang on, and models outside their range."""
-    modes = [plant.robot.modes[i] for i in plant.system(diagram).modes]
-    heard_by = {channel.signal for mode in modes for stress in mode.stresses for channel in stress.channels.values()}
-    for clock in (*odometers, *(mode.measured_clock for mode in modes)):
-        heard_by |= set(clock.signals) if clock else set()
-    extrapolated = any(ledger.extrapolated[mode.path] for mode in modes)
+def _flags(modes: Iterable[FailureMode], ledger: Ledger, silent: Collection[str], *signals: str) -> tuple[str, ...]:
+    """What qualifies failure modes: the silent signals that they hang on, and models outside their range."""
+    if not silent and not any(ledger.extrapolated.values()):
+        return ()
+    heard_by, extrapolated = {*signals}, False
+    for mode in modes:
+        heard_by |= {channel.signal for stress in mode.stresses for channel in stress.channels.values()}
+        heard_by |= set(mode.measured_clock.signals if mode.measured_clock else ())
+        extrapolated |= bool(ledger.extrapolated[mode.path])
     return (
-        *(f"stale {signal}" for signal in sorted(heard_by & set(silent))),
+        *(f"{STALE}{signal}" for signal in sorted(heard_by & set(silent))),
         *(["extrapolated"] if extrapolated else []),
     )
-
-
-def _breaches(robot: Robot, figures: Figures) -> tuple[str, ...]:
-    limits = robot.thresholds
-    found = []
-    if limits.hazard_rate is not None and not figures.hazard_rate <= limits.hazard_rate:
-        found.append(f"hazard rate {figures.hazard_rate:.4g} /h is above {limits.hazard_rate:.4g} /h")
-    if limits.reliability is not None and not figures.reliability >= limits.reliability:
-        found.append(f"reliability {figures.reliability:.6g} is below {limits.reliability:g}")
-    life, completion = figures.remaining_life, figures.completion
-    if limits.remaining_life is not None and life and not life.median >= limits.remaining_life:
-        found.append(f"median remaining life {life.median:.4g} h is below {limits.remaining_life:g} h")
-    if limits.completion is not None and completion and not completion.probability >= limits.completion:
-        found.append(f"probability of task completion {completion.probability:.6g} is below {limits.completion:g}")
-    return tuple(found)
 
 
 def _notes(ledger: Ledger) -> tuple[str, ...]:

@@ -12,7 +12,8 @@ import numpy as np
 
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
-from robophm.health.report import Figures, HealthReport, Subject
+from robophm.health.report import HealthReport
+from robophm.health.subject import Figures, Subject
 from robophm.report.curve import Line, curve_svg
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
@@ -70,7 +71,7 @@ def _clock(time: int) -> str:
 def _tiles(report: HealthReport) -> Html:
     system = report.system
     both = {VIEWS[view]: getattr(system, view) for view in VIEWS}
-    tone: Tone = "error" if report.breaches else "stale" if system.flags else "ok"
+    tone: Tone = "error" if report.breaches else "warn" if system.state == "ok" and report.warnings else system.state
     each = [
         tile("Hazard rate now", _each(both, lambda f: rate_text(f.hazard_rate)), "per hour of operation", tone),
         tile(
@@ -93,8 +94,8 @@ def _tiles(report: HealthReport) -> Html:
         after = system.sensor_based.completion
         what = _odds(task, after.failure if after else 0.0)
         each.append(tile("Next task completed", texts, what, tone))
-    warnings = [Html("")] if not report.breaches else [section("Thresholds breached", *report.breaches)]
-    return Html(tiles(*each) + warnings[0])
+    told = {"Thresholds breached": report.breaches, "Thresholds of a warning passed": report.warnings}
+    return Html(tiles(*each) + "".join(section(title, *words) for title, words in told.items() if words))
 
 
 def _odds(what: str, failure: float) -> str:

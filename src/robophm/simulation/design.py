@@ -179,12 +179,12 @@ def _line(data: Any, place: Place) -> int:
 
 
 _GROUP = {"modules", "components", "diagram", "signals", "clocks", "acceleration", "duty", "uncertainty"}
-_MODE = {"rate", "life", "clock", "scaling", "acceleration", "initial_exposure", "uncertainty"}
+_MODE = {"rate", "life", "clock", "scaling", "acceleration", "initial_exposure", "uncertainty", "learned"}
 _SILENT = {"description", "environment", "source"}
 """Keys that say nothing about how a robot with stated rates fails."""
 _KEYS: Mapping[str, set[str]] = {
     "robot": _GROUP | {"schema_version", "name", "functions", "usage", "powered", "max_gap", "task", "thresholds"},
-    "module": _GROUP,
+    "module": _GROUP | {"thresholds"},
     "component": _MODE | {"quantity", "required", "monitored", "signals", "clocks", "offsets", "duty", "failure_modes"},
     "mode": _MODE,
     "binding": {"topic", "field", "unit", "range", "offset", "max_age", "stale"},
@@ -320,6 +320,9 @@ class _Reader:
             raise _Fault(place, "has no rate; what has none is not simulated")
         unit = CLOCKS[clock]
         rate = self._quantity((*place, "rate"), mode["rate"], f"1/{unit}", above=0.0)
+        learned = self._mapping((*place, "learned"), mode.get("learned") or {})
+        if learned:
+            rate *= self._quantity((*place, "learned", "factor"), learned.get("factor"), "", above=0.0)
         life = self._keys((*place, "life"), mode.get("life") or {}, "life")
         name = life.get("distribution", "exponential")
         if name not in LIVES:
@@ -382,6 +385,10 @@ class _Reader:
         self, place: Place, mode: dict[str, Any], scope: _Scope, rate: float, unit: str
     ) -> tuple[str, tuple[float, ...]] | None:
         """The kind, and its error factor, failures, or rates as shares of the stated one."""
+        if mode.get("learned"):
+            return "failures", (
+                self._quantity((*place, "learned", "shape"), mode["learned"].get("shape"), "", above=0.0),
+            )
         found = (place, mode["uncertainty"]) if "uncertainty" in mode else scope.uncertainty
         if not found or found[1] is None:
             return None

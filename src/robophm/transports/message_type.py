@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache, partial
@@ -34,6 +35,8 @@ _NUMBERS = {"bool", "byte", "char", "float32", "float64", "float128"} | {
     f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
 }
 _STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
+_COMPILING = threading.Lock()
+"""rosbags compiles in a module of one name: one after the other."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,13 @@ class MessageType:
     stamp: Callable[[Any], tuple[int, int]] | None
     borrowed: bool
     """The recording does not define the type; Humble's is taken."""
+    store: Typestore
+    """What rosbags has compiled."""
+
+    @property
+    def types(self) -> dict[str, Any]:
+        """The classes that its messages are made of, by name."""
+        return cast(dict[str, Any], self.store.types)
 
 
 def message_type(connection: Connection) -> MessageType:
@@ -57,7 +67,8 @@ def message_type(connection: Connection) -> MessageType:
     if encoding not in ("cdr", "ros1"):
         raise SourceError(f"topic '{connection.topic}' is encoded as '{encoding}'; expected cdr or ros1")
     try:
-        return _compiled_type(connection.msgtype, connection.msgdef, encoding)
+        with _COMPILING:
+            return _compiled_type(connection.msgtype, connection.msgdef, encoding)
     except Exception as error:  # the parser fails on definitions in many ways
         what = f"the definition of its type '{connection.msgtype}'"
         raise SourceError(f"topic '{connection.topic}': {what} is missing or damaged") from error
@@ -73,7 +84,15 @@ def _compiled_type(name: str, definition: MessageDefinition, encoding: str) -> M
     decode = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
     stamped = any(field == "header" and part[1] == HEADER for field, part in store.fielddefs[name][1])
     stamp = attrgetter("header.stamp.sec", "header.stamp.nanosec") if stamped else None
-    return MessageType(name, store.fielddefs, encoding == "ros1", partial(decode, typename=name), stamp, borrowed)
+    return MessageType(
+        name, store.fielddefs, encoding == "ros1", partial(decode, typename=name), stamp, borrowed, store
+    )
+
+
+def serialized(type_: MessageType, message: Any) -> bytes:
+    """The bytes of a message. Raises whatever rosbags raises where it is not of the type."""
+    serialize = type_.store.serialize_ros1 if type_.packed else type_.store.serialize_cdr
+    return bytes(serialize(message, type_.name))
 
 
 def _size(definitions: Typesdict, type_: str, known: dict[str, int]) -> int:

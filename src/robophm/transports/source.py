@@ -88,6 +88,35 @@ class SignalSource(ABC):
         self.close()
 
 
+class Told(NamedTuple):
+    """A message that came whole."""
+
+    time: int
+    """Of receipt [ns]."""
+    topic: str
+    message: Any
+    """As rosbags decodes it; None where it cannot be decoded, or is too long."""
+
+
+class LiveSource(SignalSource):
+    """What is heard while it happens: endless, until ``close``, which may come from any thread."""
+
+    @abstractmethod
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | Told]:
+        """Samples of signals, and between them, in the order of their arrival, the messages on other topics.
+
+        Raises SourceError as ``samples``.
+        """
+
+    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
+        """The samples of these signals in order of arrival, and clock samples, until ``close``.
+
+        What an earlier call gave ends. Raises SourceError where a signal is none, a topic that is published has no
+        such field or its type cannot be read, or nothing can be heard at all.
+        """
+        return (heard for heard in self.listen(signals, ()) if isinstance(heard, Sample))
+
+
 class TextSource(SignalSource):
     """A text file read line by line; a subclass says which signals it has and how its lines read."""
 

@@ -9,7 +9,8 @@ from contextlib import suppress
 import pytest
 
 from robophm.core.errors import SourceError
-from robophm.transports.ros1.environment import Notes, Place, place
+from robophm.transports.notes import Notes
+from robophm.transports.ros1.environment import Place, place
 from robophm.transports.ros1.listening import wait_after
 from robophm.transports.ros1.loop import Loop, Peer
 from robophm.transports.ros1.tcpros import decoded, encoded

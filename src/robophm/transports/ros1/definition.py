@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import re
-import threading
+from collections.abc import Collection, Mapping
 from functools import lru_cache
 
 from robophm.core.errors import SourceError
 from robophm.transports.message_type import MessageType, message_type
+from robophm.transports.notes import Notes, PeerError, TypeRefusedError
+from robophm.transports.reading import Reading
+from robophm.transports.ros1.tcpros import ANY
 
 MOST_PARTS = 200
 """Types in a type, beyond which a definition is taken to be damaged."""
@@ -20,8 +23,6 @@ _BUILT_IN = {"bool", "byte", "char", "string", "time", "duration", "float32", "f
     f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
 }
 _TYPE_NAME = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*\Z", re.ASCII)
-_COMPILING = threading.Lock()
-"""rosbags compiles in a module of one name: one after the other."""
 
 
 def compiled(topic: str, type_: str, text: str) -> MessageType:
@@ -32,8 +33,7 @@ def compiled(topic: str, type_: str, text: str) -> MessageType:
         raise SourceError(f"topic '{topic}': '{type_[:200]}' is not a type; expected e.g. 'std_msgs/Float64'")
     definition = MessageDefinition(MessageDefinitionFormat.MSG, text)
     extension = ConnectionExtRosbag1(None, None)
-    with _COMPILING:
-        return message_type(Connection(0, topic, ros2_name(type_), definition, "", 0, extension, None))
+    return message_type(Connection(0, topic, ros2_name(type_), definition, "", 0, extension, None))
 
 
 def ros2_name(type_: str) -> str:
@@ -49,6 +49,41 @@ def known_definition(type_: str) -> str:
         return str(get_typestore(Stores.ROS1_NOETIC).generate_msgdef(ros2_name(type_), ros_version=1)[0])
     except Exception:  # its type is a matter of rosbags
         raise SourceError(f"type '{type_[:200]}' is not of ROS Noetic, and comes without a definition") from None
+
+
+def reading_of(topic: str, header: Mapping[str, str], signals: Collection[str], notes: Notes) -> Reading:
+    """How the messages of a connection are read, by its publisher's header.
+
+    Raises TypeRefusedError where the header has no type whose definition can be found and read, or it has no such
+    field; PeerError where its md5 sum is not that of its definition.
+    """
+    return Reading(topic, type_of(topic, header, notes), signals, header.get("md5sum", ANY))
+
+
+def type_of(topic: str, header: Mapping[str, str], notes: Notes) -> MessageType:
+    """The type that a publisher's header names and defines. Raises PeerError as ``reading_of``."""
+    name = header.get("type", "")
+    text = header.get("message_definition", "")
+    damaged = "definition missing or damaged"
+    try:
+        if not text:
+            text = known_definition(name)
+        type_ = compiled(topic, name, text)
+        md5 = md5_of(name, text)
+    except SourceError as error:
+        raise TypeRefusedError(str(error), damaged) from None
+    except ValueError as error:
+        what = f"topic '{topic}': the definition of '{name[:200]}' is damaged: {error}"
+        raise TypeRefusedError(what, damaged) from None
+    if header.get("md5sum", ANY) not in (ANY, md5):
+        said = header["md5sum"][:64]
+        raise PeerError(
+            f"topic '{topic}': md5 sum of its type '{name}' is {said}; expected {md5} by its definition",
+            "wrong md5 sum",
+        )
+    if not header.get("message_definition"):
+        notes.add(f"definition of {name} taken from ROS Noetic")
+    return type_
 
 
 @lru_cache(maxsize=256)

@@ -3,41 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections import Counter
 from dataclasses import dataclass
-from threading import Lock
 from urllib.parse import urlsplit
 
 from robophm.core.errors import SourceError
 
 LOOPBACK = "127.0.0.1"
 """Where servers are bound unless ROS_HOSTNAME or ROS_IP says otherwise."""
-
-
-class PeerError(SourceError):
-    """What another process of the ROS graph did not do as it should; ``kind`` is how it is counted."""
-
-    def __init__(self, text: str, kind: str) -> None:
-        super().__init__(text)
-        self.kind = kind
-
-
-class Notes(Counter[str]):
-    """Counts that several threads add to; to go through them meanwhile, go through a ``copy()``."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._lock = Lock()
-
-    def add(self, text: str, count: int = 1) -> None:
-        """Count once more, or several times."""
-        with self._lock:
-            self[text] += count
-
-    def copy(self) -> Counter[str]:  # type: ignore[override]
-        """What is counted so far."""
-        with self._lock:
-            return Counter(self)
 
 
 @dataclass(frozen=True)

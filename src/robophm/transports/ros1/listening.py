@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-import math
 import socket
 import threading
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
-from operator import attrgetter
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import CLOCK, SECOND, Sample
-from robophm.transports.recording import STAMP_LIMIT
-from robophm.transports.ros1.environment import PeerError
+from robophm.transports.hearing import CLOCK_TOPIC, Hearing
+from robophm.transports.notes import PeerError, TypeRefusedError
+from robophm.transports.reading import Reading
+from robophm.transports.ros1.definition import reading_of
 from robophm.transports.ros1.node import Node
-from robophm.transports.ros1.reading import Reading, TypeRefusedError
 from robophm.transports.ros1.stream import Stream
 from robophm.transports.ros1.tcpros import connect
-
-CLOCK_TOPIC = "/clock"
-"""Where the time comes from under use_sim_time (wiki.ros.org/Clock)."""
 
 FIRST_WAIT, LONGEST_WAIT = 0.25, 10.0
 """Seconds before a connection is tried again: doubled with every failure."""
@@ -30,20 +24,9 @@ FIRST_WAIT, LONGEST_WAIT = 0.25, 10.0
 CONNECTORS = 8
 """Connections made at the same time."""
 
-_clock_of = attrgetter("clock.sec", "clock.nanosec")
-
-
-@dataclass
-class Count:
-    """Messages of a topic, and their receipt [ns]."""
-
-    messages: int
-    first: int
-    last: int
-
 
 class Listening:
-    """Listens to the topics of signals through a node and puts their samples, and those of the clock, in order.
+    """Listens to topics through a node.
 
     All but the making of connections happens in the node's loop, so that nothing here is shared between threads.
     """
@@ -52,26 +35,18 @@ class Listening:
         self,
         node: Node,
         wanted: Mapping[str, Collection[str]],
-        put: Callable[[Sequence[Sample]], None],
-        simulated: bool,
+        hearing: Hearing,
     ) -> None:
         self.mistake: SourceError | None = None
         """The first signal that a topic does not have, or type that cannot be read."""
         self.settled = threading.Event()
         """No connection is being made."""
-        self.counts: dict[str, Count] = {}
         self._node = node
         self._notes = node.notes
-        self._wanted = dict(wanted)
-        self._put = put
-        self._simulated = simulated
-        if simulated:
+        self._wanted = dict.fromkeys(hearing.whole, ()) | dict(wanted)
+        self._hearing = hearing
+        if hearing.simulated:
             self._wanted.setdefault(CLOCK_TOPIC, ())
-        self._now = 0
-        """The time of /clock; 0 before it is heard."""
-        self._told = 0
-        """The latest clock sample."""
-        self._latest = 0
         self._publishers: dict[str, list[str]] = {}
         self._streams: dict[tuple[str, str], Stream] = {}
         self._connecting: set[tuple[str, str]] = set()
@@ -101,35 +76,7 @@ class Listening:
 
     def message(self, stream: Stream, raw: bytes) -> None:
         """A message has come."""
-        topic = stream.reading.topic
-        try:
-            if self._simulated and topic == CLOCK_TOPIC:
-                self._set_clock(stream, raw)
-            numbers = stream.reading.read(raw)
-        except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
-            self._notes.add(f"unreadable message on {topic}")
-            return
-        if numbers.sequence is not None:
-            if stream.sequence is not None and numbers.sequence > stream.sequence + 1:
-                self._notes.add(f"sequence gap on {topic}", numbers.sequence - stream.sequence - 1)
-            stream.sequence = numbers.sequence
-        receipt = self._now if self._simulated else time.time_ns()
-        if not receipt:
-            self._notes.add(f"before the first time of {CLOCK_TOPIC}, dropped {topic}")
-            return
-        if receipt < self._latest:
-            self._notes.add(f"receipt time goes backwards on {topic}")
-        self._latest = receipt
-        count = self.counts.setdefault(topic, Count(0, receipt, receipt))
-        count.messages += 1
-        count.last = receipt
-        at = numbers.stamp
-        if at == 0 or abs(at - receipt) > STAMP_LIMIT:
-            self._notes.add(f"receipt time used for {topic}")
-            at = receipt
-        for signal in numbers.absent:
-            self._notes.add(f"no element for {signal}")
-        self._put([Sample(at, signal, value) for signal, value in numbers.values])
+        stream.sequence = self._hearing.message(stream.reading, raw, stream.sequence)
 
     def ended(self, stream: Stream) -> None:
         """A connection is gone."""
@@ -141,24 +88,8 @@ class Listening:
                 self._failures.pop(key, None)
             self._failed(key)
 
-    def _set_clock(self, stream: Stream, raw: bytes) -> None:
-        seconds, nanoseconds = _clock_of(stream.reading.type.decode(raw))
-        now = seconds * SECOND + nanoseconds
-        if now < self._now:
-            self._notes.add(f"time goes backwards on {CLOCK_TOPIC}")
-        self._now = self._latest = now
-        if not 0 <= now - self._told < SECOND:
-            self._tell()
-
-    def _tell(self) -> None:
-        """A clock sample: silence is heard too."""
-        now = self._now if self._simulated else time.time_ns()
-        if now:
-            self._told = now
-            self._put([Sample(now, CLOCK, math.nan)])
-
     def _tick(self) -> None:
-        self._tell()
+        self._hearing.tell()
         self._connect_all()
 
     def _hearer(self, topic: str) -> Callable[[list[str]], None]:
@@ -186,7 +117,7 @@ class Listening:
         try:
             connection, header = connect(self._node.name, topic, uri)
             try:
-                reading = Reading(topic, header, self._wanted[topic], self._notes)
+                reading = reading_of(topic, header, self._wanted[topic], self._notes)
             except BaseException:
                 connection.close()
                 raise
@@ -221,9 +152,9 @@ class Listening:
         before = self._types.get(reading.topic)
         if before is not None:
             self._notes.add(f"connected again to {reading.topic}")
-            if before != reading.md5:
+            if before != reading.identity:
                 self._notes.add(f"type changed on {reading.topic}")
-        self._types[reading.topic] = reading.md5
+        self._types[reading.topic] = reading.identity
         self._streams[key] = stream = Stream(self._node.loop, connection, key[1], reading, self)
         self._node.loop.add(stream)
         self._settle()

@@ -11,10 +11,8 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 
-from robophm.transports.ros1.environment import Notes
-
-TICK = 0.5
-"""Seconds between ticks."""
+from robophm.transports.hearing import TICK
+from robophm.transports.notes import Notes
 
 MOST_HELD = 128 << 20
 """Bytes of unfinished messages over all sockets, beyond which the one that holds most is closed."""
@@ -107,11 +105,15 @@ class Peer:
 
 
 class Loop(threading.Thread):
-    """Serves peers, ticks twice a second, and does what other threads post, until it is closed."""
+    """Serves peers, ticks, and does what other threads post, until it is closed.
+
+    Ticks come when the time is a whole multiple of ``tick`` [s].
+    """
 
     def __init__(self, name: str, notes: Notes) -> None:
         super().__init__(name=name, daemon=True)
         self.notes = notes
+        self.tick = TICK
         self.ticks: list[Callable[[], None]] = []
         self.peers: set[Peer] = set()
         self._posted: deque[Callable[[], None]] = deque()
@@ -166,18 +168,17 @@ class Loop(threading.Thread):
 
     def run(self) -> None:
         """Until ``close``."""
-        due = 0.0
+        latest = 0.0
         while not self._stopped:
-            for key, mask in self._selector.select(TICK):
+            for key, mask in self._selector.select(self.tick - time.time() % self.tick):
                 if isinstance(key.data, Peer):
                     self._serve(key.data, mask)
                 else:
                     key.data()
             while self._posted and not self._stopped:
                 self._safely(self._posted.popleft())
-            now = time.monotonic()
-            if now >= due:
-                due = now + TICK
+            if (begun := time.time() // self.tick) != latest:
+                latest, now = begun, time.monotonic()
                 for peer in [peer for peer in self.peers if peer.deadline is not None and peer.deadline < now]:
                     self.notes.add("connection closed: nothing came in time")
                     peer.close()

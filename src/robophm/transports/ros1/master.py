@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from robophm.transports.ros1.environment import PeerError
+from robophm.transports.notes import PeerError
 from robophm.transports.ros1.xmlrpc import call
 
 Nodes = dict[str, list[str]]

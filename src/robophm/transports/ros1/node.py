@@ -12,7 +12,8 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Self
 
 from robophm.core.errors import SourceError
-from robophm.transports.ros1.environment import Notes, PeerError, place
+from robophm.transports.notes import Notes, PeerError
+from robophm.transports.ros1.environment import place
 from robophm.transports.ros1.loop import Loop
 from robophm.transports.ros1.master import system_state
 from robophm.transports.ros1.slave import Caller, Slave, believed

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import signal_name
+from robophm.transports.message_type import serialized
 from robophm.transports.ros1.definition import compiled, known_definition, md5_of
 from robophm.transports.ros1.subscriber import Subscriber
 from robophm.transports.ros1.tcpros import encoded
@@ -44,8 +45,7 @@ class Publisher:
             md5 = md5_of(type_, text)
         except ValueError as error:
             raise SourceError(f"topic '{topic}': the definition of its type '{type_}' is damaged: {error}") from None
-        self._store: Any = self._type.decode.func.__self__  # type: ignore[attr-defined]
-        self.types: dict[str, Any] = self._store.types
+        self.types: dict[str, Any] = self._type.types
         self.node = node
         self.topic = topic
         self.type = type_
@@ -73,7 +73,7 @@ class Publisher:
     def publish(self, message: Any) -> None:
         """Send a message to all that are connected; never blocks. Raises SourceError where it is not of the type."""
         try:
-            raw = bytes(self._store.serialize_ros1(message, self._type.name))
+            raw = serialized(self._type, message)
         except Exception as error:  # struct, NumPy, attribute errors …
             raise SourceError(f"message on {self.topic} is no {self.type}: {error}") from error
         framed = struct.pack("<I", len(raw)) + raw

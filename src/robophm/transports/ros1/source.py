@@ -4,26 +4,23 @@ from __future__ import annotations
 
 import threading
 import uuid
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from queue import SimpleQueue
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, Sample, split_signal
+from robophm.transports.hearing import QUEUE, TICK, Count, Hearing, Queue, tick_of
 from robophm.transports.message_type import MessageType, numeric_fields
-from robophm.transports.ros1.definition import ros2_name
-from robophm.transports.ros1.environment import Notes, PeerError, place
-from robophm.transports.ros1.listening import CONNECTORS, Count, Listening
+from robophm.transports.notes import Notes, PeerError
+from robophm.transports.ros1.definition import ros2_name, type_of
+from robophm.transports.ros1.environment import place
+from robophm.transports.ros1.listening import CONNECTORS, Listening
 from robophm.transports.ros1.master import published_topics, system_state
 from robophm.transports.ros1.node import Node
-from robophm.transports.ros1.reading import type_of
 from robophm.transports.ros1.tcpros import connect
 from robophm.transports.ros1.xmlrpc import call
-from robophm.transports.source import SignalSource, TopicInfo
-
-QUEUE = 100_000
-"""Samples that may wait to be taken; further ones are dropped and counted."""
+from robophm.transports.source import LiveSource, Told, TopicInfo
 
 START_SECONDS = 8.0
 """Within which what is published when listening begins is connected, or is left for later."""
@@ -32,21 +29,23 @@ CALLER = "/robophm"
 """By which we ask before we have a node."""
 
 
-class Ros1(SignalSource):
+class Ros1(LiveSource):
     """Live topics of ROS 1, of any type, through the master at ``master`` or ROS_MASTER_URI; a context manager.
 
     ``samples`` is endless: it goes on through a master, publishers and types that come and go, until ``close``, which
     may come from any thread. Topics that nobody publishes yet are waited for. A sample's time is its header's
     stamp, or its receipt where that is zero or 10 s off; under use_sim_time receipt is the time of /clock. ``notes``
-    counts what was dropped, refused, unreadable, missing in the sequence of a publisher, and made anew.
+    counts what was dropped, refused, unreadable, missing in the sequence of a publisher, and made anew. Clock samples
+    come at whole multiples of ``period`` [s], and at least twice a second.
 
     Raises SourceError where there is no master.
     """
 
-    def __init__(self, master: str | None = None, *, queue: int = QUEUE) -> None:
+    def __init__(self, master: str | None = None, *, queue: int = QUEUE, period: float = TICK) -> None:
         self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
         self.notes = Notes()
         self._queue = queue
+        self._tick = tick_of(period)
         self._master = place(master).master
         self._closed = False
         self._run: _Run | None = None
@@ -63,7 +62,7 @@ class Ros1(SignalSource):
         """
         published = published_topics(self._master, CALLER)
         publishers, _ = system_state(self._master, CALLER)
-        counts = self._run.listening.counts if self._run else {}
+        counts = self._run.hearing.counts if self._run else {}
         with ThreadPoolExecutor(CONNECTORS) as pool:
             return list(
                 pool.map(
@@ -86,8 +85,8 @@ class Ros1(SignalSource):
             return TopicInfo(topic, name, 0, None, None, fields)
         return TopicInfo(topic, name, count.messages, count.first, count.last, fields)
 
-    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
-        """The samples of these signals in order of arrival, and clock samples, until ``close``.
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | Told]:
+        """The samples of these signals in order of arrival, clock samples, and the messages on these topics.
 
         What an earlier call gave ends. Raises SourceError where a signal is none, a topic that is published has no
         such field or its type cannot be read, or there is no master.
@@ -103,13 +102,13 @@ class Ros1(SignalSource):
         if self._closed:
             raise SourceError("the source is closed")
         self.notes = Notes()
-        self._run = run = _Run(self._master, wanted, self.notes, self._queue)
+        self._run = run = _Run(self._master, wanted, topics, self.notes, self._queue, self._tick)
         try:
             run.listening.start(START_SECONDS)
         except BaseException:
             run.close()
             raise
-        return run.samples()
+        return run.heard()
 
     def close(self) -> None:
         """End ``samples``, unregister, let go of all connections and threads; twice does no harm."""
@@ -121,42 +120,28 @@ class Ros1(SignalSource):
 class _Run:
     """One call of ``samples``."""
 
-    def __init__(self, master: str, wanted: dict[str, list[str]], notes: Notes, most: int) -> None:
-        self._waiting: SimpleQueue[Sample | None] = SimpleQueue()
-        self._notes = notes
-        self._most = most
-        self._over = False
+    def __init__(
+        self, master: str, wanted: dict[str, list[str]], topics: Collection[str], notes: Notes, most: int, tick: float
+    ) -> None:
+        self._queue = Queue(notes, most)
         self._closing = threading.Lock()
         self._node = Node(master=master, notes=notes)
-        self._node.told_to_end = lambda: self._waiting.put(None)
+        self._node.loop.tick = tick
+        self._node.told_to_end = self._queue.end
         try:
             simulated = self._node.ask("getParam", "/use_sim_time") is True
         except PeerError:  # it is not set
             simulated = False
-        self.listening = Listening(self._node, wanted, self._put, simulated)
+        self.hearing = Hearing(notes, self._queue.put, topics, simulated=simulated)
+        self.listening = Listening(self._node, wanted, self.hearing)
 
-    def samples(self) -> Iterator[Sample]:
+    def heard(self) -> Iterator[Sample | Told]:
         """Until the end."""
-        try:
-            while (sample := self._waiting.get()) is not None and not self._over:
-                yield sample
-        finally:
-            if not self._over:  # otherwise somebody else is closing, which may take longer
-                self.close()
+        return self._queue.taken(self.close)
 
     def close(self) -> None:
         """Let go of all."""
-        self._over = True
-        self._waiting.put(None)
+        self._queue.close()
         with self._closing:  # who comes second returns when it is done
             self.listening.close()
             self._node.close()
-
-    def _put(self, samples: Sequence[Sample]) -> None:
-        """All samples of one message, or none."""
-        if self._waiting.qsize() + len(samples) > self._most:
-            for sample in samples:
-                self._notes.add(f"queue full, dropped {sample.signal}")
-        else:
-            for sample in samples:
-                self._waiting.put(sample)

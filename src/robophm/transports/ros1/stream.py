@@ -6,8 +6,8 @@ import socket
 import struct
 from typing import TYPE_CHECKING
 
+from robophm.transports.reading import Reading
 from robophm.transports.ros1.loop import Loop, Peer
-from robophm.transports.ros1.reading import Reading
 from robophm.transports.ros1.tcpros import LONGEST_MESSAGE
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import struct
 import time
 from collections.abc import Mapping
 
-from robophm.transports.ros1.environment import PeerError
+from robophm.transports.notes import PeerError
 from robophm.transports.ros1.xmlrpc import CALL_SECONDS, call, receive
 
 LONGEST_HEADER = 1 << 20

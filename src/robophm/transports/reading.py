@@ -1,8 +1,8 @@
-"""How the messages of one connection become numbers: by the definition in its header, and within bounds of memory."""
+"""How live messages of one type become numbers, within bounds of memory."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
@@ -12,9 +12,7 @@ from robophm.core.signal import SECOND, split_signal
 from robophm.transports.columns.layout import NotCompilableError, compile_fields
 from robophm.transports.columns.walk import Program
 from robophm.transports.message_type import HEADER, MessageType, field_getter
-from robophm.transports.ros1.definition import compiled, known_definition, md5_of
-from robophm.transports.ros1.environment import Notes, PeerError
-from robophm.transports.ros1.tcpros import ANY
+from robophm.transports.notes import TypeRefusedError
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import Typesdict
@@ -27,10 +25,6 @@ _SEQUENCE = "header.seq"
 _ONLY_IN_CDR = "structure_needs_at_least_one_member"
 
 
-class TypeRefusedError(PeerError):
-    """A type that cannot be read: one without a definition, or without a field that is wanted."""
-
-
 class Numbers(NamedTuple):
     """What is of interest in one message."""
 
@@ -41,19 +35,18 @@ class Numbers(NamedTuple):
     values: list[tuple[str, float]]
     absent: list[str]
     """Signals whose array has no such element in this message."""
+    message: Any
+    """As rosbags decodes it; None of one that is large."""
 
 
 class Reading:
-    """Reads the messages of one connection.
+    """Reads the messages of one type on one topic. Raises TypeRefusedError where it has no such field."""
 
-    Raises TypeRefusedError where the header has no type whose definition can be found and read, or it has no such
-    field; PeerError where its md5 sum is not that of its definition.
-    """
-
-    def __init__(self, topic: str, header: Mapping[str, str], signals: Collection[str], notes: Notes) -> None:
+    def __init__(self, topic: str, type_: MessageType, signals: Collection[str], identity: str) -> None:
         self.topic = topic
-        self.type = type_of(topic, header, notes)
-        self.md5 = header.get("md5sum", ANY)
+        self.type = type_
+        self.identity = identity
+        """The md5 sum or hash of the type, by which it is known when it changes."""
         names = {part[0] for part in self.type.definitions[HEADER][1]} if self.type.stamp else set()
         self._numbered = "seq" in names
         self._getters = []
@@ -92,7 +85,7 @@ class Reading:
                 values.append((signal, float(value_of(message))))
             except IndexError:
                 absent.append(signal)
-        return Numbers(stamp, sequence, values, absent)
+        return Numbers(stamp, sequence, values, absent, message)
 
     def _walked(self, raw: bytes) -> Numbers:
         if self._program is None:
@@ -110,33 +103,7 @@ class Reading:
             else:
                 values.append((signal, float(number[field])))
         stamp = int(number[_STAMP[0]]) * SECOND + int(number[_STAMP[1]]) if self.type.stamp else 0
-        return Numbers(stamp, int(number[_SEQUENCE]) if self._numbered else None, values, absent)
-
-
-def type_of(topic: str, header: Mapping[str, str], notes: Notes) -> MessageType:
-    """The type that a publisher's header names and defines. Raises PeerError as ``Reading``."""
-    name = header.get("type", "")
-    text = header.get("message_definition", "")
-    damaged = "definition missing or damaged"
-    try:
-        if not text:
-            text = known_definition(name)
-        type_ = compiled(topic, name, text)
-        md5 = md5_of(name, text)
-    except SourceError as error:
-        raise TypeRefusedError(str(error), damaged) from None
-    except ValueError as error:
-        what = f"topic '{topic}': the definition of '{name[:200]}' is damaged: {error}"
-        raise TypeRefusedError(what, damaged) from None
-    if header.get("md5sum", ANY) not in (ANY, md5):
-        said = header["md5sum"][:64]
-        raise PeerError(
-            f"topic '{topic}': md5 sum of its type '{name}' is {said}; expected {md5} by its definition",
-            "wrong md5 sum",
-        )
-    if not header.get("message_definition"):
-        notes.add(f"definition of {name} taken from ROS Noetic")
-    return type_
+        return Numbers(stamp, int(number[_SEQUENCE]) if self._numbered else None, values, absent, None)
 
 
 def _bottomless(definitions: Typesdict) -> bool:

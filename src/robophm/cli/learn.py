@@ -1,0 +1,143 @@
+"""``robophm learn``: what failures in the field say of the rates of a design."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from robophm.cli.output import console, may_make, print_json, print_table, table, warn, write
+from robophm.cli.past import kept
+from robophm.core.errors import DataError
+from robophm.design.file import load, parse, read, replace_text
+from robophm.design.robot import CLOCK_UNITS, Robot
+from robophm.health.service import stretches
+from robophm.learning.evidence import with_evidence
+from robophm.learning.failure_log import Seen, read_failure_log
+from robophm.learning.learn import LearnedRate, learn
+from robophm.report.words import number_text
+
+TABLES = (".csv", ".tsv", ".yaml", ".yml")
+STORES = (".db", ".sqlite", ".sqlite3")
+
+
+def run(
+    design: Path,
+    logs: Sequence[Path],
+    prior: str | None,
+    of: str | None,
+    to: Path | None,
+    *,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Learn, print, and write the design with the evidence beside its rates."""
+    may_make(to, *logs, force=force, suffixes=(".yaml", ".yml"))
+    robot = load(design)
+    seen: list[Seen] = []
+    notes: list[str] = []
+    for log in logs:
+        if log.suffix.lower() in STORES:
+            seen += _of_store(log, robot)
+        else:
+            found = read_failure_log(log, robot)
+            seen += found.seen
+            notes += found.notes
+    learned = learn(robot, _together(seen), prior, of)
+    text = with_evidence(read(design), str(design), learned) if to else ""
+    for note in notes:
+        warn(note)
+    if as_json:
+        print_json({"robot": robot.name, "rates": [_json(one) for one in learned], "notes": notes})
+    else:
+        _print(robot, learned)
+    if to:
+        put(to, text)
+        if not as_json:
+            console().print(f"Written to {to}, the evidence beside each rate", markup=False, soft_wrap=True)
+
+
+def put(to: Path, text: str) -> None:
+    """Write a design; of one that was there, what it was is kept beside it. Raises DesignError."""
+    parse(text, str(to))
+    if to.exists():
+        replace_text(to, text)
+    else:
+        write(to, text)
+
+
+def _of_store(path: Path, robot: Robot) -> list[Seen]:
+    """What the ledger of a store tells: every life of every part, ended or not."""
+    found: dict[str, Seen] = {}
+    for one in stretches(robot, kept(path, robot)):
+        seen = found.setdefault(one.mode.path, Seen(one.mode, path.stem))
+        seen.failures += one.failed
+        seen.expected += one.parts * one.hazard
+        seen.exposure += one.parts * one.hours
+    return list(found.values())
+
+
+def _together(seen: Sequence[Seen]) -> list[Seen]:
+    """One for each failure mode and robot."""
+    found: dict[tuple[str, str], Seen] = {}
+    for one in seen:
+        if (key := (one.mode.path, one.robot)) in found:
+            there = found[key]
+            found[key] = Seen(one.mode, one.robot, there.failures + one.failures, there.expected + one.expected,
+                              there.exposure + one.exposure)  # fmt: skip
+        else:
+            found[key] = one
+    if not any(one.exposure > 0 or one.failures for one in found.values()):
+        raise DataError("nothing was seen: no failure and no exposure; expected a log or a robot that has worked")
+    return list(found.values())
+
+
+def _print(robot: Robot, learned: Sequence[LearnedRate]) -> None:
+    out = console()
+    columns = ["", "failures", "expected", "exposure", "stated rate", "learned rate", "90 %", "times"]
+    rows = []
+    for one in learned:
+        unit = CLOCK_UNITS[one.mode.clock]
+        rows.append([
+            one.mode.path + (" *" if one.posterior.conflict else ""),
+            number_text(one.failures), number_text(one.expected, 3), f"{number_text(one.exposure)} {unit}",
+            f"{number_text(one.stated, 3)} /{unit}", f"{number_text(one.rate, 3)} /{unit}",
+            f"{number_text(one.stated * one.low, 3)} … {number_text(one.stated * one.high, 3)}",
+            number_text(one.factor, 3),
+        ])  # fmt: skip
+    robots = {name for one in learned for name in one.robots}
+    fleet = f", {len(robots)} robots" if len(robots) > 1 else ""
+    print_table(
+        out, table(f"What the field says of {robot.name}{fleet}", columns, rows, figures=range(1, len(columns)))
+    )
+    for one in learned:
+        found = one.posterior
+        if found.conflict:
+            out.print(
+                f"* {one.mode.path}: {number_text(found.failures, 3)} failures contradict the stated rate, by which "
+                f"{number_text(found.expected, 3)} were expected (p = {number_text(found.surprise, 2)}); its weight "
+                f"of {number_text(found.prior, 3)} failures was cut to {number_text(100 * found.weight, 2)} % of that",
+                style="yellow", markup=False,
+            )  # fmt: skip
+        if one.of_fleet.spread:
+            out.print(
+                f"{one.mode.path}: robots differ by {number_text(100 * one.of_fleet.spread, 2)} % beyond chance "
+                f"(p = {number_text(one.of_fleet.p_value, 2)}); what is stated is of any robot, --robot says of one",
+                markup=False,
+            )
+    out.print("expected: failures by the stated rate; times: learned over stated. --to NEW.YAML writes the design.")
+
+
+def _json(one: LearnedRate) -> dict[str, Any]:
+    found = one.posterior
+    return {
+        "mode": one.mode.path, "clock": one.mode.clock, "failures": one.failures, "expected": one.expected,
+        "exposure": one.exposure, "stated_rate": one.stated, "learned_rate": one.rate, "factor": one.factor,
+        "low": one.low, "high": one.high, "shape": one.shape, "prior_failures": found.prior,
+        "conflict": found.conflict, "surprise": found.surprise, "prior_weight": found.weight,
+        "spread_of_robots": one.of_fleet.spread,
+        "robots": {
+            name: {"failures": own.failures, "hazard_ratio": own.mean, "low": own.interval[0], "high": own.interval[2]}
+            for name, own in zip(one.robots, one.of_fleet.robots, strict=True)
+        },
+    }  # fmt: skip

@@ -1,0 +1,50 @@
+"""``robophm service``: a part of a robot was replaced or repaired; its ledger knows from then on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from robophm.cli.output import console, print_json
+from robophm.core.errors import RobophmError, StoreError
+from robophm.core.signal import SECOND
+from robophm.design.file import load
+from robophm.health.ledger import Ledger
+from robophm.health.service import repair, replace
+from robophm.report.words import moment_text, number_text
+from robophm.stores.sqlite import SqliteStore
+
+
+def run(
+    design: Path, part: str, store: Path, repaired: float | None, *, failed: bool, history: bool, as_json: bool
+) -> None:
+    """Put it into the store's ledger, and say what the part has behind it now."""
+    robot = load(design)
+    if not store.exists():
+        raise StoreError(f"{store}: no such store; `robophm replay --store` makes it")
+    with SqliteStore(store) as kept:
+        data = kept.ledger(robot.name)
+        if data is None:
+            raise StoreError(f"{store}: knows no robot '{robot.name}'")
+        ledger = Ledger.of(robot, data)
+        before = len(ledger.services)
+        if repaired is None:
+            replace(robot, ledger, part, failed=failed)
+        else:
+            repair(robot, ledger, part, repaired, failed=failed)
+        if len(ledger.services) == before:
+            raise RobophmError(f"'{part}': nothing to serve")
+        kept.save(robot.name, ledger.to_json())
+    some = ledger.services if history else ledger.services[before:]
+    if as_json:
+        print_json({"robot": robot.name, "services": [one._asdict() for one in some]})
+        return
+    paths = {mode.key: (mode.path, mode.initial_exposure) for mode in robot.modes}
+    out = console()
+    for one in some:
+        path, _ = paths[one.mode]
+        when = moment_text(one.time) if one.time > SECOND else "before its first recording"
+        out.print(
+            f"{when}: {path} {one.kind}{' after it failed' if one.failed else ''}, at an effective age of "
+            f"{number_text(one.before[1])}; goes on at {number_text(one.after[1])}",
+            markup=False, soft_wrap=True,
+        )  # fmt: skip

@@ -1,0 +1,101 @@
+"""A part is replaced or repaired: what its failure modes have behind them from then on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from robophm.core.errors import RobophmError, nearest
+from robophm.design.robot import Component, FailureMode, Robot
+from robophm.health.ledger import Ledger, Service
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """What a failure mode went through from one service to the next, or till now; ages with the initial exposure."""
+
+    mode: FailureMode
+    parts: int
+    """Equal parts that went through it."""
+    start: float
+    """Effective age of its part when the stretch began [unit of its clock]."""
+    end: float
+    hours: float
+    """How far its clock went [its unit]."""
+    hazard: float
+    """Cumulative hazard of one of the parts in it, at the stated rate."""
+    failed: bool
+
+
+def find(robot: Robot, path: str) -> tuple[Component, tuple[FailureMode, ...]]:
+    """The component that a path names, or one of whose failure modes it names; and the modes named.
+
+    Raises RobophmError, also for a common cause, which is no part, and for one of several equal parts.
+    """
+    parts = [part for part in robot.all_components() if part not in robot.causes]
+    for part in parts:
+        if part.path == path:
+            return part, part.modes
+        for mode in part.modes:
+            if mode.path == path:
+                return part, (mode,)
+        if path in part.units:
+            raise RobophmError(
+                f"'{path}': a ledger keeps one age for the {part.quantity} equal parts of '{part.path}'; expected "
+                "that name, for all of them, or a design that has them as components of their own"
+            )
+    known = [one for part in parts for one in (part.path, *(mode.path for mode in part.modes))]
+    raise RobophmError(f"no part '{path}'{nearest(path, known)}")
+
+
+def replace(robot: Robot, ledger: Ledger, path: str, *, failed: bool) -> None:
+    """Put a component in new; ``failed``: that it, or the failure mode named, had failed. Raises RobophmError."""
+    part, modes = find(robot, path)
+    ledger.replace([mode.key for mode in part.modes], [mode.key for mode in _failed(part, modes, failed)])
+
+
+def repair(robot: Robot, ledger: Ledger, path: str, remaining: float, *, failed: bool) -> None:
+    """Leave a share of the effective age of a component, or of one failure mode: 0 as new, 1 as before the repair.
+
+    Kijima's second model (1989): V ← q·V. Raises RobophmError where the share is none, or the part is not there.
+    """
+    if not 0 <= remaining <= 1:
+        raise RobophmError(f"{remaining:g} of the age remains; expected 0 (as good as new) to 1 (as before)")
+    part, modes = find(robot, path)
+    broken = _failed(part, modes, failed)
+    for mode in modes:
+        i = ledger.modes.index(mode.key)
+        initial = 0.0 if mode.key in ledger.replaced else mode.initial_exposure
+        age, effective, hazard = (float(total.value[i]) for total in (ledger.age, ledger.effective, ledger.hazard))
+        left = remaining * (initial + age)
+        if mode.scaling == "hazard":  # what its stress has gathered shrinks as its hazard by design does
+            past, designed = (float(mode.life.increment(0.0, one)) for one in (initial, initial + age))
+            hazard = (past + hazard) * float(mode.life.increment(0.0, left)) / designed if designed > 0 else 0.0
+        ledger.repair(mode.key, (left, remaining * (initial + effective), hazard), failed=mode in broken)
+
+
+def _failed(part: Component, modes: tuple[FailureMode, ...], failed: bool) -> tuple[FailureMode, ...]:
+    if failed and len(modes) > 1:
+        names = ", ".join(f"'{mode.path}'" for mode in part.modes)
+        raise RobophmError(f"'{part.path}' failed, but by which of its modes is not said; expected one of {names}")
+    return modes if failed else ()
+
+
+def stretches(robot: Robot, ledger: Ledger) -> Iterator[Stretch]:
+    """What every failure mode went through, service by service, and since the last one."""
+    of: dict[str, list[Service]] = {}
+    for service in ledger.services:
+        of.setdefault(service.mode, []).append(service)
+    for part in robot.all_components():
+        for mode in () if part in robot.causes else part.modes:
+            i = ledger.modes.index(mode.key)
+            last = float(ledger.age.value[i]), float(ledger.effective.value[i]), float(ledger.hazard.value[i])
+            initial, begun = mode.initial_exposure, (0.0, 0.0, 0.0)
+            ends = [(one.before, one.failed, one.after) for one in of.get(mode.key, [])]
+            for end, failed, after in [*ends, (last, False, last)]:
+                start, until = initial + begun[1], initial + end[1]
+                hazard = end[2] - begun[2]
+                if mode.scaling == "age":
+                    hazard = float(mode.life.increment(start, max(until - start, 0.0)))
+                yield Stretch(mode, part.quantity, start, until, end[0] - begun[0], hazard, failed)
+                initial, begun = 0.0, after

@@ -1,0 +1,101 @@
+"""The robot, a module or a function: its figures in both views, and what its thresholds say of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from robophm.blocks.diagram import Block
+from robophm.design.robot import Limits
+from robophm.design.task import Task
+from robophm.health.mission import Completion, completion
+from robophm.health.prognosis import Outlook, RemainingLife
+
+State = Literal["ok", "warn", "error", "stale"]
+
+STALE = "stale "
+"""How the flag of a silent signal begins."""
+
+
+@dataclass(frozen=True)
+class Figures:
+    """The health of a robot, module or function in one view."""
+
+    hazard_rate: float
+    """Now, given what is known now [1/h of operation]."""
+    reliability: float
+    """Probability of having survived since new."""
+    unreliability: float
+    """Its complement, with its own digits."""
+    remaining_life: RemainingLife | None = None
+    completion: Completion | None = None
+    """Of the task; of a module or function, that it does its share throughout."""
+
+    def beside(self, earlier: Figures) -> Figures:
+        """Hazard rate and reliability of now, with an earlier look ahead."""
+        return replace(self, remaining_life=earlier.remaining_life, completion=earlier.completion)
+
+
+def figures_now(outlook: Outlook, diagram: Block) -> Figures:
+    """Hazard rate and reliability of one system."""
+    state = outlook.survival(diagram)
+    return Figures(outlook.hazard_rate(diagram), float(state.works), float(state.failed))
+
+
+def figures(
+    outlook: Outlook, diagram: Block, task: Task | None, *, remaining_life: bool = True, whole: bool = True
+) -> Figures:
+    """All figures of one system; it is ``whole`` where the task is its own."""
+    now = figures_now(outlook, diagram)
+    return looking_ahead(now, outlook, diagram, task, remaining_life=remaining_life, whole=whole)
+
+
+def looking_ahead(
+    now: Figures, outlook: Outlook, diagram: Block, task: Task | None, *, remaining_life: bool, whole: bool
+) -> Figures:
+    """The figures with what is to come beside them."""
+    return replace(
+        now,
+        remaining_life=outlook.remaining_life(diagram) if remaining_life else None,
+        completion=completion(outlook, task, None if whole else diagram) if task else None,
+    )
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What figures are given for: the robot, a module or a function."""
+
+    kind: str
+    """robot, module or function."""
+    path: str
+    nominal: Figures
+    sensor_based: Figures
+    flags: tuple[str, ...] = ()
+    """What qualifies the sensor-based figures: 'stale /topic.field', 'extrapolated'."""
+    breaches: tuple[str, ...] = ()
+    """Thresholds of the design that the sensor-based figures fail."""
+    warnings: tuple[str, ...] = ()
+    """Thresholds of a warning that they fail."""
+
+    @property
+    def state(self) -> State:
+        """In one word: stale is one that is not in error, as far as is known, and has a sensor that is silent."""
+        if self.breaches:
+            return "error"
+        if any(flag.startswith(STALE) for flag in self.flags):
+            return "stale"
+        return "warn" if self.warnings else "ok"
+
+
+def breached(limits: Limits, figures: Figures) -> Iterator[str]:
+    """In words, each limit that figures fail; what is not known fails none."""
+    if limits.hazard_rate is not None and not figures.hazard_rate <= limits.hazard_rate:
+        yield f"hazard rate {figures.hazard_rate:.4g} /h is above {limits.hazard_rate:.4g} /h"
+    if limits.reliability is not None and not figures.reliability >= limits.reliability:
+        yield f"reliability {figures.reliability:.6g} is below {limits.reliability:g}"
+    life, done = figures.remaining_life, figures.completion
+    if limits.remaining_life is not None and life and not life.median >= limits.remaining_life:
+        yield f"median remaining life {life.median:.4g} h is below {limits.remaining_life:g} h"
+    if limits.completion is not None and done and not done.probability >= limits.completion:
+        yield f"probability of task completion {done.probability:.6g} is below {limits.completion:g}"

@@ -1,0 +1,51 @@
+"""Tasks that a robot told of, as tasks to be judged, and what became of one by what it took."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from robophm.design.task import Leg, Task
+from robophm.health.ledger import Ledger
+from robophm.health.mission import Completion, Steps, completion_of_steps
+from robophm.health.plant import Plant
+from robophm.health.prognosis import Outlook, View
+from robophm.health.report import VIEWS
+from robophm.transports.tasks import DoneTask, PlannedTask
+
+
+def task_as_planned(plan: PlannedTask, speed: float | None, functions: Sequence[str]) -> Task | None:
+    """None where a leg has no speed, and none is given [m/s]."""
+    legs = []
+    for leg in plan.legs:
+        at = leg.speed or speed
+        if at is None:
+            return None
+        legs.append((leg.distance / at / 3600, leg.distance))
+    return _task(legs, functions)
+
+
+def task_as_done(done: DoneTask, functions: Sequence[str]) -> Task:
+    """With the distances and times that it took."""
+    return _task(((leg.duration, leg.distance) for leg in done.legs), functions)
+
+
+def completion_as_done(
+    plant: Plant, views: Mapping[View, Outlook], task: Task, begun: Ledger, ended: Ledger
+) -> dict[View, Completion]:
+    """Of a task that is done, seen from its beginning, by what sensors say that it added."""
+    gone, aged = ended.age.value - begun.age.value, ended.effective.value - begun.effective.value
+    # All legs need the same functions, so that they count as one.
+    whole = replace(task, legs=(replace(task.legs[0], duration=task.duration, distance=task.distance),))
+    factor = np.divide(aged, gone, out=np.ones_like(gone), where=gone > 0)
+    # as told where nothing measures the distance
+    told = [mode.clock == "kilometres" and mode.measured_clock is None for mode in plant.robot.modes]
+    gone = np.where(told, whole.distance / 1000, gone)
+    steps = {"nominal": gone, "sensor_based": factor * gone}
+    return {view: completion_of_steps(views[view], whole, Steps(gone[:, None], steps[view][:, None])) for view in VIEWS}
+
+
+def _task(legs: Iterable[tuple[float, float]], functions: Sequence[str]) -> Task:
+    return Task(tuple(Leg(duration, distance, functions=tuple(functions)) for duration, distance in legs))

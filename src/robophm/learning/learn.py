@@ -1,0 +1,141 @@
+"""What was seen of a robot's failure modes, as rates: how far each stated rate is off, and how sure that is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import gammaln
+
+from robophm.core.errors import DataError, UnitError
+from robophm.core.units import quantity
+from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot, Uncertainty
+from robophm.learning.failure_log import Seen
+from robophm.learning.rates import FleetPosterior, Posterior, fleet
+
+USUAL_PRIOR = 1.0
+"""Failures that a stated rate counts as, where neither the design nor the user says more."""
+
+
+@dataclass(frozen=True)
+class LearnedRate:
+    """What the field says of the rate of one failure mode."""
+
+    mode: FailureMode
+    stated: float
+    """Rate as stated, whatever was learned before [1 per unit of its clock]."""
+    failures: float
+    expected: float
+    """By the stated rate."""
+    exposure: float
+    """[unit of its clock]"""
+    of_fleet: FleetPosterior
+    """Of the hazard, as times the stated one; robots in the order of ``robots``."""
+    robots: tuple[str, ...]
+    factor: float
+    """The rate is so many times the stated one, by the mean."""
+    shape: float
+    """As sure as if so many failures had been seen."""
+    low: float
+    high: float
+    """The factor of one robot of this fleet is between them with 90 %."""
+
+    @property
+    def posterior(self) -> Posterior:
+        """Of the fleet's mean hazard."""
+        return self.of_fleet.mean
+
+    @property
+    def rate(self) -> float:
+        """[1 per unit of its clock]"""
+        return self.stated * self.factor
+
+
+def learn(robot: Robot, seen: Iterable[Seen], prior: str | None = None, of: str | None = None) -> list[LearnedRate]:
+    """How far each stated rate is off, of the failure modes of which anything was seen; in design order.
+
+    ``prior``: what stated rates count as, such as '10000 h' or '2 failures'; else what the design's ``uncertainty``
+    says, else one failure. ``of``: one robot of the fleet, else what is known of any. Raises DataError.
+    """
+    by_mode: dict[str, list[Seen]] = {}
+    for one in seen:
+        by_mode.setdefault(one.mode.path, []).append(one)
+    names = sorted({one.robot for some in by_mode.values() for one in some})
+    if of is not None and of not in names:
+        raise DataError(f"no robot '{of}' in what was seen; there are {', '.join(names[:12]) or 'none'}")
+    return [_learned(mode, by_mode[mode.path], prior, of) for mode in robot.modes if mode.path in by_mode]
+
+
+def _learned(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str | None) -> LearnedRate:
+    beta = mode.life.degree
+    failures = sum(one.failures for one in seen)
+    if beta is None:
+        raise DataError(
+            f"'{mode.path}' has a {type(mode.life).__name__.lower()} life, whose rate alone says too little; expected "
+            "its life data for `robophm fit`, or a design in which its life is exponential or Weibull without location"
+        )
+    factor = mode.evidence.factor if mode.evidence else 1.0
+    stated = [one.expected / factor**beta for one in seen]
+    strength = _strength(mode, mode.rate / factor, beta, prior)
+    found = fleet([one.failures for one in seen], stated, strength)
+    robots = tuple(one.robot for one in seen)
+    shape, mean = found.shape, found.mean.mean
+    if of is not None:
+        own = found.robots[robots.index(of)] if of in robots else found.mean
+        shape, mean = own.shape, own.mean
+    elif found.spread == 0:
+        shape = found.mean.shape
+    times, sure, low, high = _of_rate(shape, shape / mean, beta)
+    return LearnedRate(
+        mode, mode.rate / factor, failures, sum(stated), sum(one.exposure for one in seen), found, robots,
+        times, sure, low, high,
+    )  # fmt: skip
+
+
+def _of_rate(shape: float, rate: float, beta: float) -> tuple[float, float, float, float]:
+    """Mean, gamma shape, 5 % and 95 % quantile of θ, where the hazard is ξ = θ^β ~ Gamma(shape, rate)."""
+    from scipy.stats import gamma
+
+    low, high = (float(gamma.ppf(level, shape, scale=1 / rate)) ** (1 / beta) for level in (0.05, 0.95))
+    if beta == 1:
+        return shape / rate, shape, low, high
+    first, second = (float(gammaln(shape + k / beta) - gammaln(shape)) for k in (1, 2))
+    return math.exp(first) * rate ** (-1 / beta), 1 / math.expm1(second - 2 * first), low, high
+
+
+def _strength(mode: FailureMode, rate: float, beta: float, prior: str | None) -> float:
+    """Failures that a stated rate counts as, as a gamma of the hazard."""
+    if prior is not None:
+        return _said(mode, rate, prior)
+    stated = mode.evidence.stated if mode.evidence else mode.uncertainty
+    return USUAL_PRIOR if stated is None else 1 / _square_of_variation(stated, beta)
+
+
+def _said(mode: FailureMode, rate: float, prior: str) -> float:
+    number, _, unit = prior.strip().partition(" ")
+    unit_of_clock = CLOCK_UNITS[mode.clock]
+    try:
+        if unit.strip() in ("failure", "failures"):
+            value = quantity(number, "")
+        else:
+            value = quantity(prior, unit_of_clock) * rate
+    except UnitError as error:
+        raise DataError(
+            f"prior '{prior:.40}': {error} ('{mode.path}' ages by {unit_of_clock}); expected e.g. '2 failures'"
+        ) from None
+    if not value > 0:
+        raise DataError(f"prior '{prior:.40}': expected more than nothing, e.g. '0.5 failures' or '1000 h'")
+    return value
+
+
+def _square_of_variation(uncertainty: Uncertainty, beta: float) -> float:
+    """Squared coefficient of variation of θ^β."""
+    if uncertainty.error_factor is not None:
+        return math.expm1((beta * math.log(uncertainty.error_factor) / 1.6448536269514722) ** 2)
+    if uncertainty.failures is not None:
+        k = uncertainty.failures
+        return math.expm1(float(gammaln(k + 2 * beta) + gammaln(k) - 2 * gammaln(k + beta)))
+    powers = np.array(uncertainty.samples) ** beta
+    return max(float(powers.var() / powers.mean() ** 2), 1e-9)

@@ -1,0 +1,41 @@
+"""The message types that health is published in, as text with the texts of all types in it."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Literal
+
+from robophm.core.files import shipped
+
+if TYPE_CHECKING:
+    from rosbags.interfaces.typing import Typesdict
+    from rosbags.typesys.store import Typestore
+
+Generation = Literal[1, 2]
+"""Of ROS."""
+
+PACKAGE = "phm_msgs"
+"""The package of those that are not ROS's own (ros/phm_msgs)."""
+
+
+@cache
+def typestore(generation: Generation) -> Typestore:
+    """All types of one generation of ROS, those of phm_msgs among them."""
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store = get_typestore(Stores.ROS1_NOETIC if generation == 1 else Stores.LATEST)
+    folder = shipped(f"ros/{PACKAGE}")
+    texts = {file.stem: file.read_text(encoding="utf-8") for file in (folder / "msg").glob("*.msg")}
+    if generation == 1:  # has a time of its own
+        texts |= {file.stem: file.read_text(encoding="utf-8") for file in (folder / "ros1" / "msg").glob("*.msg")}
+    types: Typesdict = {}
+    for name, text in texts.items():
+        types |= get_types_from_msg(text, f"{PACKAGE}/msg/{name}")
+    store.register(types)
+    return store
+
+
+@cache
+def definition(type_: str, generation: Generation) -> str:
+    """The text of a type, ``phm_msgs/msg/Health``."""
+    return str(typestore(generation).generate_msgdef(type_, ros_version=generation)[0])

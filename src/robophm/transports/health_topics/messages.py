@@ -1,0 +1,208 @@
+"""What of a report goes into which message, as mappings of the messages' fields."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import count
+from typing import Any
+
+from robophm.core.signal import SECOND
+from robophm.health.prognosis import RemainingLife
+from robophm.health.report import VIEWS, ComponentHealth, HealthReport
+from robophm.health.subject import STALE, State, Subject
+from robophm.transports.sink import JudgedTask
+
+Fields = Mapping[str, Any]
+
+LEVELS: dict[State, int] = {"ok": 0, "warn": 1, "error": 2, "stale": 3}
+"""As diagnostic_msgs/DiagnosticStatus and phm_msgs/Health have them."""
+
+MOST_STATUSES = 50
+"""In one message of /diagnostics (REP-107), beyond which only the outermost modules are told."""
+
+COLOURS: dict[State, tuple[float, float, float]] = {
+    "ok": (0.0, 0.62, 0.45),
+    "warn": (0.90, 0.62, 0.0),
+    "error": (0.84, 0.37, 0.0),
+    "stale": (0.6, 0.6, 0.6),
+}
+"""Red, green and blue of a state; told apart by the colour-blind (Okabe and Ito, 2008)."""
+
+_NAN = float("nan")
+
+
+def stamp(time: int | None) -> Fields:
+    """builtin_interfaces/Time, or ``time`` of ROS 1."""
+    seconds, nanoseconds = divmod(time or 0, SECOND)
+    return {"sec": seconds, "nanosec": nanoseconds}
+
+
+def hazard_rates(report: HealthReport) -> Fields:
+    """phm_msgs/HazardRate of the 2020 tool [1/h]: the robot and its outermost modules."""
+    return _of_modules(report, "hazard_rate")
+
+
+def reliabilities(report: HealthReport) -> Fields:
+    """phm_msgs/Reliability of the 2020 tool: survival since new."""
+    return _of_modules(report, "reliability")
+
+
+def _of_modules(report: HealthReport, figure: str) -> Fields:
+    modules = [one for one in report.subjects if one.kind == "module" and "/" not in one.path]
+    return {
+        "stamp": stamp(report.time),
+        "system_value": getattr(report.system.nominal, figure),
+        "system_sensor_based_value": getattr(report.system.sensor_based, figure),
+        "module_names": [one.path for one in modules],
+        "module_values": [getattr(one.nominal, figure) for one in modules],
+        "module_sensor_based_values": [getattr(one.sensor_based, figure) for one in modules],
+    }
+
+
+def task_completions(time: int, actual: JudgedTask | None, predicted: JudgedTask | None) -> Fields:
+    """phm_msgs/Potc of the 2020 tool: time in h, distance in m; zero before there is any."""
+    return {"stamp": stamp(time), "actual_potc": _potc(actual), "predict_potc": _potc(predicted)}
+
+
+def _potc(task: JudgedTask | None) -> Fields:
+    if task is None:
+        return {}
+    return {
+        "potc_nominal_value": task.completion["nominal"].probability,
+        "potc_sensor_based_value": task.completion["sensor_based"].probability,
+        "potc_time": task.duration,
+        "potc_distance": task.distance,
+    }
+
+
+def task_completion(task: JudgedTask) -> Fields:
+    """phm_msgs/TaskCompletion."""
+    return {
+        "header": {"stamp": stamp(task.time)},
+        "topic": task.topic,
+        "duration": task.duration,
+        "distance": task.distance,
+        **{f"completion_{view}": task.completion[view].probability for view in VIEWS},
+        **{f"failure_{view}": task.completion[view].failure for view in VIEWS},
+    }
+
+
+def health(report: HealthReport, of: Subject | ComponentHealth) -> Fields:
+    """phm_msgs/Health; the remaining life of a component is sensor-based alone."""
+    if isinstance(of, Subject):
+        views = {view: getattr(of, view) for view in VIEWS}
+        rates, survival, failed, lives = (
+            {view: getattr(figures, name) for view, figures in views.items()}
+            for name in ("hazard_rate", "reliability", "unreliability", "remaining_life")
+        )
+        completions = {view: figures.completion for view, figures in views.items()}
+        state = of.state
+    else:
+        rates = {view: getattr(of, f"{view}_hazard_rate") for view in VIEWS}
+        survival = {view: getattr(of, f"{view}_reliability") for view in VIEWS}
+        failed = {view: getattr(of, f"{view}_unreliability") for view in VIEWS}
+        lives = {"nominal": None, "sensor_based": of.remaining_life}
+        completions = dict.fromkeys(VIEWS)
+        state = "stale" if any(flag.startswith(STALE) for flag in of.flags) else "ok"
+    fields: dict[str, Any] = {
+        "header": {"stamp": stamp(report.time)},
+        "path": of.path,
+        "state": LEVELS[state],
+        "stale": any(flag.startswith(STALE) for flag in of.flags),
+        "extrapolated": "extrapolated" in of.flags,
+    }
+    for view in VIEWS:
+        done, life = completions[view], lives[view]
+        fields |= {
+            f"hazard_rate_{view}": rates[view],
+            f"reliability_{view}": survival[view],
+            f"unreliability_{view}": failed[view],
+            f"completion_{view}": done.probability if done else _NAN,
+            f"failure_{view}": done.failure if done else _NAN,
+            **{f"remaining_life_{name}_{view}": value for name, value in _quantiles(life).items()},
+        }
+    return fields
+
+
+def _quantiles(life: RemainingLife | None) -> Mapping[str, float]:
+    names = ("early", "median", "late")
+    return {name: getattr(life, name) if life else _NAN for name in names}
+
+
+def diagnostics(report: HealthReport, node: str) -> Fields:
+    """diagnostic_msgs/DiagnosticArray by REP-107: one status for the robot and each module."""
+    told = [one for one in report.subjects if one.kind in ("robot", "module")]
+    if len(told) > MOST_STATUSES:
+        told = [one for one in told if "/" not in one.path][:MOST_STATUSES]
+    return {
+        "header": {"stamp": stamp(report.time)},
+        "status": [
+            {
+                "level": LEVELS[one.state],
+                "name": f"{node}: {one.path}",
+                "message": _words(one),
+                "hardware_id": report.robot,
+                "values": [{"key": key, "value": repr(value)} for key, value in _values(one).items()],
+            }
+            for one in told
+        ],
+    }
+
+
+def _words(one: Subject) -> str:
+    return "; ".join((*one.breaches, *one.warnings, *one.flags)) or "OK"
+
+
+def _values(one: Subject) -> dict[str, float]:
+    values: dict[str, float] = {}
+    for view in VIEWS:
+        figures, name = getattr(one, view), view.replace("_", "-")
+        values |= {
+            f"hazard rate, {name} [1/h]": figures.hazard_rate,
+            f"reliability, {name}": figures.reliability,
+        }
+        if life := figures.remaining_life:
+            values[f"remaining life, median, {name} [h]"] = life.median
+            values[f"remaining life, 5 %, {name} [h]"] = life.early
+        if done := figures.completion:
+            values[f"completion of the task, {name}"] = done.probability
+    return values
+
+
+def markers(report: HealthReport, frame: str) -> Fields:
+    """visualization_msgs/MarkerArray: a column of boxes above the robot, one for it and each module, and names."""
+    told = [one for one in report.subjects if one.kind in ("robot", "module")]
+    numbers = count()
+    found = []
+    for row, one in enumerate(reversed(told)):
+        red, green, blue = COLOURS[one.state]
+        depth = 0 if one.kind == "robot" else one.path.count("/") + 1
+        common = {"header": {"stamp": stamp(report.time), "frame_id": frame}, "frame_locked": True}
+        text = f"{one.path.rpartition('/')[2]}: {one.state.upper()}, λ {one.sensor_based.hazard_rate:.3g}/h, " \
+               f"R {one.sensor_based.reliability:.6g}"  # fmt: skip
+        for type_, across, scale, words in ((_BOX, 0.3 * depth, 0.2, ""), (_TEXT, 0.3 * depth + 1.2, 0.16, text)):
+            found.append(
+                {
+                    **common,
+                    "ns": "robophm",
+                    "id": next(numbers),
+                    "type": type_,
+                    "pose": {
+                        "position": {"x": 0.0, "y": -across, "z": 1.0 + 0.25 * row},
+                        "orientation": {"w": 1.0},
+                    },
+                    "scale": dict.fromkeys("xyz", scale),
+                    "color": {"r": red, "g": green, "b": blue, "a": 1.0},
+                    "text": words,
+                }
+            )
+    return {"markers": found}
+
+
+_BOX, _TEXT = 1, 9
+"""Marker.CUBE and Marker.TEXT_VIEW_FACING."""
+
+
+def told_of(report: HealthReport) -> Sequence[Subject | ComponentHealth]:
+    """All that has a topic of its own: robot and modules, then components; not functions, whose names may be theirs."""
+    return [*(one for one in report.subjects if one.kind in ("robot", "module")), *report.components]

@@ -1,0 +1,42 @@
+"""How either generation of ROS is published to, by the names of nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from robophm.transports.health_topics.definitions import Generation, definition
+
+
+class Publisher(Protocol):
+    """Of one topic."""
+
+    def publish(self, message: Any) -> None:
+        """Send a message; never waits."""
+
+
+class Outlet:
+    """Nodes, made when they are first asked for, and their publishers.
+
+    ``node`` makes a node of a name, ``publisher`` a publisher of a node, topic, type and definition, as ``ros1`` and
+    ``ros2_dds`` have them.
+    """
+
+    def __init__(self, generation: Generation, node: Callable[[str], Any], publisher: Callable[..., Publisher]) -> None:
+        self.generation = generation
+        self._node = node
+        self._publisher = publisher
+        self._nodes: dict[str, Any] = {}
+
+    def publisher(self, node: str, topic: str, type_: str, *, latched: bool) -> Publisher:
+        """A publisher in the node of this name; raises SourceError where it cannot be."""
+        if node not in self._nodes:
+            self._nodes[node] = self._node(node)
+        spelled = type_.replace("/msg/", "/") if self.generation == 1 else type_
+        return self._publisher(self._nodes[node], topic, spelled, definition(type_, self.generation), latched=latched)
+
+    def close(self) -> None:
+        """End all nodes, and with them their publishers; twice does no harm."""
+        for node in self._nodes.values():
+            node.close()
+        self._nodes.clear()

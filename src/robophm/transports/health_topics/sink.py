@@ -1,0 +1,109 @@
+"""The sink: what is published, and when."""
+
+from __future__ import annotations
+
+import threading
+from contextlib import ExitStack
+from typing import Any
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import SECOND
+from robophm.design.robot import Robot
+from robophm.health.report import HealthReport
+from robophm.transports.health_topics import messages
+from robophm.transports.health_topics.compose import compose
+from robophm.transports.health_topics.definitions import PACKAGE, typestore
+from robophm.transports.health_topics.names import topics_of
+from robophm.transports.health_topics.outlet import Outlet, Publisher
+from robophm.transports.sink import JudgedTask, ReportSink
+
+MOST_TOPICS = 200
+"""Modules and components with topics of their own; beyond them there is none."""
+
+HAZARD_RATE_NODE = "phm_hazard_rate_calculation_node"
+RELIABILITY_NODE = "phm_reliability_estimation_node"
+COMPLETION_NODE = "phm_robot_task_completion_node"
+"""As the paper names them (Figure 18)."""
+
+DIAGNOSTICS_EVERY = SECOND
+"""Nanoseconds between two messages on /diagnostics (REP-107)."""
+
+
+class HealthTopics(ReportSink):
+    """Publishes a robot's health to ROS, below a namespace; a context manager.
+
+    phm_hazard_rate, phm_reliability and phm_potc as the 2020 tool did, and health by phm_msgs/Health for the robot, and
+    each module and component; phm/task_predicted, phm/task_actual; phm/markers; /diagnostics. All but /diagnostics are
+    latched.
+
+    Raises SourceError where the namespace is none.
+    """
+
+    def __init__(self, robot: Robot, outlet: Outlet, *, namespace: str = "/", frame: str = "base_link") -> None:
+        if not namespace.startswith("/"):
+            raise SourceError(f"namespace '{namespace}' is none; expected it to begin with '/', e.g. /ota")
+        self._root = namespace.rstrip("/")
+        self._outlet = outlet
+        self._frame = frame
+        self._store: Any = typestore(outlet.generation)
+        self._publishers: dict[str, tuple[Publisher, str]] = {}
+        self._lock = threading.Lock()
+        self._latest: dict[bool, JudgedTask] = {}
+        self._diagnosed = 0
+        paths = [robot.name, *(f"{robot.name}/{module.path}" for module in robot.all_modules())]
+        paths += [f"{robot.name}/{part.path}" for part in robot.all_components()]
+        self._topics = dict(list(topics_of(paths, f"{self._root}/phm").items())[:MOST_TOPICS])
+        self.left_out = len(paths) - len(self._topics)
+        """Modules and components that have no topic."""
+        with ExitStack() as undo:
+            undo.callback(self.close)
+            self._open(HAZARD_RATE_NODE, f"{self._root}/phm_hazard_rate", f"{PACKAGE}/msg/HazardRate")
+            self._open(RELIABILITY_NODE, f"{self._root}/phm_reliability", f"{PACKAGE}/msg/Reliability")
+            self._open(COMPLETION_NODE, f"{self._root}/phm_potc", f"{PACKAGE}/msg/Potc")
+            for name in ("predicted", "actual"):
+                self._open(COMPLETION_NODE, f"{self._root}/phm/task_{name}", f"{PACKAGE}/msg/TaskCompletion")
+            for topic in self._topics.values():
+                self._open(HAZARD_RATE_NODE, topic, f"{PACKAGE}/msg/Health")
+            self._open(HAZARD_RATE_NODE, f"{self._root}/phm/markers", "visualization_msgs/msg/MarkerArray")
+            self._open(HAZARD_RATE_NODE, "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", latched=False)
+            undo.pop_all()
+
+    def _open(self, node: str, topic: str, type_: str, *, latched: bool = True) -> None:
+        self._publishers[topic] = self._outlet.publisher(f"{self._root}/{node}", topic, type_, latched=latched), type_
+
+    def publish(self, report: HealthReport) -> None:
+        """Hazard rates and reliabilities, then all else."""
+        self._send(f"{self._root}/phm_hazard_rate", messages.hazard_rates(report))
+        self._send(f"{self._root}/phm_reliability", messages.reliabilities(report))
+        for one in messages.told_of(report):
+            path = one.path if one is report.system else f"{report.robot}/{one.path}"
+            if topic := self._topics.get(path):
+                self._send(topic, messages.health(report, one))
+        self._send(f"{self._root}/phm/markers", messages.markers(report, self._frame))
+        time = report.time or 0
+        if not 0 <= time - self._diagnosed < DIAGNOSTICS_EVERY:
+            self._diagnosed = time
+            self._send("/diagnostics", messages.diagnostics(report, f"{self._root}/{HAZARD_RATE_NODE}".lstrip("/")))
+        self._send_completions(time)
+
+    def judged(self, task: JudgedTask) -> None:
+        """Of the tasks on phm_potc the latest."""
+        self._latest[task.done] = task
+        self._send(f"{self._root}/phm/task_{'actual' if task.done else 'predicted'}", messages.task_completion(task))
+        self._send_completions(task.time)
+
+    def _send_completions(self, time: int) -> None:
+        fields = messages.task_completions(time, self._latest.get(True), self._latest.get(False))
+        self._send(f"{self._root}/phm_potc", fields)
+
+    def _send(self, topic: str, fields: messages.Fields) -> None:
+        with self._lock:
+            if entry := self._publishers.get(topic):
+                publisher, type_ = entry
+                publisher.publish(compose(self._store, type_, fields))
+
+    def close(self) -> None:
+        """Publish no longer; twice does no harm."""
+        with self._lock:
+            self._publishers.clear()
+            self._outlet.close()

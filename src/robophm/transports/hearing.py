@@ -1,0 +1,166 @@
+"""What all live sources do with a message that has come: its numbers get their time, and wait to be taken."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from queue import SimpleQueue
+
+from robophm.core.signal import CLOCK, SECOND, Sample
+from robophm.transports.notes import Notes
+from robophm.transports.reading import LARGE, Reading
+from robophm.transports.recording import STAMP_LIMIT
+from robophm.transports.source import Told
+
+CLOCK_TOPIC = "/clock"
+"""Where the time comes from under use_sim_time (wiki.ros.org/Clock, design.ros2.org/articles/clock_and_time)."""
+
+QUEUE = 100_000
+"""Samples that may wait to be taken; further ones are dropped and counted."""
+
+MOST_WHOLE = 200
+"""Whole messages that may wait."""
+
+TICK = 0.5
+"""Seconds between two clock samples, at most."""
+
+_clock_of = attrgetter("clock.sec", "clock.nanosec")
+
+
+@dataclass
+class Count:
+    """Messages of a topic, and their receipt [ns]."""
+
+    messages: int
+    first: int
+    last: int
+
+
+class Hearing:
+    """Gives messages their time; puts samples, those of the clock, and whole messages in order. All in one thread."""
+
+    def __init__(
+        self, notes: Notes, put: Callable[[Sequence[Sample | Told]], None], whole: Collection[str], *, simulated: bool
+    ) -> None:
+        self.simulated = simulated
+        """Receipt is the time of /clock."""
+        self.whole = frozenset(whole)
+        """Topics whose messages are wanted as they are."""
+        self.counts: dict[str, Count] = {}
+        self._notes = notes
+        self._put = put
+        self._now = 0
+        """The time of /clock; 0 before it is heard."""
+        self._told = 0
+        """The latest clock sample."""
+        self._latest = 0
+
+    def message(self, reading: Reading, raw: bytes, before: int | None) -> int | None:
+        """A message has come; ``before`` is the number in the sequence of the one before it, as is returned of this."""
+        topic = reading.topic
+        try:
+            if self.simulated and topic == CLOCK_TOPIC:
+                self._set_clock(reading, raw)
+            numbers = reading.read(raw)
+        except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
+            self._notes.add(f"unreadable message on {topic}")
+            if topic in self.whole and (receipt := self._receipt()):
+                self._put([Told(receipt, topic, None)])
+            return before
+        if numbers.sequence is not None and before is not None and numbers.sequence > before + 1:
+            self._notes.add(f"sequence gap on {topic}", numbers.sequence - before - 1)
+        if not (receipt := self._receipt()):
+            self._notes.add(f"before the first time of {CLOCK_TOPIC}, dropped {topic}")
+            return numbers.sequence
+        if receipt < self._latest:
+            self._notes.add(f"receipt time goes backwards on {topic}")
+        self._latest = receipt
+        count = self.counts.setdefault(topic, Count(0, receipt, receipt))
+        count.messages += 1
+        count.last = receipt
+        at = numbers.stamp
+        if at == 0 or abs(at - receipt) > STAMP_LIMIT:
+            if numbers.values:
+                self._notes.add(f"receipt time used for {topic}")
+            at = receipt
+        for signal in numbers.absent:
+            self._notes.add(f"no element for {signal}")
+        heard: list[Sample | Told] = [Sample(at, signal, value) for signal, value in numbers.values]
+        if topic in self.whole:
+            if numbers.message is None:
+                self._notes.add(f"message on {topic} longer than {LARGE} bytes")
+            heard.append(Told(receipt, topic, numbers.message))
+        self._put(heard)
+        return numbers.sequence
+
+    def tell(self) -> None:
+        """A clock sample: silence is heard too."""
+        if now := self._receipt():
+            self._told = now
+            self._put([Sample(now, CLOCK, math.nan)])
+
+    def _receipt(self) -> int:
+        """The time that what comes now gets; 0 before there is any."""
+        return self._now if self.simulated else time.time_ns()
+
+    def _set_clock(self, reading: Reading, raw: bytes) -> None:
+        seconds, nanoseconds = _clock_of(reading.type.decode(raw))
+        now = seconds * SECOND + nanoseconds
+        if now < self._now:
+            self._notes.add(f"time goes backwards on {CLOCK_TOPIC}")
+        self._now = self._latest = now
+        if not 0 <= now - self._told < SECOND:
+            self.tell()
+
+
+class Queue:
+    """What waits to be taken, up to a number; what comes beyond it is dropped and counted."""
+
+    def __init__(self, notes: Notes, most: int) -> None:
+        self._notes = notes
+        self._most = most
+        self._waiting: SimpleQueue[Sample | Told | None] = SimpleQueue()
+        self._whole_put = self._whole_taken = 0  # each by one thread alone
+        self._over = threading.Event()
+
+    def put(self, heard: Sequence[Sample | Told]) -> None:
+        """All of one message, or nothing."""
+        whole = sum(isinstance(one, Told) for one in heard)
+        if self._waiting.qsize() + len(heard) > self._most or (
+            whole and self._whole_put - self._whole_taken >= MOST_WHOLE
+        ):
+            for one in heard:
+                self._notes.add(f"queue full, dropped {one.signal if isinstance(one, Sample) else one.topic}")
+            return
+        self._whole_put += whole
+        for one in heard:
+            self._waiting.put(one)
+
+    def end(self) -> None:
+        """Let whoever takes have what is there, and no more."""
+        self._waiting.put(None)
+
+    def close(self) -> None:
+        """Let whoever takes go at once."""
+        self._over.set()
+        self._waiting.put(None)
+
+    def taken(self, close: Callable[[], None]) -> Iterator[Sample | Told]:
+        """Until the end, or the taker has enough, which calls ``close``."""
+        try:
+            while (heard := self._waiting.get()) is not None and not self._over.is_set():
+                if isinstance(heard, Told):
+                    self._whole_taken += 1
+                yield heard
+        finally:
+            if not self._over.is_set():  # otherwise somebody else is closing, which may take longer
+                close()
+
+
+def tick_of(period: float) -> float:
+    """Seconds between two clock samples: a whole part of the period, TICK at most."""
+    return period / math.ceil(period / TICK)

@@ -1,0 +1,38 @@
+"""What live transports count, and what they say of others that do not do as they should."""
+
+from __future__ import annotations
+
+from collections import Counter
+from threading import Lock
+
+from robophm.core.errors import SourceError
+
+
+class PeerError(SourceError):
+    """What another process of the ROS graph did not do as it should; ``kind`` is how it is counted."""
+
+    def __init__(self, text: str, kind: str) -> None:
+        super().__init__(text)
+        self.kind = kind
+
+
+class TypeRefusedError(PeerError):
+    """A type that cannot be read: one without a definition, or without a field that is wanted."""
+
+
+class Notes(Counter[str]):
+    """Counts that several threads add to; to go through them meanwhile, go through a ``copy()``."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._lock = Lock()
+
+    def add(self, text: str, count: int = 1) -> None:
+        """Count once more, or several times."""
+        with self._lock:
+            self[text] += count
+
+    def copy(self) -> Counter[str]:  # type: ignore[override]
+        """What is counted so far."""
+        with self._lock:
+            return Counter(self)

@@ -1,0 +1,199 @@
+"""Types of messages by name: where their definitions are looked for, and the hash by which a publisher proves its own.
+
+DDS carries no definition of ROS's. It is looked for in the installations that AMENT_PREFIX_PATH names, then in what
+rosbags brings of each distribution, until one has the hash that the publisher tells (REP-2011; Iron and later).
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from robophm.core.errors import SourceError
+from robophm.transports.message_type import MessageType, message_type
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
+MOST_PARTS = 200
+"""Types in a type, beyond which a definition is taken to be damaged."""
+
+LONGEST_FILE = 1 << 20
+"""Bytes of a definition's file, beyond which it is not believed to be one."""
+
+DISTRIBUTIONS = ("LATEST", "ROS2_KILTED", "ROS2_JAZZY", "ROS2_IRON", "ROS2_HUMBLE")
+"""Where types are looked for that are not installed, by rosbags' names."""
+
+_NAME = re.compile(r"[A-Za-z]\w*/(msg|srv|action)/[A-Za-z]\w*\Z", re.ASCII)
+_DDS_NAME = re.compile(r"([A-Za-z]\w*)::(msg|srv|action)::dds_::([A-Za-z]\w*)_\Z", re.ASCII)
+_SEPARATOR = "\n" + "=" * 80 + "\nMSG: "
+
+
+@dataclass(frozen=True)
+class Definition:
+    """A type whose definition was found."""
+
+    type: MessageType
+    hash: str
+    """``RIHS01_`` and a digest of the structure, as rosidl makes it."""
+    origin: str
+    """Where it was found."""
+
+
+def ros2_name(name: str) -> str:
+    """``std_msgs/msg/Float64``, also of a name without the middle, as ROS 1 spells it. Raises SourceError."""
+    full = name if name.count("/") != 1 else name.replace("/", "/msg/")
+    if not _NAME.match(full):
+        raise SourceError(f"'{name[:200]}' is not a type; expected e.g. 'std_msgs/msg/Float64'")
+    return full
+
+
+def dds_name(name: str) -> str:
+    """``std_msgs::msg::dds_::Float64_`` of ``std_msgs/msg/Float64``."""
+    package, kind, last = name.split("/")
+    return f"{package}::{kind}::dds_::{last}_"
+
+
+def name_of_dds(name: str) -> str | None:
+    """``std_msgs/msg/Float64`` of ``std_msgs::msg::dds_::Float64_``; None where it is no type of ROS."""
+    match = _DDS_NAME.match(name)
+    return "/".join(match.groups()) if match else None
+
+
+def defined(topic: str, name: str, text: str) -> Definition:
+    """A type by the text of its definition, as recordings have it. Raises SourceError where it cannot be read."""
+    return _compiled(topic, ros2_name(name), text, "its publisher")
+
+
+def known(topic: str, name: str, told: str = "", *, newest: bool = False) -> Definition:
+    """The definition of a type that has the hash which was told; the first that is found where none was.
+
+    Where it is not installed that is Humble's, which tells no hashes, or the ``newest``.
+
+    Raises SourceError, which says how to give it, where there is none.
+    """
+    others: dict[str, list[str]] = {"another hash": [], "a damaged definition": []}
+    for text, origin in _texts(name, newest=newest or bool(told)):
+        try:
+            found = _compiled(topic, name, text, origin)
+        except SourceError:
+            others["a damaged definition"].append(origin)
+            continue
+        if told in ("", found.hash):
+            return found
+        others["another hash"].append(origin)
+    package, kind, last = name.split("/")
+    seen = "".join(f"; {', '.join(origins)}: {what}" for what, origins in others.items() if origins)
+    raise SourceError(
+        f"topic '{topic}': no definition of its type '{name}'{f' of hash {told}' if told else ''} is known{seen}; "
+        f"expected share/{package}/{kind}/{last}.msg in a folder of AMENT_PREFIX_PATH"
+    )
+
+
+def _compiled(topic: str, name: str, text: str, origin: str) -> Definition:
+    from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition, MessageDefinitionFormat
+
+    definition = MessageDefinition(MessageDefinitionFormat.MSG, text)
+    type_ = message_type(Connection(0, topic, name, definition, "", 0, ConnectionExtRosbag2("cdr", []), None))
+    return Definition(type_, _hash(type_), origin)
+
+
+def _hash(type_: MessageType) -> str:
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.EMPTY)
+    for name, (constants, fields) in type_.definitions.items():
+        store.fielddefs[name] = (constants, [(field, _as_rosidl(part)) for field, part in fields])
+    return store.hash_rihs01(type_.name)
+
+
+def _as_rosidl(part: Any) -> Any:
+    """rosidl takes char of a .msg for uint8 (design.ros2.org: ROS 2 interfaces), rosbags for IDL's."""
+    from rosbags.interfaces import Nodetype
+
+    node, detail = part
+    if node in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+        return node, (_as_rosidl(detail[0]), detail[1])
+    return (node, ("uint8", 0)) if node == Nodetype.BASE and detail[0] == "char" else part
+
+
+def _texts(name: str, *, newest: bool) -> Iterator[tuple[str, str]]:
+    """Definitions of a type, and where each was found."""
+    from rosbags.typesys import Stores, get_typestore
+
+    for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
+        if (text := _installed(Path(prefix), name)) is not None:
+            yield text, prefix
+    for distribution in DISTRIBUTIONS if newest else DISTRIBUTIONS[::-1]:
+        store = get_typestore(Stores[distribution])
+        if name in store.fielddefs:
+            yield _generated(store, name), f"ROS 2 {distribution.removeprefix('ROS2_').title()}"
+
+
+def _generated(store: Typestore, name: str) -> str:
+    return str(store.generate_msgdef(name, ros_version=2)[0])
+
+
+def _installed(prefix: Path, name: str) -> str | None:
+    """The texts of a type and of all types in it; None where one of them is neither here nor in rosbags."""
+    from rosbags.interfaces import Nodetype
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    texts: dict[str, str] = {}
+    waiting = [name]
+    others: Typestore | None = None
+    while waiting:
+        part = waiting.pop()
+        if part in texts:
+            continue
+        text = _file(prefix, part)
+        if text is None:
+            if not texts:
+                return None
+            others = others or get_typestore(Stores.LATEST)
+            if part not in others.fielddefs:
+                return None
+            text = _generated(others, part).partition("\n" + "=" * 80)[0]
+        texts[part] = text
+        if len(texts) > MOST_PARTS:
+            return None
+        try:
+            fields = get_types_from_msg(text, part)[part][1]
+        except Exception:  # whatever the parser raises: compiling it says what is wrong
+            continue
+        for _, (node, detail) in fields:
+            inner: Any = detail[0] if node in (Nodetype.ARRAY, Nodetype.SEQUENCE) else (node, detail)
+            if inner[0] == Nodetype.NAME:
+                waiting.append(inner[1])
+    return _SEPARATOR.join([texts[name], *(f"{part}\n{texts[part]}" for part in texts if part != name)])
+
+
+def _file(prefix: Path, name: str) -> str | None:
+    """The text of one type in an installation."""
+    package, kind, last = name.split("/")
+    folder = prefix / "share" / package / kind
+    try:
+        if kind == "action":
+            return _of_action(folder, package, last)
+        path = folder / f"{last}.msg"
+        if path.stat().st_size <= LONGEST_FILE:
+            return path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        pass
+    return None
+
+
+def _of_action(folder: Path, package: str, last: str) -> str | None:
+    """The feedback of an action as a type: rosidl makes it of the third part of the action's file."""
+    action, _, kind = last.partition("_")
+    if kind == "FeedbackMessage":
+        return f"unique_identifier_msgs/UUID goal_id\n{package}/action/{action}_Feedback feedback\n"
+    path = folder / f"{action}.action"
+    if kind != "Feedback" or path.stat().st_size > LONGEST_FILE:
+        return None
+    parts = re.split(r"^---\s*$", path.read_text(encoding="utf-8", errors="replace"), flags=re.M)
+    return parts[2] if len(parts) == 3 else None

@@ -1,0 +1,82 @@
+"""What ROS 2 takes from the environment: the domain, and how far nodes look for each other; in Cyclone's words."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from xml.sax.saxutils import quoteattr
+
+from robophm.core.errors import SourceError, nearest
+
+LAST_DOMAIN = 232
+"""The ports of a higher one are none (docs.ros.org: The ROS_DOMAIN_ID)."""
+
+MOST_PARTICIPANTS = 32
+"""Processes of a machine that are looked for without multicast; ROS's own Cyclone looks for as many."""
+
+RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
+"""Values of ROS_AUTOMATIC_DISCOVERY_RANGE."""
+
+LONGEST_MESSAGE = 64 << 20
+"""Bytes of a message, beyond which it is not put together."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where in the network of ROS 2 we are."""
+
+    domain: int
+    config: str
+    """Of Cyclone DDS: XML fragments, and what CYCLONEDDS_URI names."""
+
+
+def place(domain: int | None = None) -> Place:
+    """From ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS, ROS_LOCALHOST_ONLY and CYCLONEDDS_URI.
+
+    As rmw_cyclonedds maps them, but that LOCALHOST is loopback alone. Raises SourceError where a value is none.
+    """
+    if domain is None:
+        domain = _domain(os.environ.get("ROS_DOMAIN_ID") or "0")
+    if not 0 <= domain <= LAST_DOMAIN:
+        raise SourceError(f"{domain} is not a ROS domain; expected 0 to {LAST_DOMAIN}")
+    reach = (os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") or "SUBNET").upper()
+    if reach not in RANGES:
+        hint = nearest(reach, RANGES)
+        raise SourceError(f"ROS_AUTOMATIC_DISCOVERY_RANGE is '{reach}'; expected {', '.join(RANGES)}{hint}")
+    peers = [peer for peer in os.environ.get("ROS_STATIC_PEERS", "").split(";") if peer.strip()]
+    if os.environ.get("ROS_LOCALHOST_ONLY") == "1":  # the older way to say it, which wins as long as it is there
+        reach, peers = "LOCALHOST", []
+    own = os.environ.get("CYCLONEDDS_URI")
+    return Place(domain, ",".join(part for part in (_config(reach, peers), own) if part))
+
+
+def _domain(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise SourceError(f"ROS_DOMAIN_ID is '{text}'; expected a number from 0 to {LAST_DOMAIN}") from None
+
+
+def _config(reach: str, peers: list[str]) -> str:
+    general, discovery = "", ""
+    if reach in ("LOCALHOST", "OFF"):
+        general += "<AllowMulticast>false</AllowMulticast>"
+    if reach == "LOCALHOST":
+        # a machine that is named as a peer is reached through its own interface
+        general += "" if peers else '<Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces>'
+        peers = ["127.0.0.1", *peers]
+    if reach == "OFF":
+        discovery += f"<ParticipantIndex>none</ParticipantIndex><Tag>ros_discovery_off_{os.getpid()}</Tag>"
+    elif reach != "SYSTEM_DEFAULT":
+        discovery += (
+            "<ParticipantIndex>auto</ParticipantIndex>"
+            f"<MaxAutoParticipantIndex>{MOST_PARTICIPANTS}</MaxAutoParticipantIndex>"
+        )
+        if peers:
+            addresses = "".join(f"<Peer address={quoteattr(peer.strip())}/>" for peer in peers)
+            discovery += f"<Peers>{addresses}</Peers>"
+    return (
+        f'<CycloneDDS><Domain id="any"><General>{general}</General>'
+        f"<Discovery>{discovery}</Discovery>"
+        f"<Internal><MaxSampleSize>{LONGEST_MESSAGE}B</MaxSampleSize></Internal></Domain></CycloneDDS>"
+    )

@@ -1,0 +1,123 @@
+"""Node names: DDS knows participants only; of each, ROS 2 tells on a topic of its own which nodes are in it."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from robophm.core.errors import SourceError
+from robophm.transports.message_type import serialized
+from robophm.transports.ros2_dds.cyclone import Participant, Writer
+from robophm.transports.ros2_dds.definition import known
+from robophm.transports.ros2_dds.environment import Place, place
+
+TOPIC = "ros_discovery_info"
+"""Where every participant tells of its nodes (rmw_dds_common)."""
+
+DISCOVERY_SECONDS = 2.0
+"""From the making of a participant until those who were there before are taken to be known."""
+
+_INFO = "rmw_dds_common/msg/ParticipantEntitiesInfo"
+_OPEN: dict[int, Graph] = {}
+_LOCK = threading.RLock()
+
+
+class Graph:
+    """The participant of this process in a domain, and the nodes in it; had by ``join``, given back by ``leave``."""
+
+    def __init__(self, where: Place) -> None:
+        self.place = where
+        self.users = 0
+        self._born = time.monotonic()
+        self.participant = Participant(where.domain, where.config)
+        self._nodes: dict[str, tuple[set[bytes], set[bytes]]] = {}
+        definition = known(TOPIC, _INFO, newest=True)
+        self._types: dict[str, Any] = definition.type.types
+        self._type = definition.type
+        user_data = f"typehash={definition.hash};".encode()
+        self._writer = Writer(self.participant, TOPIC, definition, latched=True, user_data=user_data)
+
+    def settle(self) -> None:
+        """Wait until those who were there before us can be known."""
+        time.sleep(max(0.0, self._born + DISCOVERY_SECONDS - time.monotonic()))
+
+    def add(self, name: str) -> None:
+        """A node. Raises SourceError where there is one of this name here."""
+        with _LOCK:
+            if name in self._nodes:
+                raise SourceError(f"this process has a node {name} already")
+            self._nodes[name] = (set(), set())
+            self._tell()
+
+    def remove(self, name: str) -> None:
+        """It is no more."""
+        with _LOCK:
+            if self._nodes.pop(name, None):
+                self._tell()
+
+    def reads(self, name: str, gids: Iterable[bytes]) -> None:
+        """All that a node reads."""
+        with _LOCK:
+            if name in self._nodes:
+                self._nodes[name] = set(gids), self._nodes[name][1]
+                self._tell()
+
+    def writes(self, name: str, gids: Iterable[bytes]) -> None:
+        """All that a node writes."""
+        with _LOCK:
+            if name in self._nodes:
+                self._nodes[name] = self._nodes[name][0], set(gids)
+                self._tell()
+
+    def _tell(self) -> None:
+        info, node, gid = (
+            self._types[f"rmw_dds_common/msg/{name}"] for name in ("ParticipantEntitiesInfo", "NodeEntitiesInfo", "Gid")
+        )
+        array: Any = self._type.definitions["rmw_dds_common/msg/Gid"][1][0][1]
+        length = array[1][1]  # 24 in Humble, 16 since
+
+        def padded(raw: bytes) -> Any:
+            return gid(data=np.frombuffer(raw.ljust(length, b"\0"), np.uint8))
+
+        nodes = [
+            node(
+                node_namespace=name.rpartition("/")[0] or "/",
+                node_name=name.rpartition("/")[2],
+                reader_gid_seq=[padded(raw) for raw in sorted(readers)],
+                writer_gid_seq=[padded(raw) for raw in sorted(writers)],
+            )
+            for name, (readers, writers) in self._nodes.items()
+        ]
+        message = info(gid=padded(self.participant.gid), node_entities_info_seq=nodes)
+        self._writer.write(serialized(self._type, message))
+
+
+def join(domain: int | None = None) -> Graph:
+    """The graph of this process in a domain, or that of ROS_DOMAIN_ID.
+
+    Raises SourceError where DDS cannot be had, or this process is in the domain with other settings.
+    """
+    where = place(domain)
+    with _LOCK:
+        graph = _OPEN.get(where.domain)
+        if graph is None:
+            graph = _OPEN[where.domain] = Graph(where)
+        elif graph.place != where:
+            raise SourceError(
+                f"domain {where.domain} is in use by this process; expected the same settings of discovery"
+            )
+        graph.users += 1
+        return graph
+
+
+def leave(graph: Graph) -> None:
+    """Once for every ``join``; the last ends the participant."""
+    with _LOCK:
+        graph.users -= 1
+        if graph.users == 0:
+            del _OPEN[graph.place.domain]
+            graph.participant.close()

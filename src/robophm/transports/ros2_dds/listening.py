@@ -1,0 +1,206 @@
+"""Listening to topics: a reader for each type that a topic is published in, made when publishers come and change."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from robophm.core.errors import SourceError
+from robophm.transports.hearing import CLOCK_TOPIC, TICK, Hearing
+from robophm.transports.notes import Notes, TypeRefusedError
+from robophm.transports.reading import Reading
+from robophm.transports.ros2_dds.cyclone import Discovery, Offer, Reader, Waiting
+from robophm.transports.ros2_dds.definition import Definition, known, name_of_dds
+from robophm.transports.ros2_dds.node import Node
+
+_DAMAGED = "definition missing or damaged"
+
+
+@dataclass
+class Ear:
+    """What listens to one topic in one type."""
+
+    reader: Reader
+    reading: Reading
+    reliable: bool
+    latched: bool
+
+
+class Listening(threading.Thread):
+    """Listens to the topics of signals through a node. All that DDS tells is heard in this thread."""
+
+    def __init__(
+        self, node: Node, wanted: Mapping[str, Collection[str]], hearing: Hearing, notes: Notes, tick: float
+    ) -> None:
+        super().__init__(name=f"ros2 {node.name}", daemon=True)
+        self.mistake: SourceError | None = None
+        """The first signal that a topic does not have, or type that cannot be read."""
+        self._node = node
+        self._notes = notes
+        self._hearing = hearing
+        all_wanted = dict.fromkeys(hearing.whole, ()) | dict(wanted)
+        if hearing.simulated:
+            all_wanted.setdefault(CLOCK_TOPIC, ())
+        self._wanted = {f"rt{topic}": (topic, signals) for topic, signals in all_wanted.items()}
+        self._every = tick
+        self._participant = node.graph.participant
+        self._discovery = Discovery(self._participant)
+        self._waiting = Waiting(self._participant)
+        self._waiting.add(self._discovery.entity)
+        self._ears: dict[tuple[str, str], Ear] = {}
+        """By topic and hash of the type."""
+        self._published: dict[str, dict[int, str]] = {}
+        """Of each topic that was ever published: its publishers, and the hash of what each publishes."""
+        self._definitions: dict[tuple[str, bytes], Definition | TypeRefusedError] = {}
+        self._refused: set[int] = set()
+        """Publishers that were refused, each counted once."""
+        self._refused_before = self._participant.refused()
+        """Messages that Cyclone has refused."""
+        self._over = threading.Event()
+        self._discovery.look()
+        self._match()
+
+    def run(self) -> None:
+        """Until ``close``."""
+        latest = 0.0
+        while not self._over.is_set():
+            try:
+                self._waiting.wait(self._every - time.time() % self._every)
+                if self._discovery.look():
+                    self._match()
+                for ear in self._ears.values():
+                    self._hear(ear)
+                if (begun := time.time() // self._every) != latest:
+                    latest = begun
+                    self._tick()
+            except Exception:
+                # a fault of ours must not end the listening; it is counted and logged
+                self._notes.add("internal error")
+                logging.getLogger(__name__).exception("in %s", self.name)
+                self._over.wait(TICK)
+
+    def close(self) -> None:
+        """End the thread and all readers."""
+        self._over.set()
+        self._waiting.wake()
+        if self.is_alive():
+            self.join()
+        self._waiting.close()
+        for ear in self._ears.values():
+            ear.reader.close()
+        self._discovery.close()
+
+    def _hear(self, ear: Ear) -> None:
+        while (taken := ear.reader.take()) and not self._over.is_set():
+            here = self._published[ear.reading.topic]
+            for message in taken:
+                # two definitions of one name: each is read by its own
+                if here.get(message.key, ear.reading.identity) == ear.reading.identity:
+                    self._hearing.message(ear.reading, message.raw, None)
+
+    def _tick(self) -> None:
+        self._hearing.tell()
+        for ear in self._ears.values():
+            topic = ear.reading.topic
+            if lost := ear.reader.lost():
+                self._notes.add(f"lost on the way on {topic}", lost)
+            if full := ear.reader.overrun():
+                self._notes.add(f"came too fast, some may be lost on {topic}", full)
+            if refused := ear.reader.refused():
+                self._notes.add(f"incompatible publisher on {topic}", refused)
+        refused_before, self._refused_before = self._refused_before, self._participant.refused()
+        for name, count in (self._refused_before - refused_before).items():
+            if name in self._wanted:
+                self._notes.add(f"unreadable message on {self._wanted[name][0]}", count)
+
+    def _match(self) -> None:
+        """Have a reader for every type of every topic that is published, one that goes with all its publishers."""
+        self._refused &= self._discovery.offers.keys()
+        for name, (topic, signals) in self._wanted.items():
+            groups: dict[str, list[tuple[Offer, Reading]]] = {}
+            for offer in self._discovery.offers.values():
+                if offer.topic == name and (reading := self._reading(topic, signals, offer)):
+                    groups.setdefault(reading.identity, []).append((offer, reading))
+            if groups or topic in self._published:
+                self._follow(topic, {offer.key: hash_ for hash_, some in groups.items() for offer, _ in some})
+            for hash_, some in groups.items():
+                self._listen(topic, hash_, [offer for offer, _ in some], some[0][1])
+            if groups:
+                for key in [key for key in self._ears if key[0] == topic and key[1] not in groups]:
+                    self._ears.pop(key).reader.close()
+        self._node.graph.reads(self._node.name, [ear.reader.gid for ear in self._ears.values()])
+
+    def _follow(self, topic: str, now: dict[int, str]) -> None:
+        """Count who has come and gone."""
+        before = self._published.get(topic)
+        self._published[topic] = now
+        if before is None:
+            return
+        if gone := len(before.keys() - now.keys()):
+            self._notes.add(f"connection lost on {topic}", gone)
+        if come := now.keys() - before.keys():
+            self._notes.add(f"connected again to {topic}", len(come))
+            known_types = {key[1] for key in self._ears if key[0] == topic}
+            if changed := len({now[key] for key in come} - known_types):
+                self._notes.add(f"type changed on {topic}", changed)
+
+    def _listen(self, topic: str, hash_: str, offers: list[Offer], reading: Reading) -> None:
+        reliable, latched = all(offer.reliable for offer in offers), all(offer.latched for offer in offers)
+        ear = self._ears.get((topic, hash_))
+        if ear and ear.reliable <= reliable and ear.latched <= latched:
+            return
+        if ear:
+            self._hear(ear)
+            ear.reader.close()
+            self._notes.add(f"subscribed again to {topic}, for a publisher that offers less")
+        found = self._definition(topic, offers[0])
+        assert isinstance(found, Definition)
+        reader = Reader(self._participant, f"rt{topic}", found, reliable=reliable, latched=latched)
+        self._waiting.add(reader.entity)
+        self._ears[topic, hash_] = Ear(reader, reading, reliable, latched)
+
+    def _reading(self, topic: str, signals: Collection[str], offer: Offer) -> Reading | None:
+        """How what is offered is read; None, and counted once for each publisher, where it cannot be."""
+        found = self._definition(topic, offer)
+        try:
+            if isinstance(found, TypeRefusedError):
+                raise found
+            ear = self._ears.get((topic, found.hash))
+            return ear.reading if ear else Reading(topic, found.type, signals, found.hash)
+        except TypeRefusedError as error:
+            self._refuse(topic, offer, error)
+            return None
+
+    def _refuse(self, topic: str, offer: Offer, error: TypeRefusedError) -> None:
+        if offer.key not in self._refused:
+            self._refused.add(offer.key)
+            self._notes.add(f"{error.kind} on {topic}")
+            self.mistake = self.mistake or error
+
+    def _definition(self, topic: str, offer: Offer) -> Definition | TypeRefusedError:
+        key = offer.type, offer.user_data
+        if key not in self._definitions:
+            try:
+                self._definitions[key] = definition_of(topic, offer)
+            except SourceError as error:
+                self._definitions[key] = TypeRefusedError(str(error), _DAMAGED)
+        return self._definitions[key]
+
+
+def definition_of(topic: str, offer: Offer) -> Definition:
+    """The definition of what a publisher offers. Raises SourceError where none is known that can be its own."""
+    name = name_of_dds(offer.type)
+    if name is None:
+        raise SourceError(f"topic '{topic}': its type '{offer.type[:200]}' is none of ROS 2")
+    return known(topic, name, told_hash(offer))
+
+
+def told_hash(offer: Offer) -> str:
+    """The type's hash, as publishers since Iron tell it in their user data; empty where none is told."""
+    for part in offer.user_data.decode("ascii", "replace").split(";"):
+        if part.startswith("typehash=RIHS"):
+            return part.removeprefix("typehash=")[:100]
+    return ""

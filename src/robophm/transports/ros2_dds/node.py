@@ -1,0 +1,70 @@
+"""A node: a name that ``ros2 node list`` shows; any number of them share this process's participant."""
+
+from __future__ import annotations
+
+import re
+import threading
+import uuid
+from typing import TYPE_CHECKING, Self
+
+from robophm.core.errors import SourceError
+from robophm.transports.notes import Notes
+from robophm.transports.ros2_dds.graph import join, leave
+
+if TYPE_CHECKING:
+    from robophm.transports.ros2_dds.publisher import Publisher
+
+_NAME = re.compile(r"(/[A-Za-z_]\w*)+\Z", re.ASCII)
+
+
+class Node:
+    """A node of ROS 2; a context manager. Without a name it has one of its own, ``/robophm_1f0c…``.
+
+    Raises SourceError where the name is none or this process has it already, or there is no DDS.
+    """
+
+    def __init__(self, name: str | None = None, domain: int | None = None, notes: Notes | None = None) -> None:
+        self.name = name or f"/robophm_{uuid.uuid4().hex[:12]}"
+        if not _NAME.match(self.name):
+            raise SourceError(f"'{self.name}' is not the name of a ROS node; expected e.g. '/robophm'")
+        self.notes = Notes() if notes is None else notes
+        self.published: dict[str, Publisher] = {}
+        self._closing = threading.Lock()
+        self._closed = False
+        self.graph = join(domain)
+        try:
+            self.graph.add(self.name)
+        except BaseException:
+            leave(self.graph)
+            raise
+
+    def publish(self, topic: str, publisher: Publisher) -> None:
+        """Make a publisher known. Raises SourceError where the node has one of this topic."""
+        if topic in self.published:
+            raise SourceError(f"{self.name} publishes {topic} already")
+        self.published[topic] = publisher
+        self._tell()
+
+    def unpublish(self, topic: str) -> None:
+        """It is published no longer."""
+        if self.published.pop(topic, None):
+            self._tell()
+
+    def close(self) -> None:
+        """End its publishers and take its name away; twice does no harm."""
+        with self._closing:
+            if not self._closed:
+                for publisher in list(self.published.values()):
+                    publisher.close()
+                self._closed = True
+                self.graph.remove(self.name)
+                leave(self.graph)
+
+    def _tell(self) -> None:
+        self.graph.writes(self.name, [publisher.gid for publisher in self.published.values()])
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

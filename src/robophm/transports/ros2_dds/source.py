@@ -1,0 +1,140 @@
+"""The live source of ROS 2, over DDS."""
+
+from __future__ import annotations
+
+import threading
+import uuid
+from collections.abc import Collection, Iterator
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import CLOCK, Sample, split_signal
+from robophm.transports.hearing import CLOCK_TOPIC, QUEUE, TICK, Hearing, Queue, tick_of
+from robophm.transports.message_type import numeric_fields
+from robophm.transports.notes import Notes
+from robophm.transports.ros2_dds.cyclone import Discovery, Offer
+from robophm.transports.ros2_dds.definition import name_of_dds
+from robophm.transports.ros2_dds.graph import join, leave
+from robophm.transports.ros2_dds.listening import Listening, definition_of
+from robophm.transports.ros2_dds.node import Node
+from robophm.transports.source import LiveSource, Told, TopicInfo
+
+
+class Ros2Dds(LiveSource):
+    """Live topics of ROS 2, of any type whose definition is known, in a domain or ROS_DOMAIN_ID's; a context manager.
+
+    ``samples`` is endless: it goes on through publishers and types that come and go, until ``close``, which may come
+    from any thread. Topics that nobody publishes yet are waited for. A sample's time is its header's stamp, or its
+    receipt where that is zero or 10 s off; where /clock is published when listening begins, receipt is its time.
+    ``notes`` counts what was dropped, lost, refused, unreadable, and made anew. Clock samples come at multiples of
+    ``period`` [s], and at least twice a second.
+
+    Raises SourceError where there is no DDS.
+    """
+
+    def __init__(self, domain: int | None = None, *, queue: int = QUEUE, period: float = TICK) -> None:
+        self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
+        self.notes = Notes()
+        self._queue = queue
+        self._tick = tick_of(period)
+        self._closed = False
+        self._closing = threading.Lock()
+        self._run: _Run | None = None
+        self._graph = join(domain)
+        self._discovery = Discovery(self._graph.participant)
+        self._fields: dict[tuple[str, bytes], tuple[str, ...]] = {}
+
+    def topics(self) -> list[TopicInfo]:
+        """What is published now; messages and their times are counted since they are listened to.
+
+        ``fields`` is empty where the definition of the type is not known.
+        """
+        counts = self._run.hearing.counts if self._run else {}
+        found: dict[str, TopicInfo] = {}
+        for offer in self._offers():
+            topic = offer.topic.removeprefix("rt")
+            if offer.topic.startswith("rt/") and topic not in found:
+                name = name_of_dds(offer.type) or offer.type
+                count = counts.get(topic)
+                messages, first, last = (count.messages, count.first, count.last) if count else (0, None, None)
+                found[topic] = TopicInfo(topic, name, messages, first, last, self._fields_of(topic, offer))
+        return [found[topic] for topic in sorted(found)]
+
+    def _offers(self) -> list[Offer]:
+        if self._closed:
+            raise SourceError("the source is closed")
+        self._graph.settle()
+        with self._closing:
+            self._discovery.look()
+            return list(self._discovery.offers.values())
+
+    def _fields_of(self, topic: str, offer: Offer) -> tuple[str, ...]:
+        key = offer.type, offer.user_data
+        if key not in self._fields:
+            try:
+                type_ = definition_of(topic, offer).type
+            except SourceError:
+                return ()
+            self._fields[key] = tuple(numeric_fields(type_.definitions, type_.name))
+        return self._fields[key]
+
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | Told]:
+        """The samples of these signals in order of arrival, clock samples, and the messages on these topics.
+
+        What an earlier call gave ends. Raises SourceError where a signal is none, or a topic that is published has no
+        such field or its type's definition is not known.
+        """
+        wanted: dict[str, list[str]] = {}
+        for signal in sorted({*signals} - {CLOCK}):
+            topic, _ = split_signal(signal)
+            if not topic.startswith("/"):
+                raise SourceError(f"signal '{signal}' has no topic of ROS; expected it to begin with '/'")
+            wanted.setdefault(topic, []).append(signal)
+        if self._run:
+            self._run.close()
+        simulated = any(offer.topic == f"rt{CLOCK_TOPIC}" for offer in self._offers())
+        self.notes = Notes()
+        queue = Queue(self.notes, self._queue)
+        hearing = Hearing(self.notes, queue.put, topics, simulated=simulated)
+        self._run = run = _Run(self._graph.place.domain, wanted, self.notes, queue, hearing, self._tick)
+        if run.listening.mistake:
+            run.close()
+            raise run.listening.mistake
+        return run.start()
+
+    def close(self) -> None:
+        """End ``samples``, let go of all readers, names and threads; twice does no harm."""
+        if self._run:
+            self._run.close()
+        with self._closing:
+            if not self._closed:
+                self._closed = True
+                self._discovery.close()
+                leave(self._graph)
+
+
+class _Run:
+    """One call of ``samples``."""
+
+    def __init__(
+        self, domain: int, wanted: dict[str, list[str]], notes: Notes, queue: Queue, hearing: Hearing, tick: float
+    ) -> None:
+        self.hearing = hearing
+        self._queue = queue
+        self._closing = threading.Lock()
+        self._closed = False
+        self._node = Node(domain=domain, notes=notes)
+        self.listening = Listening(self._node, wanted, hearing, notes, tick)
+
+    def start(self) -> Iterator[Sample | Told]:
+        """Listen until the end."""
+        self.listening.start()
+        return self._queue.taken(self.close)
+
+    def close(self) -> None:
+        """Let go of all."""
+        self._queue.close()
+        with self._closing:  # who comes second returns when it is done
+            if not self._closed:
+                self._closed = True
+                self.listening.close()
+                self._node.close()

@@ -1,0 +1,49 @@
+"""The interface of all that tells others of a robot's health while it runs."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Self
+
+from robophm.health.mission import Completion
+from robophm.health.prognosis import View
+from robophm.health.report import HealthReport
+
+
+@dataclass(frozen=True)
+class JudgedTask:
+    """A task that arrived, judged as the robot then was, or one that is done, judged by what it took."""
+
+    done: bool
+    time: int
+    """When it arrived, or was done [ns since the epoch]."""
+    topic: str
+    """Which told of it."""
+    duration: float
+    """[h]"""
+    distance: float
+    """[m]"""
+    completion: Mapping[View, Completion]
+
+
+class ReportSink(ABC):
+    """Takes reports and tasks as they come; a context manager. None of its methods may wait for others."""
+
+    @abstractmethod
+    def publish(self, report: HealthReport) -> None:
+        """Tell of health now; remaining lives and completions are of an earlier look, or none yet."""
+
+    @abstractmethod
+    def judged(self, task: JudgedTask) -> None:
+        """Tell of a task."""
+
+    def close(self) -> None:  # noqa: B027  most sinks hold nothing open
+        """Let go of connections; closing twice does no harm."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -1,0 +1,43 @@
+"""What is told of tasks: one that is planned, one that is done."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+
+class PlannedLeg(NamedTuple):
+    """A straight way, or a whole path, that is to be driven."""
+
+    distance: float
+    """[m]"""
+    speed: float | None
+    """[m/s], None where the robot did not say."""
+
+
+class DoneLeg(NamedTuple):
+    """A way that was driven."""
+
+    distance: float
+    """[m]"""
+    duration: float
+    """[h]"""
+
+
+@dataclass(frozen=True)
+class PlannedTask:
+    """A task that arrived; ``time`` [ns since the epoch] is when."""
+
+    time: int
+    topic: str
+    legs: tuple[PlannedLeg, ...]
+
+
+@dataclass(frozen=True)
+class DoneTask:
+    """A task that was done from ``start`` to ``end`` [ns since the epoch]."""
+
+    start: int
+    end: int
+    topic: str
+    legs: tuple[DoneLeg, ...]

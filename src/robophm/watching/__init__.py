@@ -1,0 +1,101 @@
+"""The live loop: samples go into the journal, the ledger and the store as they come, and health to whom it concerns."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import ExitStack
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import SECOND, Sample
+from robophm.design.robot import Robot
+from robophm.health.ledger import Ledger
+from robophm.health.report import health_now
+from robophm.monitor import Monitor
+from robophm.replaying import REPORT_STEP, Course
+from robophm.stores.store import Store
+from robophm.transports.journal import Journal
+from robophm.transports.sink import ReportSink
+from robophm.transports.source import LiveSource, SignalSource, Told
+from robophm.watching.ahead import LookAhead
+from robophm.watching.tasks import LiveTasks
+
+SAVE_EVERY = 5.0
+"""Seconds between two saves: what a crash of the machine may cost the ledger, and not the journal."""
+
+
+def watch(
+    robot: Robot, source: SignalSource, *,
+    store: Store | None = None, journal: Journal | None = None, period: float = 1.0,
+    sinks: Sequence[ReportSink] = (), task_topics: Collection[str] = (),
+    speed: float | None = None, functions: Sequence[str] = (),
+    on_start: Callable[[Monitor], None] | None = None, on_tick: Callable[[Monitor], None] | None = None,
+) -> Monitor:  # fmt: skip
+    """Listen until the source is closed, from where the store's ledger stands; the monitor as it is then.
+
+    ``period`` [s] is the step of integration and between two reports: a journal replayed with the same gives the same
+    ledger, bit for bit. Reports go to ``sinks`` with the remaining lives and completions last seen ahead; so do the
+    tasks that ``task_topics`` of a live source tell of, ``speed`` [m/s] and ``functions`` being as of LiveTasks; what
+    of them is not judged is in the source's notes. ``on_start`` is called before the first sample, ``on_tick`` after
+    each step.
+
+    Raises SourceError as the source does, and where the ledger is ahead of the samples' time.
+    """
+    kept = store.ledger(robot.name) if store else None
+    ledger = Ledger.of(robot, kept) if kept else None
+    course = Course(REPORT_STEP, ledger)
+    saved = time.monotonic()
+
+    def save() -> None:
+        nonlocal saved
+        if store:
+            store.save(robot.name, monitor.ledger.to_json(), None, course.reports)
+            course.reports.clear()
+            saved = time.monotonic()
+
+    def tick(monitor: Monitor) -> None:
+        if ahead:
+            settled = monitor.exposure.settled(monitor.ledger)
+            report = ahead.beside(health_now(monitor.plant, monitor.exposure, settled))
+            for sink in sinks:
+                sink.publish(report)
+        if task_topics:
+            tasks.remember()
+        if store:
+            course.follow(monitor)
+        if on_tick:
+            on_tick(monitor)
+
+    monitor = Monitor(robot, ledger, period=period, on_tick=tick)
+    tasks = LiveTasks(monitor, speed=speed, functions=functions)
+    behind = ledger.integrated_to if ledger else None
+    with ExitStack() as opened:
+        ahead = opened.enter_context(LookAhead()) if sinks else None
+        opened.callback(save)
+        if on_start:
+            on_start(monitor)
+        for heard in _listen(source, robot.signals, task_topics):
+            if isinstance(heard, Told):
+                if judged := tasks.hear(heard):
+                    for sink in sinks:
+                        sink.judged(judged)
+                continue
+            if behind is not None and heard.time < behind:
+                raise SourceError(
+                    f"the ledger of {robot.name} is {(behind - heard.time) / SECOND:,.0f} s ahead of what is heard; "
+                    "expected a clock that is right, or another store"
+                )
+            behind = None
+            if journal:
+                journal.write(heard)
+            monitor.observe(heard)
+            if time.monotonic() - saved > SAVE_EVERY:
+                save()
+    source.notes.update(tasks.notes)
+    return monitor
+
+
+def _listen(source: SignalSource, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | Told]:
+    if isinstance(source, LiveSource):
+        return source.listen(signals, topics)
+    return iter(source.samples(signals))

@@ -1,0 +1,68 @@
+"""The look ahead of a robot that runs: remaining lives take longer than there is between two ticks."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+from robophm.health.report import HealthReport
+
+EVERY = 2.0
+"""Seconds between two looks, at least."""
+
+SHARE = 0.05
+"""Of the time at most that looking ahead takes."""
+
+
+class LookAhead(threading.Thread):
+    """Looks ahead from the newest report that it was given, in a thread of its own; a context manager."""
+
+    def __init__(self, *, parts: bool = True) -> None:
+        """``parts``: at every component too."""
+        super().__init__(name="robophm look ahead", daemon=True)
+        self.latest: HealthReport | None = None
+        """The newest look ahead."""
+        self.fault: Exception | None = None
+        """Why it ended before its time."""
+        self._parts = parts
+        self._given: HealthReport | None = None
+        self._woken = threading.Event()
+        self._closed = threading.Event()
+
+    def beside(self, now: HealthReport) -> HealthReport:
+        """The report with what was last seen ahead, and have it looked at too. Raises what looking ahead raised."""
+        if self.fault:
+            raise self.fault
+        self._given = now
+        self._woken.set()
+        return now.beside(self.latest) if self.latest else now
+
+    def run(self) -> None:
+        """Until ``close``."""
+        while not self._closed.is_set():
+            self._woken.wait()
+            self._woken.clear()
+            if self._closed.is_set() or self._given is None:
+                continue
+            begun = time.monotonic()
+            try:
+                self.latest = self._given.looking_ahead(parts=self._parts)
+            except Exception as error:
+                self.fault = error
+                return
+            took = time.monotonic() - begun
+            self._closed.wait(max(EVERY, took / SHARE) - took)
+
+    def close(self) -> None:
+        """End the thread; twice does no harm."""
+        self._closed.set()
+        self._woken.set()
+        if self.is_alive():
+            self.join()
+
+    def __enter__(self) -> LookAhead:
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -1,0 +1,76 @@
+"""robophm learn and robophm service, run as a newcomer does."""
+
+import json
+
+import pytest
+
+from robophm.core.signal import SECOND
+from robophm.design.file import load
+from robophm.transports.synthetic import SyntheticOta
+
+ROBOT = """
+schema_version: 1
+name: courier
+components:
+  motor: {quantity: 2, rate: 8 FPMH}  # maker
+  lidar: {rate: 300 FIT}
+"""
+LOG = "part,robot,exposure [h],censored\nmotor,r1,4000,\nmotor,r1,9000,yes\nlidar,r1,9000,yes\nlidar,r2,100,\n"
+
+
+@pytest.fixture
+def robot(tmp_path):
+    path = tmp_path / "robot.yaml"
+    path.write_text(ROBOT)
+    (tmp_path / "log.csv").write_text(LOG)
+    return path
+
+
+def test_learned_and_written(inside, robot, tmp_path):
+    text = inside("learn", robot, "log.csv", "--to", "new.yaml")
+    assert text.returncode == 0
+    assert "What the field says of courier, 2 robots" in text.stdout
+    assert "lidar: 1 failures contradict" in text.stdout.replace("* ", "")
+    assert (tmp_path / "new.yaml").read_text().count("# maker") == 1
+    said = json.loads(inside("learn", robot, "log.csv", "--json").stdout)["rates"]
+    (motor,) = (one for one in said if one["mode"] == "motor")
+    assert motor["expected"] == pytest.approx(13000 * 8e-6)
+    assert motor["learned_rate"] == pytest.approx(8e-6 * 2 / (1 + 0.104))
+    assert load(tmp_path / "new.yaml").modes[0].rate == pytest.approx(motor["learned_rate"], rel=1e-5)
+    again = json.loads(inside("learn", "new.yaml", "log.csv", "--json").stdout)["rates"]
+    assert again[0]["factor"] == pytest.approx(motor["factor"], rel=1e-5)
+
+
+def test_nothing_is_lost_by_a_mistake(inside, robot, tmp_path):
+    before = robot.read_bytes()
+    for words, said in (
+        ((robot, "log.csv", "--to", robot), "exists; expected a new name, or --force"),
+        ((robot, "nolog.csv"), "no such file"),
+        ((robot, "log.csv", "--prior", "5 bananas"), "prior '5 bananas': unknown unit 'bananas'"),
+        ((robot, "log.csv", "--robot", "r9"), "no robot 'r9' in what was seen; there are r1, r2"),
+    ):
+        failed = inside("learn", *words)
+        assert (failed.returncode, failed.stdout) == (3, "")
+        assert said in failed.stderr
+        assert failed.stderr.count("\n") == 1
+    assert robot.read_bytes() == before
+    assert inside("learn", robot, "log.csv", "--to", robot, "--force").returncode == 0
+    assert "learned" in robot.read_text()
+
+
+def test_a_robots_own_ledger(inside, design, tmp_path):
+    SyntheticOta(seed=3, duration=600 * SECOND).record(tmp_path / "day.mcap")
+    inside("replay", design, "day.mcap", "--store", "past.db")
+    robot = load(design)
+    part = next(one.path for one in robot.all_components() if one.quantity == 1 and len(one.modes) == 1)
+    done = inside("service", design, part, "--store", "past.db", "--failed")
+    assert done.returncode == 0
+    assert f"{part} replaced after it failed, at an effective age of" in done.stdout
+    half = inside("service", design, part, "--store", "past.db", "--repaired", "0.5", "--history", "--json")
+    assert [one["kind"] for one in json.loads(half.stdout)["services"]] == ["replaced", "repaired"]
+    found = json.loads(inside("learn", design, "past.db", "--json").stdout)["rates"]
+    assert {one["mode"]: one["failures"] for one in found}[part] == 1
+    wrong = inside("service", design, "wheels", "--store", "past.db")
+    assert wrong.returncode == 3
+    assert "no part 'wheels'" in wrong.stderr
+    assert "no such store" in inside("service", design, part, "--store", "none.db").stderr

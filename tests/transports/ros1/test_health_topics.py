@@ -1,0 +1,201 @@
+"""Health as topics of ROS 1, read by rospy with classes that Debian's genpy makes of phm_msgs."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from robophm.core.signal import SECOND, Sample
+from robophm.design.file import parse
+from robophm.health.mission import Completion
+from robophm.health.report import HealthReport, health_now
+from robophm.monitor import Monitor
+from robophm.transports.health_topics import HealthTopics, Outlet
+from robophm.transports.health_topics.definitions import PACKAGE, definition
+from robophm.transports.ros1 import Node, Publisher
+from robophm.transports.ros1.definition import md5_of
+from robophm.transports.sink import JudgedTask
+
+from .conftest import System, within
+
+ROOT = Path(__file__).parents[3] / "ros" / PACKAGE
+T0 = 1_700_000_000 * SECOND
+DESIGN = """
+schema_version: 1
+name: R 2
+task: {duration: 2 h}
+thresholds: {reliability: 0.5}
+modules:
+  Power:
+    thresholds: {warning: {reliability: 0.999}}
+    components: {battery: {rate: 1e-3 /h, initial_exposure: 100 h}}
+  Arm:
+    components: {"6 DOF": {rate: 2e-9 /h, initial_exposure: 3 h}}
+"""
+OLD = {
+    "HazardRate": """time stamp
+float32 system_value
+float32 system_sensor_based_value
+string[] module_names
+float32[] module_values
+float32[] module_sensor_based_values
+""",
+    "Potc": "time stamp\nphm_msgs/PotcInfo actual_potc\nphm_msgs/PotcInfo predict_potc\n",
+    "PotcInfo": """float32 potc_nominal_value
+float32 potc_sensor_based_value
+float32 potc_time
+float32 potc_distance
+""",
+}
+"""As inomuh/phm_tools 1.0.3 defines them; its Reliability is as its HazardRate."""
+OLD["Reliability"] = OLD["HazardRate"]
+
+
+def generated(folder: Path, **texts: str) -> Path:
+    """A folder from which Python imports phm_msgs, as genpy makes it."""
+    sources, made = folder / "sources", folder / "made" / PACKAGE / "msg"
+    sources.mkdir(parents=True)
+    for name, text in texts.items():
+        (sources / f"{name}.msg").write_text(text)
+    command = ["/usr/bin/python3", "/usr/lib/genpy/genmsg_py.py"]
+    include = [f"-Istd_msgs:{next(Path('/usr/share').glob('std_msgs*/msg'), '')}", f"-I{PACKAGE}:{sources}"]
+    files = [str(sources / f"{name}.msg") for name in texts]
+    subprocess.run([*command, *files, "-p", PACKAGE, *include, "-o", str(made)], check=True)
+    subprocess.run([*command, "--initpy", "-o", str(made), "-p", PACKAGE], check=True)
+    (made.parent / "__init__.py").touch()
+    return folder / "made"
+
+
+@pytest.fixture(scope="module")
+def python_path(roscore: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    ours = {file.stem: file.read_text() for file in [*(ROOT / "msg").iterdir(), *(ROOT / "ros1" / "msg").iterdir()]}
+    ours |= {name: text for name, text in OLD.items() if name != "PotcInfo"}
+    return generated(tmp_path_factory.mktemp("new"), **ours)
+
+
+@pytest.fixture
+def sink(ros: System, monkeypatch: pytest.MonkeyPatch) -> Iterator[HealthTopics]:
+    monkeypatch.setenv("ROS_MASTER_URI", ros.uri)
+    monkeypatch.setenv("ROS_IP", "127.0.0.1")
+    with HealthTopics(parse(DESIGN), Outlet(1, Node, Publisher), namespace="/hall/r2") as topics:
+        yield topics
+
+
+@pytest.fixture(scope="module")
+def report() -> HealthReport:
+    monitor = Monitor(parse(DESIGN), period=1.0)
+    monitor.observe(Sample(T0 + 5, "clock", math.nan))
+    monitor.observe(Sample(T0 + 3 * SECOND, "clock", math.nan))
+    now = health_now(monitor.plant, monitor.exposure, monitor.exposure.settled(monitor.ledger))
+    return now.looking_ahead(parts=True)
+
+
+def read(ros: System, python_path: Path, code: str) -> list[Any]:
+    """What a rospy node says that runs this code after it has imported phm_msgs: JSON, a line each."""
+    prelude = f"sys.path.insert(0, {str(python_path)!r})\nimport json\nfrom phm_msgs.msg import *\n"
+    process = ros.talk(f"{prelude}rospy.init_node('reader', anonymous=True)\nsay('ready')\n{code}")
+    assert process.stdout is not None
+    return [json.loads(line) for line in process.stdout]
+
+
+def test_md5_sums_are_those_of_genmsg_and_of_the_2020_tool(python_path: Path) -> None:
+    made = {file.stem[1:]: file.read_text() for file in (python_path / PACKAGE / "msg").glob("_[A-Z]*.py")}
+    assert {"Health", "TaskCompletion", *OLD} == set(made)
+    for name, code in made.items():
+        type_ = f"{PACKAGE}/msg/{name}"
+        sums = re.findall(r'_md5sum = "(\w+)"', code)
+        assert sums == [md5_of(type_.replace("/msg/", "/"), definition(type_, 1))]
+
+
+def test_a_subscriber_of_the_2020_tool_hears_what_it_did(
+    ros: System, sink: HealthTopics, report: HealthReport, python_path: Path
+) -> None:
+    sink.publish(report)
+    done = {"nominal": Completion(0.75, 0.25), "sensor_based": Completion(0.5, 0.5)}
+    sink.judged(JudgedTask(True, T0, "/task_time", 0.125, 250.0, done))
+    rates, survival, potc = read(ros, python_path, """
+for topic, type_ in (("phm_hazard_rate", HazardRate), ("phm_reliability", Reliability)):
+    m = rospy.wait_for_message("/hall/r2/" + topic, type_, 20)
+    print(json.dumps([m.stamp.secs, m.system_value, m.system_sensor_based_value, m.module_names, m.module_values]))
+m = rospy.wait_for_message("/hall/r2/phm_potc", Potc, 20)
+print(json.dumps([m.actual_potc.potc_nominal_value, m.actual_potc.potc_sensor_based_value, m.actual_potc.potc_time,
+    m.actual_potc.potc_distance, m.predict_potc.potc_nominal_value]))
+""")  # fmt: skip
+    assert rates[0] == survival[0] == 1_700_000_003
+    assert rates[1:] == [pytest.approx(1.000002e-3), pytest.approx(1.000002e-3), ["Power", "Arm"],
+                         pytest.approx([1e-3, 2e-9])]  # fmt: skip
+    assert survival[1] == pytest.approx(math.exp(-0.1), rel=1e-6)
+    assert potc == [0.75, 0.5, 0.125, 250.0, 0.0]
+
+
+def test_flat_health_has_all_the_digits(
+    ros: System, sink: HealthTopics, report: HealthReport, python_path: Path
+) -> None:
+    """Survival ahead of the battery, aged 100 h, is exp(−t/1000 h): median ln 2 · 1000 h, task exp(−0.002)."""
+    sink.publish(report)
+    battery, arm, robot = read(ros, python_path, """
+for topic in ("r_2/power/battery", "r_2/arm/n6_dof", "r_2"):
+    m = rospy.wait_for_message("/hall/r2/phm/" + topic, Health, 20)
+    print(json.dumps({n: getattr(m, n) for n in m.__slots__ if n != "header"}))
+""")  # fmt: skip
+    assert (battery["path"], robot["path"], robot["state"]) == ("Power/battery", "R 2", 0)
+    assert battery["hazard_rate_sensor_based"] == 1e-3
+    assert battery["remaining_life_median_sensor_based"] == pytest.approx(math.log(2) * 1000, rel=1e-9)
+    assert battery["remaining_life_early_sensor_based"] == pytest.approx(-math.log(0.95) * 1000, rel=1e-9)
+    assert math.isnan(battery["completion_nominal"])
+    assert arm["unreliability_sensor_based"] == pytest.approx(-math.expm1(-6e-9), rel=1e-14, abs=0)
+    assert arm["reliability_sensor_based"] == pytest.approx(math.exp(-6e-9), rel=3e-16, abs=0)  # float32 would say 1
+    assert robot["completion_sensor_based"] == pytest.approx(math.exp(-0.002 - 4e-9), rel=1e-14)
+    assert robot["failure_nominal"] == pytest.approx(-math.expm1(-0.002 - 4e-9), rel=1e-12)
+
+
+def test_diagnostics_and_names_of_nodes(
+    ros: System, sink: HealthTopics, report: HealthReport, python_path: Path
+) -> None:
+    process = ros.talk("""
+import json
+from diagnostic_msgs.msg import DiagnosticArray
+rospy.init_node("reader", anonymous=True)
+def told(message):
+    for s in message.status:
+        print(json.dumps([s.level, s.name, s.message, s.hardware_id, {v.key: float(v.value) for v in s.values}]))
+    say("end")
+rospy.Subscriber("/diagnostics", DiagnosticArray, told)
+say("ready")
+rospy.spin()
+""")
+    publisher: Any = sink._publishers["/diagnostics"][0]
+    within(20, lambda: publisher.subscribers)
+    sink.publish(report)
+    sink.publish(report)  # within a second of the first
+    assert process.stdout is not None
+    found = [json.loads(line) for line in iter(process.stdout.readline, "end\n")]
+    node = "hall/r2/phm_hazard_rate_calculation_node"
+    assert [each[:4] for each in found] == [
+        [0, f"{node}: R 2", "OK", "R 2"],
+        [1, f"{node}: Power", "reliability 0.904837 is below 0.999", "R 2"],
+        [0, f"{node}: Arm", "OK", "R 2"],
+    ]
+    assert found[1][4]["hazard rate, sensor-based [1/h]"] == 1e-3
+    assert {"/hall/r2/phm_hazard_rate_calculation_node", "/hall/r2/phm_reliability_estimation_node",
+            "/hall/r2/phm_robot_task_completion_node"} <= set(ros.run("/usr/bin/rosnode", "list").split())  # fmt: skip
+    assert "/hall/r2/phm_potc" in ros.run("/usr/bin/rosnode", "info", "/hall/r2/phm_robot_task_completion_node")
+
+
+def test_markers_in_colours_of_states(ros: System, sink: HealthTopics, report: HealthReport) -> None:
+    from robophm.transports.health_topics.compose import compose
+    from robophm.transports.health_topics.definitions import typestore
+    from robophm.transports.health_topics.messages import COLOURS, markers
+
+    message = compose(typestore(1), "visualization_msgs/msg/MarkerArray", markers(report, "base_link"))
+    texts = {one.text.partition(":")[0]: one.color for one in message.markers if one.text}
+    assert set(texts) == {"R 2", "Power", "Arm"}
+    assert (texts["Power"].r, texts["Power"].g, texts["Power"].b) == COLOURS["warn"]
+    assert len({(one.ns, one.id) for one in message.markers}) == 6
