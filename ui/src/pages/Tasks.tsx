@@ -93,7 +93,7 @@ export function Tasks(): ReactNode {
       </div>
       <section className="card" style={{ marginTop: 16 }}>
         <h2>Tasks that the robot told of</h2>
-        {!arrived.length && <p className="quiet">None yet. They come from a recording or the synthetic robot while watching runs; live ROS tasks are not heard yet.</p>}
+        {!arrived.length && <p className="quiet">None yet. They stand here as they come, while watching runs.</p>}
         {arrived.length > 0 && <ArrivedTable tasks={arrived} add={add} />}
       </section>
     </>
