@@ -34,7 +34,7 @@ lint: setup
 	$(BIN)/lint-imports
 
 peers:
-	@sh tools/ros1-peers
+	@sh tools/ros-peers
 
 test: lint peers
 	$(BIN)/pytest -n 2

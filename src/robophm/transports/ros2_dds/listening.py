@@ -54,6 +54,8 @@ class Listening(threading.Thread):
         """By topic and hash of the type."""
         self._published: dict[str, dict[int, str]] = {}
         """Of each topic that was ever published: its publishers, and the hash of what each publishes."""
+        self._types: dict[str, set[str]] = {}
+        """Of each, the hashes of what was published when somebody came last."""
         self._definitions: dict[tuple[str, bytes], Definition | TypeRefusedError] = {}
         self._refused: set[int] = set()
         """Publishers that were refused, each counted once."""
@@ -122,6 +124,8 @@ class Listening(threading.Thread):
         for name, count in (self._refused_before - refused_before).items():
             if name in self._wanted:
                 self._notes.add(f"unreadable message on {self._wanted[name][0]}", count)
+            elif not name:
+                self._notes.add("malformed packet", count)
 
     def _match(self) -> None:
         """Have a reader for every type of every topic that is published, one that goes with all its publishers."""
@@ -135,9 +139,8 @@ class Listening(threading.Thread):
                 self._follow(topic, {offer.key: hash_ for hash_, some in groups.items() for offer, _ in some})
             for hash_, some in groups.items():
                 self._listen(topic, hash_, [offer for offer, _ in some], some[0][1])
-            if groups:
-                for key in [key for key in self._ears if key[0] == topic and key[1] not in groups]:
-                    self._ears.pop(key).reader.close()
+            for key in [key for key in self._ears if key[0] == topic and key[1] not in groups]:
+                self._end(key)
         self._graph.reads(self._node.name, [ear.reader.gid for ear in self._ears.values()])
 
     def _follow(self, topic: str, now: dict[int, str]) -> None:
@@ -145,14 +148,15 @@ class Listening(threading.Thread):
         before = self._published.get(topic)
         self._published[topic] = now
         if before is None:
+            self._types[topic] = {*now.values()}
             return
         if gone := len(before.keys() - now.keys()):
             self._notes.add(f"connection lost on {topic}", gone)
         if come := now.keys() - before.keys():
             self._notes.add(f"connected again to {topic}", len(come))
-            known_types = {key[1] for key in self._ears if key[0] == topic}
-            if changed := len({now[key] for key in come} - known_types):
+            if changed := len({now[key] for key in come} - self._types[topic]):
                 self._notes.add(f"type changed on {topic}", changed)
+            self._types[topic] = {*now.values()}
 
     def _listen(self, topic: str, hash_: str, offers: list[Offer], reading: Reading) -> None:
         reliable, latched = all(offer.reliable for offer in offers), all(offer.latched for offer in offers)
@@ -160,14 +164,18 @@ class Listening(threading.Thread):
         if ear and ear.reliable <= reliable and ear.latched <= latched:
             return
         if ear:
-            self._hear(ear)
-            ear.reader.close()
+            self._end((topic, hash_))
             self._notes.add(f"subscribed again to {topic}, for a publisher that offers less")
         found = self._definition(topic, offers[0])
         assert isinstance(found, Definition)
         reader = self._graph.reader(self._node.name, f"rt{topic}", found, reliable=reliable, latched=latched)
         self._waiting.add(reader.entity)
         self._ears[topic, hash_] = Ear(reader, reading, reliable, latched)
+
+    def _end(self, key: tuple[str, str]) -> None:
+        """Take what is there, and listen no more."""
+        self._hear(self._ears[key])
+        self._ears.pop(key).reader.close()
 
     def _reading(self, topic: str, signals: Collection[str], offer: Offer) -> Reading | None:
         """How what is offered is read; None, and counted once for each publisher, where it cannot be."""
