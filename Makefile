@@ -39,7 +39,7 @@ peers:
 test: lint peers
 	$(BIN)/pytest -n 2
 
-# `make test` has a tenth of the calibration, by a fixed seed.
+# `make test` has a twenty-fifth of the calibration, by a fixed seed.
 test-full: test calibrate
 	$(BIN)/pytest -n 2 -m full
 
