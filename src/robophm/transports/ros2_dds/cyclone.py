@@ -26,7 +26,7 @@ PUBLISHED = 100
 AT_ONCE = 256
 """Messages that are taken together."""
 
-HISTORY = 20 * AT_ONCE
+HISTORY = 40 * AT_ONCE
 """Messages of a topic that may wait to be taken."""
 
 _LONGEST_LINE = 4096

@@ -98,11 +98,12 @@ class Listening(threading.Thread):
     def _hear(self, ear: Ear) -> None:
         while (taken := ear.reader.take()) and not self._over.is_set():
             here = self._published[ear.reading.topic]
-            for message in taken:
-                # two definitions of one name: each is read by its own
-                if here.get(message.key, ear.reading.identity) == ear.reading.identity:
-                    self._hearing.message(ear.reading, message.raw, None)
-                    self._count(ear, message.number, alone=len(here) == 1)
+            # two definitions of one name: each is read by its own
+            own = ear.reading.identity
+            ours = [message for message in taken if here.get(message.key, own) == own]
+            self._hearing.messages(ear.reading, [message.raw for message in ours], None)
+            for message in ours:
+                self._count(ear, message.number, alone=len(here) == 1)
 
     def _count(self, ear: Ear, number: int | None, *, alone: bool) -> None:
         """Say what is missing before a message, where the transport numbers those of the only publisher."""
