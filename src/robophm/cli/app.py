@@ -280,7 +280,7 @@ def serve(
     ] = None,
     synthetic: Annotated[bool, typer.Option("--synthetic", help="offer the synthetic OTA as a source")] = False,
     start: Annotated[
-        str | None, typer.Option(help="watch at once: ros1, recordings or synthetic", metavar="SOURCE")
+        str | None, typer.Option(help="watch at once: ros1, ros2, recordings or synthetic", metavar="SOURCE")
     ] = None,
     speed: Annotated[float, typer.Option(help="of a recording, as a multiple of its own")] = 1.0,
 ) -> None:
