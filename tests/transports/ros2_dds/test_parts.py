@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
 from robophm.core.errors import SourceError
+from robophm.transports.ros2_dds import Ros2Dds
 from robophm.transports.ros2_dds.cyclone import Offer
 from robophm.transports.ros2_dds.definition import dds_name, defined, known, name_of_dds, ros2_name
 from robophm.transports.ros2_dds.environment import Place, place
@@ -84,6 +86,20 @@ def test_settings_that_are_none(monkeypatch: pytest.MonkeyPatch, name: str, valu
     monkeypatch.setenv(name, value)
     with pytest.raises(SourceError, match=why):
         place()
+
+
+@pytest.mark.parametrize(
+    ("machine", "remedy"),
+    [
+        ("x86_64", r"pip install robophm\[ros2\]"),
+        ("aarch64", "there is none for Python 3.* on aarch64; with ROS 2's setup sourced, its own rclpy serves"),
+    ],
+)
+def test_without_the_wheel_it_is_said_what_serves(monkeypatch: pytest.MonkeyPatch, machine: str, remedy: str) -> None:
+    monkeypatch.setitem(sys.modules, "cyclonedds.builtin", None)
+    monkeypatch.setattr("platform.machine", lambda: machine)
+    with pytest.raises(SourceError, match=rf"ROS 2 over DDS needs the package cyclonedds \(.*\): {remedy}\Z"):
+        Ros2Dds()
 
 
 def test_names() -> None:

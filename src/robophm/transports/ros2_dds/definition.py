@@ -1,7 +1,8 @@
 """Types of messages by name: where their definitions are looked for, and the hash by which a publisher proves its own.
 
-DDS carries no definition of ROS's. It is looked for in the installations that AMENT_PREFIX_PATH names, then in what
-rosbags brings of each distribution, until one has the hash that the publisher tells (REP-2011; Iron and later).
+DDS carries no definition of ROS's. It is looked for in the installations that AMENT_PREFIX_PATH names, in what comes
+with robophm, and in what rosbags brings of each distribution, until one has the hash that the publisher tells
+(REP-2011; Iron and later).
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robophm.core.errors import SourceError
+from robophm.transports.health_topics.definitions import PACKAGE, definition, typestore
 from robophm.transports.message_type import MessageType, message_type
 
 if TYPE_CHECKING:
@@ -128,6 +130,8 @@ def _texts(name: str, *, newest: bool) -> Iterator[tuple[str, str]]:
     for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
         if (text := _installed(Path(prefix), name)) is not None:
             yield text, prefix
+    if name.startswith(f"{PACKAGE}/") and name in typestore(2).fielddefs:
+        yield definition(name, 2), "robophm"
     for distribution in DISTRIBUTIONS if newest else DISTRIBUTIONS[::-1]:
         store = get_typestore(Stores[distribution])
         if name in store.fielddefs:
