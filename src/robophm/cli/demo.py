@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import os
+import sys
+import threading
 import time
+import webbrowser
+from collections.abc import Callable
 from pathlib import Path
 
 from rich.live import Live
 
 from robophm.cli.live_table import LiveTable
-from robophm.cli.output import console, print_report, write
+from robophm.cli.output import console, print_report, warn, write
+from robophm.cli.serve import started
 from robophm.core.errors import RobophmError
 from robophm.core.files import shipped
 from robophm.core.signal import split_signal
@@ -22,7 +28,11 @@ from robophm.stores.sqlite import SqliteStore
 from robophm.transports.recording import Recording
 from robophm.transports.synthetic import SyntheticOta
 
-"""Seconds between two looks at the live table."""
+PAGE_SECONDS = 2.0
+"""That the page is served where nobody looks."""
+
+PAGE_SPEED = 20.0
+"""As fast as the synthetic robot works on the page, in multiples of its own time."""
 
 
 def example_design() -> Path:
@@ -81,3 +91,36 @@ def run(output: Path, seed: int) -> None:
     )
     write(page, health_page(robot, report, history))
     out.print(f"\nReport: {page.resolve()}", markup=False, soft_wrap=True)
+    show_page(output / "robophm-demo.yaml", seed)
+
+
+def show_page(design: Path, seed: int) -> None:
+    """Serve the page, the synthetic robot working on it; without a terminal only as long as shows that it answers."""
+    out = console()
+    try:
+        from robophm.web.service import Service, Settings
+        from robophm.web.serving import serve
+    except ModuleNotFoundError as error:
+        warn(f"no page: there is no {error.name}; `pip install 'robophm[web]'` installs it")
+        return
+    for old in (design, *(design.with_name(design.name + end) for end in (".edits", ".edits-wal", ".edits-shm"))):
+        old.unlink(missing_ok=True)
+    design.write_bytes(example_design().read_bytes())
+
+    def ready(address: str, service: Service, stop: Callable[[], None]) -> None:
+        started(service, "synthetic", PAGE_SPEED)
+        until = "until Ctrl+C" if out.is_terminal else f"for {PAGE_SECONDS:.0f} s, as there is no terminal"
+        out.print(
+            f"Page:   {address} {until}, the robot at {PAGE_SPEED:.0f} times its speed", markup=False, soft_wrap=True
+        )
+        if out.is_terminal and _has_windows():
+            webbrowser.open(address)
+        if not out.is_terminal:
+            threading.Timer(PAGE_SECONDS, stop).start()
+
+    serve(Settings(design, seed=seed), 0, ready)
+
+
+def _has_windows() -> bool:
+    """Whether a browser would open in a window of its own, and not take this terminal."""
+    return sys.platform in ("darwin", "win32") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))

@@ -14,6 +14,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
+from starlette.middleware.gzip import GZipMiddleware
 from starlette.staticfiles import StaticFiles
 
 from robophm.core.errors import RobophmError
@@ -47,6 +48,7 @@ def create_app(settings: Settings) -> FastAPI:
         app.mount("/", StaticFiles(directory=STATIC, html=True), name="page")
     else:
         app.add_api_route("/", _unbuilt, include_in_schema=False)
+    app.add_middleware(GZipMiddleware, minimum_size=2000, compresslevel=5)
     app.add_middleware(Guard, host=settings.host, token=settings.token)
     return app
 

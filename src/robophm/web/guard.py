@@ -75,8 +75,7 @@ class Guard:
                 said = MutableHeaders(scope=message)
                 for name, value in SECURITY.items():
                     said.setdefault(name, value)
-                if scope["path"].startswith("/api/"):
-                    said.setdefault("cache-control", "no-store")
+                said.setdefault("cache-control", _kept(scope["path"]))
             await send(message)
 
         await self._app(scope, _bounded(receive), answer)
@@ -113,6 +112,13 @@ class Guard:
         if COOKIE in cookies:
             said.append(cookies[COOKIE].value)
         return any(hmac.compare_digest(one.encode(), (self._token or "").encode()) for one in said)
+
+
+def _kept(path: str) -> str:
+    """How long a browser may keep an answer: what is built has its content in its name."""
+    if path.startswith("/assets/"):
+        return "public, max-age=31536000, immutable"
+    return "no-store" if path.startswith(("/api/", "/metrics")) else "no-cache"
 
 
 def _same(origin: str, host: str) -> bool:

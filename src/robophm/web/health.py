@@ -107,23 +107,22 @@ def health_of(
 ) -> Health:  # fmt: skip
     """All that is known. ``lives`` may be an older report that has remaining lives."""
     latest = {subject.path: subject for subject in lives.subjects} if lives else {}
-    running = run.state if run else "idle"
-    why = list(report.breaches)
-    stale = [flag for flag in report.system.flags if flag.startswith("stale")]
-    other = [flag for flag in report.system.flags if not flag.startswith("stale")]
-    if lives is not None and lives is not report:
-        why = list(dict.fromkeys((*why, *lives.breaches)))
-    if run and run.error:
-        why.insert(0, run.error)
-    state: Literal["ok", "warn", "error", "stale", "idle"] = (
-        "error" if why else "stale" if stale else "warn" if other else "ok" if run else "idle"
-    )
+    shown = report if lives is None or lives is report else report.beside(lives)
+    told = [*([run.error] if run and run.error else []), *shown.breaches]
+    flags = shown.system.flags
+    state: Literal["ok", "warn", "error", "stale", "idle"] = shown.system.state
+    if told:
+        state = "error"
+    elif state == "ok" and (flags or shown.warnings):
+        state = "warn"
+    if state == "ok" and run is None:
+        state = "idle"
     return Health(
-        monitoring=running,
+        monitoring=run.state if run else "idle",
         source=run.source if run else "",
         error=run.error if run else "",
         state=state,
-        why=[*why, *stale, *other],
+        why=[*told, *shown.warnings, *flags],
         design_changed=design_changed,
         time=report.time / SECOND if report.time is not None else None,
         samples=run.samples if run else 0,

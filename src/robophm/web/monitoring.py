@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -20,7 +21,10 @@ from robophm.monitor import Monitor
 from robophm.stores.sqlite import SqliteStore
 from robophm.task_history import TaskRecord, judge_on_the_way
 from robophm.transports.journal import Journal
-from robophm.transports.source import SignalSource, TopicInfo
+from robophm.transports.sink import JudgedTask, ReportSink
+from robophm.transports.source import LiveSource, SignalSource, Told, TopicInfo
+from robophm.transports.tasks.listener import ACTIONS, topics_of
+from robophm.transports.tasks.texts import TEXT_TOPICS
 from robophm.watching import watch
 from robophm.web.series import Board
 from robophm.web.sources import Choice
@@ -31,8 +35,14 @@ QUICK, FULL = 0.25, 2.0
 QUICK_SHARE, FULL_SHARE = 10.0, 20.0
 """How many times as long as it takes, at least."""
 
+MOST_TASKS = 500
+"""That are remembered of a live robot."""
+
 MOST_SUBJECTS = 60
 """Whose figures become series."""
+
+TASK_TOPICS = (*(f"/{name}" for name in TEXT_TOPICS), *topics_of(ACTIONS))
+"""That tell of tasks, as `robophm watch` knows them by name."""
 
 State = Literal["idle", "running", "ended", "failed"]
 
@@ -56,12 +66,15 @@ class Run:
     samples: int = 0
     notes: Mapping[str, int] = field(default_factory=dict)
     tasks: Callable[[], list[TaskRecord]] = list
+    """Of a recording, whose tasks are known beforehand."""
+    judged: deque[JudgedTask] = field(default_factory=lambda: deque(maxlen=MOST_TASKS))
+    """Of a robot that tells of them."""
     looks: int = 0
     """Goes up with every report."""
 
 
-class _Tapped(SignalSource):
-    """A source whose samples are put on a board as they pass."""
+class _Tapped(LiveSource):
+    """A source, live or not, whose samples are put on a board as they pass."""
 
     def __init__(self, source: SignalSource, board: Board, run: Run) -> None:
         self._source, self._board, self._run = source, board, run
@@ -71,18 +84,34 @@ class _Tapped(SignalSource):
     def topics(self) -> list[TopicInfo]:
         return self._source.topics()
 
-    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
-        samples = self._source.samples(signals)
-        self.notes = self._source.notes
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | Told]:
+        source = self._source
+        all_heard: Iterator[Sample | Told]
+        all_heard = source.listen(signals, topics) if isinstance(source, LiveSource) else source.samples(signals)
+        self.notes = source.notes
         add, run = self._board.add, self._run
-        for sample in samples:
-            run.samples += 1
-            if sample.signal != CLOCK:
-                add(sample.signal, sample.time, sample.value)
-            yield sample
+        for heard in all_heard:
+            if isinstance(heard, Sample):
+                run.samples += 1
+                if heard.signal != CLOCK:
+                    add(heard.signal, heard.time, heard.value)
+            yield heard
 
     def close(self) -> None:
         self._source.close()
+
+
+class _Judged(ReportSink):
+    """Keeps what is judged of the tasks that a live robot tells of, the latest of them."""
+
+    def __init__(self, run: Run) -> None:
+        self._run = run
+
+    def publish(self, report: HealthReport) -> None:
+        """Reports are taken at their own pace."""
+
+    def judged(self, task: JudgedTask) -> None:
+        self._run.judged.append(task)
 
 
 class Monitoring:
@@ -155,12 +184,16 @@ class Monitoring:
                 look = _Looking(run, board)
 
                 def begin(monitor: Monitor) -> None:
+                    look.warm(monitor)
                     if told:
                         run.tasks = judge_on_the_way(monitor, told)  # type: ignore[arg-type]
 
                 tapped = _Tapped(source, board, run)
-                monitor = watch(run.robot, tapped, store=store, journal=journal, period=self._period,
-                                on_tick=look, on_start=begin)  # fmt: skip
+                live = isinstance(source, LiveSource)
+                monitor = watch(
+                    run.robot, tapped, store=store, journal=journal, period=self._period, on_tick=look, on_start=begin,
+                    sinks=[_Judged(run)] if live else [], task_topics=TASK_TOPICS if live else (),
+                )  # fmt: skip
                 newest = monitor.ledger.newest or 0
                 monitor.marks = [mark for mark in monitor.marks if mark[0] <= newest]
                 monitor.reach_marks()
@@ -187,6 +220,11 @@ class _Looking:
             self.at(monitor, full=True)
         elif now >= self._next[False]:
             self.at(monitor, full=False)
+
+    def warm(self, monitor: Monitor) -> None:
+        """Take a first report, whose preparations do not count as what looking takes."""
+        self.at(monitor, full=True)
+        self._next = {False: 0.0, True: 0.0}
 
     def at(self, monitor: Monitor, *, full: bool) -> None:
         """Take a report now."""

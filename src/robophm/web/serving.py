@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import signal
 import socket
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import uvicorn
 
@@ -34,7 +37,7 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
         app, log_level="warning", access_log=False, ws="websockets-sansio", ws_max_size=1 << 20, ws_max_queue=32,
         limit_concurrency=200, timeout_keep_alive=15, timeout_graceful_shutdown=2, server_header=False,
     )  # fmt: skip
-    server = uvicorn.Server(config)
+    server = _Server(config)
 
     def stop() -> None:
         server.should_exit = True
@@ -44,6 +47,23 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
     ready(f"http://{host}:{listener.getsockname()[1]}/{query}", service, stop)
     with listener:
         server.run(sockets=[listener])
+
+
+class _Server(uvicorn.Server):
+    """To be interrupted is how a service ends, and no failure: no signal is raised again."""
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Take SIGINT and SIGTERM as the wish to stop."""
+        if threading.current_thread() is not threading.main_thread():
+            yield
+            return
+        before = {number: signal.signal(number, self.handle_exit) for number in (signal.SIGINT, signal.SIGTERM)}
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
 
 
 def _listen(host: str, port: int) -> socket.socket:

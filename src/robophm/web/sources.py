@@ -29,8 +29,8 @@ class Choice:
     """Whether its speed can be chosen."""
 
 
-def choices(recordings: Iterable[Path], *, seed: int | None = None, ros1: bool = True) -> dict[str, Choice]:
-    """By name: "recordings" where there are any, "synthetic" with a seed, "ros1"."""
+def choices(recordings: Iterable[Path], *, seed: int | None = None, live: bool = True) -> dict[str, Choice]:
+    """By name: "recordings" where there are any, "synthetic" with a seed, "ros1" and "ros2"."""
     found = []
     if files := [*recordings]:
         label = files[0].name if len(files) == 1 else f"{len(files)} recordings"
@@ -40,8 +40,9 @@ def choices(recordings: Iterable[Path], *, seed: int | None = None, ros1: bool =
     if seed is not None:
         found.append(Choice("synthetic", "synthetic OTA", lambda speed: _synthetic(seed, speed),
                             lambda: _synthetic_tasks(seed), True))  # fmt: skip
-    if ros1:
+    if live:
         found.append(Choice("ros1", "ROS 1 (ROS_MASTER_URI)", lambda speed: _ros1(), lambda: (), False))
+        found.append(Choice("ros2", "ROS 2 (ROS_DOMAIN_ID)", lambda speed: _ros2(), lambda: (), False))
     return {one.name: one for one in found}
 
 
@@ -75,3 +76,9 @@ def _ros1() -> SignalSource:
     from robophm.transports.ros1 import Ros1
 
     return Ros1()
+
+
+def _ros2() -> SignalSource:
+    from robophm.transports.ros2_dds import Ros2Dds
+
+    return Ros2Dds()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tempfile
 from pathlib import Path as File
 from typing import Annotated, Any
@@ -161,6 +162,13 @@ def get_report(service: Served, download: bool = False) -> HTMLResponse:
     if download:
         headers["content-disposition"] = 'attachment; filename="health.html"'
     return HTMLResponse(health_page(prepared.robot, report, history), headers=headers)
+
+
+@router.get("/api/grafana")
+def get_dashboard() -> dict[str, Any]:
+    """A dashboard for Grafana, of what /metrics says."""
+    found: dict[str, Any] = json.loads(File(__file__).parents[1].joinpath("grafana.json").read_text(encoding="utf-8"))
+    return found
 
 
 @router.get("/metrics", response_class=PlainTextResponse)

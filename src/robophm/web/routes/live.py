@@ -250,7 +250,7 @@ async def live(socket: WebSocket) -> None:
     finally:
         hearing.cancel()
         if socket.application_state is not WebSocketState.DISCONNECTED:
-            with suppress(RuntimeError):  # the browser was faster
+            with suppress(RuntimeError, WebSocketDisconnect):  # the browser was faster
                 await socket.close(1000)
 
 

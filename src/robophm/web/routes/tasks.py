@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -20,6 +20,7 @@ from robophm.health.prognosis import FutureName, View, outlooks
 from robophm.health.report import VIEWS
 from robophm.health.task_report import task_report
 from robophm.task_history import TaskRecord
+from robophm.transports.sink import JudgedTask
 from robophm.web.jobs import Job
 from robophm.web.prepared import finite
 from robophm.web.routes.design import REFUSED
@@ -250,8 +251,31 @@ def arrived(service: Served) -> Arrived:
     if run is None:
         return Arrived(tasks=[])
     now = run.report.time if run.report and run.report.time is not None else 0
+    if run.judged:
+        return Arrived(tasks=_told(list(run.judged)))
     records = [one for one in run.tasks() if (_first(one) or 0) <= now]
     return Arrived(tasks=[_arrived(one, now) for one in records[-500:]][::-1])
+
+
+def _told(judged: Sequence[JudgedTask]) -> list[ArrivedTask]:
+    """What a live robot told of, the latest first: each task that is done beside the plan that came before it."""
+    found: list[ArrivedTask] = []
+    waiting: dict[str, ArrivedTask] = {}
+    for one in judged:
+        robot, driven = one.topic.rpartition("/")[0], DrivenTask(
+            distance=one.distance, duration=one.duration, chance=_both(one.completion)
+        )  # fmt: skip
+        if not one.done:
+            waiting[robot] = ArrivedTask(arrived=one.time / SECOND, start=None, end=None, predicted=driven, actual=None)
+            found.append(waiting[robot])
+            continue
+        plan = waiting.pop(robot, None)
+        if plan is None:
+            plan = ArrivedTask(arrived=None, start=None, end=None, predicted=None, actual=None)
+            found.append(plan)
+        plan.end, plan.actual = one.time / SECOND, driven
+        plan.start = plan.end - one.duration * 3600
+    return found[::-1]
 
 
 def _first(record: TaskRecord) -> int | None:

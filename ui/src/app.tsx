@@ -1,0 +1,153 @@
+import { Component, type ComponentType, lazy, type ReactNode, Suspense, useEffect, useState } from "react";
+import { connected, pulse } from "./lib/live";
+import { go, redo, route, save, undo, unreachable, useDesign, useShared } from "./lib/store";
+import { Help } from "./parts/Help";
+import { ICONS, Icon } from "./parts/Icon";
+import { Palette } from "./parts/Palette";
+import { ProblemsButton } from "./parts/Problems";
+import { Toasts } from "./parts/Toasts";
+import { Live } from "./pages/Live";
+import { Overview } from "./pages/Overview";
+
+interface Page {
+  id: string;
+  name: string;
+  icon: keyof typeof ICONS;
+  show: ComponentType;
+  flush?: boolean;
+}
+
+const later = (load: () => Promise<Record<string, ComponentType>>, name: string): ComponentType =>
+  lazy(async () => ({ default: (await load())[name]! }));
+
+export const PAGES: Page[] = [
+  { id: "overview", name: "Overview", icon: "pulse", show: Overview },
+  { id: "design", name: "Design", icon: "diagram", show: later(() => import("./pages/design/Design"), "Design"), flush: true },
+  { id: "parts", name: "Parts", icon: "parts", show: later(() => import("./pages/Parts"), "Parts") },
+  { id: "analysis", name: "Analysis", icon: "curve", show: later(() => import("./pages/Analysis"), "Analysis") },
+  { id: "live", name: "Live", icon: "live", show: Live },
+  { id: "sensors", name: "Sensors", icon: "sensor", show: later(() => import("./pages/Sensors"), "Sensors") },
+  { id: "tasks", name: "Tasks", icon: "task", show: later(() => import("./pages/Tasks"), "Tasks") },
+  { id: "reports", name: "Reports and data", icon: "report", show: later(() => import("./pages/Reports"), "Reports") },
+  { id: "settings", name: "Settings", icon: "settings", show: later(() => import("./pages/Settings"), "Settings") },
+];
+
+/** One page that fails does not take the others with it. */
+class Fence extends Component<{ children: ReactNode; of: string }, { wrong: string }> {
+  state = { wrong: "" };
+  static getDerivedStateFromError(error: unknown): { wrong: string } {
+    return { wrong: error instanceof Error ? error.message : String(error) };
+  }
+  render(): ReactNode {
+    if (!this.state.wrong) return this.props.children;
+    return (
+      <div className="trouble" role="alert">
+        <h2>This page has failed</h2>
+        <p>{this.state.wrong}</p>
+        <button onClick={() => this.setState({ wrong: "" })}>Try again</button>
+      </div>
+    );
+  }
+}
+
+function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () => void }): ReactNode {
+  const design = useDesign();
+  const { monitoring } = useShared(pulse);
+  return (
+    <header className="top">
+      <div className="brand">
+        <img src="./icon.svg" alt="" />
+        <span>{design?.name ?? "robophm"}</span>
+      </div>
+      <span className="quiet small">
+        {design ? (design.saved ? `${design.file}, saved` : `${design.file}, not saved`) : "…"}
+      </span>
+      <span className="grow" />
+      <span className={`state ${monitoring === "running" ? "ok" : monitoring === "failed" ? "error" : "idle"}`} role="status">
+        <Icon name={monitoring === "running" ? "live" : "pause"} />
+        {monitoring === "running" ? "Watching" : monitoring === "failed" ? "Watching failed" : monitoring === "ended" ? "Recording over" : "Not watching"}
+      </span>
+      <ProblemsButton />
+      <button onClick={() => void undo()} disabled={!design?.undo} title={design?.undo ? `Undo: ${design.undo} (Ctrl+Z)` : "Nothing to undo"}>
+        Undo
+      </button>
+      <button onClick={() => void redo()} disabled={design?.redo == null} title={design?.redo != null ? `Redo: ${design.redo} (Ctrl+Y)` : "Nothing to redo"}>
+        Redo
+      </button>
+      <button className={design && !design.saved ? "primary" : ""} onClick={() => void save()} disabled={!design || design.saved} title="Ctrl+S">
+        Save
+      </button>
+      <button className="icon" onClick={openPalette} aria-label="Find anything (Ctrl+K)">
+        <Icon name="search" />
+      </button>
+      <button className="icon" onClick={openHelp} aria-label="Help (?)">
+        ?
+      </button>
+    </header>
+  );
+}
+
+export function App(): ReactNode {
+  const { page } = useShared(route);
+  const link = useShared(connected);
+  const wrong = useShared(unreachable);
+  const design = useDesign();
+  const [palette, setPalette] = useState(false);
+  const [help, setHelp] = useState(false);
+  const shown = PAGES.find((one) => one.id === page) ?? PAGES[0]!;
+
+  useEffect(() => {
+    document.title = `${shown.name} – ${design?.name ?? "robophm"}`;
+  }, [shown.name, design?.name]);
+
+  useEffect(() => {
+    function key(event: KeyboardEvent): void {
+      const target = event.target as HTMLElement;
+      const typing = /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName);
+      const control = event.ctrlKey || event.metaKey;
+      const low = event.key.toLowerCase();
+      if (control && low === "s") void save();
+      else if (control && low === "k") setPalette(true);
+      else if (control && !typing && low === "z" && !event.shiftKey) void undo();
+      else if (control && !typing && (low === "y" || (low === "z" && event.shiftKey))) void redo();
+      else if (!typing && !control && event.key === "/") setPalette(true);
+      else if (!typing && !control && event.key === "?") setHelp(true);
+      else return;
+      event.preventDefault();
+    }
+    addEventListener("keydown", key);
+    return () => removeEventListener("keydown", key);
+  }, []);
+
+  const Show = shown.show;
+  return (
+    <div className="shell">
+      <a className="skip" href="#main" onClick={(event) => { event.preventDefault(); document.getElementById("main")?.focus(); }}>
+        To the content
+      </a>
+      <Top openPalette={() => setPalette(true)} openHelp={() => setHelp(true)} />
+      <nav className="rail" aria-label="Pages">
+        {PAGES.map((one) => (
+          <a key={one.id} href={`#/${one.id}`} aria-current={one.id === shown.id ? "page" : undefined} title={one.name}>
+            <Icon name={one.icon} />
+            <span>{one.name}</span>
+          </a>
+        ))}
+      </nav>
+      <main id="main" tabIndex={-1} className={shown.flush ? "flush" : ""}>
+        {(wrong || link === "lost") && (
+          <div className="trouble" role="alert">
+            <strong>The service does not answer.</strong> What you see may be old; the page tries again by itself. Is
+            <code> robophm serve</code> still running?
+          </div>
+        )}
+        <Fence of={shown.id} key={shown.id}>
+          <Suspense fallback={<p className="quiet">Loading…</p>}>{design ? <Show /> : <p className="quiet">Loading the design…</p>}</Suspense>
+        </Fence>
+      </main>
+      <Toasts />
+      {palette && <Palette close={() => setPalette(false)} pages={PAGES} go={go} />}
+      {help && <Help close={() => setHelp(false)} />}
+    </div>
+  );
+}

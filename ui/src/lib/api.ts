@@ -1,0 +1,85 @@
+// The service, as its OpenAPI schema describes it.
+import type { components, paths } from "../schema";
+
+export type Shapes = components["schemas"];
+export type DesignState = Shapes["DesignState"];
+export type Operation = Shapes["Edits"]["operations"][number];
+export type Health = Shapes["Health"];
+export type Problem = Shapes["Problem"];
+
+type Json<T> = T extends { responses: { 200: { content: { "application/json": infer R } } } } ? R : never;
+type BodyOf<T> = T extends { requestBody: { content: { "application/json": infer B } } } ? B : undefined;
+type Method = "get" | "post" | "put" | "delete";
+type With<M extends Method> = { [P in keyof paths]: paths[P] extends Record<M, infer T> ? (T extends undefined ? never : P) : never }[keyof paths];
+type Of<P extends keyof paths, M extends Method> = paths[P] extends Record<M, infer T> ? T : never;
+type Query = Record<string, string | number | boolean | string[] | null | undefined>;
+
+/** The service said no, and why. */
+export class Refused extends Error {
+  constructor(
+    readonly status: number,
+    message: string,
+    readonly place: string[] = [],
+    readonly current?: DesignState,
+  ) {
+    super(message);
+  }
+}
+
+function address(path: string, query: Query): string {
+  const rest = new URLSearchParams();
+  let filled = path;
+  for (const [key, value] of Object.entries(query)) {
+    if (filled.includes(`{${key}}`)) filled = filled.replace(`{${key}}`, encodeURIComponent(String(value)));
+    else if (Array.isArray(value)) value.forEach((one) => rest.append(key, one));
+    else if (value != null) rest.set(key, String(value));
+  }
+  const said = rest.toString();
+  return `.${filled}${said ? `?${said}` : ""}`;
+}
+
+async function ask(method: Method, path: string, query: Query, body?: unknown, signal?: AbortSignal): Promise<unknown> {
+  const raw = body instanceof Blob;
+  let response: Response;
+  try {
+    response = await fetch(address(path, query), {
+      method: method.toUpperCase(),
+      body: body === undefined ? undefined : raw ? body : JSON.stringify(body),
+      headers: body === undefined ? {} : { "content-type": raw ? "application/octet-stream" : "application/json" },
+      signal,
+    });
+  } catch (error) {
+    if (signal?.aborted) throw error;
+    throw new Refused(0, "the service does not answer; is robophm serve still running?");
+  }
+  const text = await response.text();
+  let said: unknown;
+  try {
+    said = JSON.parse(text);
+  } catch {
+    throw new Refused(response.status, `the service answered what is no JSON (${response.status})`);
+  }
+  if (response.ok) return said;
+  const why = said as { message?: string; place?: string[]; current?: DesignState };
+  throw new Refused(response.status, why.message ?? `refused (${response.status})`, why.place, why.current);
+}
+
+export function get<P extends With<"get">>(path: P, query: Query = {}, signal?: AbortSignal): Promise<Json<Of<P, "get">>> {
+  return ask("get", path, query, undefined, signal) as Promise<Json<Of<P, "get">>>;
+}
+
+export function post<P extends With<"post">>(path: P, body: BodyOf<Of<P, "post">>, query: Query = {}): Promise<Json<Of<P, "post">>> {
+  return ask("post", path, query, body) as Promise<Json<Of<P, "post">>>;
+}
+
+export function put<P extends With<"put">>(path: P, body: BodyOf<Of<P, "put">>): Promise<Json<Of<P, "put">>> {
+  return ask("put", path, {}, body) as Promise<Json<Of<P, "put">>>;
+}
+
+export function remove<P extends With<"delete">>(path: P, query: Query): Promise<Json<Of<P, "delete">>> {
+  return ask("delete", path, query) as Promise<Json<Of<P, "delete">>>;
+}
+
+export function upload<P extends With<"post">>(path: P, file: Blob, query: Query): Promise<Json<Of<P, "post">>> {
+  return ask("post", path, query, file) as Promise<Json<Of<P, "post">>>;
+}

@@ -1,0 +1,77 @@
+// What a person takes along: a plot as CSV or SVG, any text as a file.
+import type { Curve } from "../parts/Plot";
+import { numberText } from "./words";
+
+export function offer(name: string, type: string, content: string | Blob): void {
+  const url = URL.createObjectURL(content instanceof Blob ? content : new Blob([content], { type }));
+  const link = document.createElement("a");
+  link.href = url;
+  link.download = name.replace(/[^\w.()+ -]/g, "_");
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(url), 10000);
+}
+
+function cell(text: string): string {
+  return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+}
+
+/** A row for each x that any curve has; an empty cell where a curve has none. */
+export function csvOf(curves: Curve[], xLabel: string): string {
+  const rows = new Map<number, (number | null)[]>();
+  curves.forEach((curve, i) =>
+    curve.x.forEach((x, n) => {
+      const row = rows.get(x) ?? curves.map(() => null);
+      row[i] = curve.y[n] ?? null;
+      rows.set(x, row);
+    }),
+  );
+  const lines = [...rows].sort(([a], [b]) => a - b).map(([x, row]) => [x, ...row.map((y) => y ?? "")].join(","));
+  return [[xLabel, ...curves.map((one) => one.name)].map(cell).join(","), ...lines, ""].join("\n");
+}
+
+const COLORS = ["#0065a9", "#c65100", "#007d5c", "#a3397f", "#8a6a00", "#4a4f57"];
+
+function escaped(text: string): string {
+  return text.replace(/[&<>"]/g, (one) => `&#${one.charCodeAt(0)};`);
+}
+
+export function svgOf(curves: Curve[], { title, xLabel, yLabel, log }: { title: string; xLabel: string; yLabel: string; log: boolean }): string {
+  const [width, height, left, top, right, bottom] = [720, 400, 90, 50, 20, 60];
+  const at = (y: number): number => (log ? Math.log10(y) : y);
+  const xs = curves.flatMap((one) => one.x);
+  const ys = curves.flatMap((one) => one.y).filter((y): y is number => y != null && (!log || y > 0)).map(at);
+  const extent = (values: number[]): [number, number] => {
+    let [low, high] = [Infinity, -Infinity];
+    for (const value of values) [low, high] = [Math.min(low, value), Math.max(high, value)];
+    return low < high ? [low, high] : [low - 1, low + 1];
+  };
+  const [x0, x1] = extent(xs);
+  const [y0, y1] = extent(ys);
+  const px = (x: number): string => (left + ((x - x0) / (x1 - x0)) * (width - left - right)).toFixed(1);
+  const py = (y: number): string => (height - bottom - ((y - y0) / (y1 - y0)) * (height - top - bottom)).toFixed(1);
+  const paths = curves.map((one, i) => {
+    let pen = false;
+    const d = one.x
+      .map((x, n) => {
+        const y = one.y[n];
+        if (y == null || (log && y <= 0)) {
+          pen = false;
+          return "";
+        }
+        const step = `${pen ? "L" : "M"}${px(x)} ${py(at(y))}`;
+        pen = true;
+        return step;
+      })
+      .join("");
+    const color = COLORS[(one.color ?? i) % 6];
+    return `<path d="${d}" fill="none" stroke="${color}" stroke-width="1.8"${one.dashed ? ' stroke-dasharray="6 4"' : ""}/><text x="${left + 10}" y="${top + 16 + 16 * i}" fill="${color}">${escaped(one.name)}</text>`;
+  });
+  const ticks = [0, 0.25, 0.5, 0.75, 1].flatMap((share) => {
+    const [x, y] = [x0 + share * (x1 - x0), y0 + share * (y1 - y0)];
+    return [
+      `<text x="${px(x)}" y="${height - bottom + 18}" text-anchor="middle">${numberText(x, 5)}</text>`,
+      `<text x="${left - 6}" y="${Number(py(y)) + 4}" text-anchor="end">${numberText(log ? 10 ** y : y, 4)}</text>`,
+    ];
+  });
+  return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${width} ${height}" font-family="sans-serif" font-size="12"><rect width="${width}" height="${height}" fill="#fff"/><text x="${left}" y="22" font-size="15" font-weight="600">${escaped(title)}</text><text x="${left}" y="40">${escaped(yLabel)}</text><text x="${width / 2}" y="${height - 12}" text-anchor="middle">${escaped(xLabel)}</text><path d="M${left} ${top}V${height - bottom}H${width - right}" fill="none" stroke="#8792a2"/>${ticks.join("")}${paths.join("")}</svg>\n`;
+}

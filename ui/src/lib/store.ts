@@ -1,0 +1,163 @@
+// What all pages share: the design, preferences, toasts. Each is a value with listeners.
+import { useSyncExternalStore } from "react";
+import { type DesignState, get, type Operation, post, put, Refused } from "./api";
+import type { RateUnit } from "./words";
+
+export class Shared<T> {
+  private listeners = new Set<() => void>();
+  constructor(private value: T) {}
+  get = (): T => this.value;
+  set(value: T): void {
+    this.value = value;
+    this.listeners.forEach((listener) => listener());
+  }
+  listen = (listener: () => void): (() => void) => {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  };
+}
+
+export function useShared<T>(shared: Shared<T>): T {
+  return useSyncExternalStore(shared.listen, shared.get);
+}
+
+export interface Toast {
+  id: number;
+  text: string;
+  tone: "plain" | "error";
+  action?: { label: string; run: () => void };
+}
+
+export const toasts = new Shared<Toast[]>([]);
+let nextToast = 1;
+
+export function say(text: string, tone: Toast["tone"] = "plain", action?: Toast["action"]): void {
+  const toast = { id: nextToast++, text, tone, action };
+  toasts.set([...toasts.get().slice(-3), toast]);
+  setTimeout(() => dismiss(toast.id), tone === "error" ? 12000 : 7000);
+}
+
+export function dismiss(id: number): void {
+  toasts.set(toasts.get().filter((one) => one.id !== id));
+}
+
+export function sayError(error: unknown): void {
+  say(error instanceof Error ? error.message : String(error), "error");
+}
+
+export interface Preferences {
+  unit: RateUnit;
+  theme: "auto" | "light" | "dark";
+}
+
+function stored(): Preferences {
+  const plain: Preferences = { unit: "1/h", theme: "auto" };
+  try {
+    return { ...plain, ...(JSON.parse(localStorage.getItem("robophm") ?? "{}") as Partial<Preferences>) };
+  } catch {
+    return plain;
+  }
+}
+
+export const preferences = new Shared<Preferences>(stored());
+
+export function prefer(change: Partial<Preferences>): void {
+  const next = { ...preferences.get(), ...change };
+  preferences.set(next);
+  try {
+    localStorage.setItem("robophm", JSON.stringify(next));
+  } catch {
+    /* a private window keeps nothing */
+  }
+  applyTheme();
+}
+
+export function applyTheme(): void {
+  const { theme } = preferences.get();
+  if (theme === "auto") delete document.documentElement.dataset.theme;
+  else document.documentElement.dataset.theme = theme;
+}
+
+export const useUnit = (): RateUnit => useShared(preferences).unit;
+
+export const design = new Shared<DesignState | null>(null);
+export const unreachable = new Shared<string>("");
+
+export async function refresh(): Promise<void> {
+  try {
+    design.set(await get("/api/design"));
+    unreachable.set("");
+  } catch (error) {
+    unreachable.set(error instanceof Error ? error.message : String(error));
+  }
+}
+
+/** Edits take turns: each is made of the revision that the one before gave. */
+let turn: Promise<unknown> = Promise.resolve();
+
+function inTurn(write: (revision: number) => Promise<DesignState>, retry: () => void): Promise<boolean> {
+  const mine = turn.then(async () => {
+    const now = design.get();
+    if (!now) return false;
+    try {
+      design.set(await write(now.revision));
+      return true;
+    } catch (error) {
+      if (error instanceof Refused && error.status === 409 && error.current) {
+        design.set(error.current);
+        say("Somebody else changed the design meanwhile. Theirs is shown; yours was not made.", "error", {
+          label: "Make mine too",
+          run: retry,
+        });
+      } else sayError(error);
+      return false;
+    }
+  });
+  turn = mine;
+  return mine;
+}
+
+export function edit(operations: Operation[], what: string): Promise<boolean> {
+  return inTurn(
+    (revision) => post("/api/design/edits", { revision, operations, what: what.slice(0, 200) }),
+    () => void edit(operations, what),
+  );
+}
+
+export async function editWithUndo(operations: Operation[], what: string): Promise<boolean> {
+  const done = await edit(operations, what);
+  if (done) say(what, "plain", { label: "Undo", run: () => void undo() });
+  return done;
+}
+
+export function replaceText(text: string, what: string): Promise<boolean> {
+  return inTurn(
+    (revision) => put("/api/design/text", { revision, text, what }),
+    () => void replaceText(text, what),
+  );
+}
+
+export const undo = (): Promise<boolean> =>
+  inTurn((revision) => post("/api/design/undo", { revision }), () => void undo());
+
+export const redo = (): Promise<boolean> =>
+  inTurn((revision) => post("/api/design/redo", { revision }), () => void redo());
+
+export async function save(): Promise<void> {
+  if (await inTurn((revision) => post("/api/design/save", { revision }), () => void save())) say(`Saved ${design.get()?.file}`);
+}
+
+export const useDesign = (): DesignState | null => useShared(design);
+
+/** The page that is open, and what follows it in the address: #/design/Power/Board. */
+function here(): { page: string; rest: string } {
+  const [, page = "", ...rest] = decodeURIComponent(location.hash).split("/");
+  return { page: page || "overview", rest: rest.join("/") };
+}
+
+export const route = new Shared(here());
+addEventListener("hashchange", () => route.set(here()));
+
+export function go(page: string, rest = ""): void {
+  location.hash = `#/${page}${rest ? `/${encodeURIComponent(rest).replaceAll("%2F", "/")}` : ""}`;
+}

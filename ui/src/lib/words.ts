@@ -1,0 +1,83 @@
+// Numbers as people read them; the same words as the command line and the reports use.
+
+export type RateUnit = "1/h" | "FIT" | "FPMH";
+
+export const RATE_UNITS: Record<RateUnit, { factor: number; name: string }> = {
+  "1/h": { factor: 1, name: "/h" },
+  FIT: { factor: 1e9, name: "FIT" },
+  FPMH: { factor: 1e6, name: "FPMH" },
+};
+
+type Value = number | null | undefined;
+
+export function numberText(value: Value, digits = 4): string {
+  if (value == null || Number.isNaN(value)) return "–";
+  if (!Number.isFinite(value)) return value > 0 ? "∞" : "-∞";
+  const rounded = Number(value.toExponential(digits - 1));
+  if (rounded === 0) return "0";
+  const size = Math.abs(rounded);
+  if (size >= 1e-3 && size < 1e6) {
+    const decimals = Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
+    return rounded.toLocaleString("en-US", { maximumFractionDigits: decimals });
+  }
+  const [mantissa = "", exponent = "0"] = rounded.toExponential(digits - 1).split("e");
+  return `${mantissa.includes(".") ? mantissa.replace(/\.?0+$/, "") : mantissa}e${Number(exponent)}`;
+}
+
+export function rateText(rate: Value, unit: RateUnit): string {
+  if (rate == null) return "–";
+  const { factor, name } = RATE_UNITS[unit];
+  return `${numberText(rate * factor)} ${name}`;
+}
+
+export function percentText(p: Value, failure?: Value): string {
+  if (p == null) return "–";
+  const q = failure ?? 1 - p;
+  if (q <= 0 || q > 0.1) return `${numberText(100 * p)} %`;
+  if (q < 1e-12) return "> 99.9999999999 %";
+  const decimals = Math.max(2, Math.ceil(-2 - Math.log10(q)));
+  return `${(100 - 100 * q).toFixed(decimals).replace(/\.?0+$/, "")} %`;
+}
+
+/** "1 in 4,700"; "" where a percentage says more. */
+export function oddsText(failure: Value): string {
+  if (failure == null || !(failure > 0 && failure <= 0.1)) return "";
+  const odds = Number((1 / failure).toPrecision(2));
+  return `1 in ${odds < 1e12 ? odds.toLocaleString("en-US") : numberText(odds)}`;
+}
+
+const SPANS: [string, number, number][] = [
+  ["s", 1 / 3600, 60],
+  ["min", 1 / 60, 60],
+  ["h", 1, 48],
+  ["days", 24, 730],
+  ["years", 8766, Infinity],
+];
+
+/** Of hours. */
+export function durationText(hours: Value): string {
+  if (hours == null) return "for ever";
+  if (!Number.isFinite(hours)) return numberText(hours);
+  if (hours === 0) return "0 h";
+  const [unit, length] = SPANS.find(([, n, limit]) => Number((Math.abs(hours) / n).toPrecision(3)) < limit) ?? SPANS[4]!;
+  return `${numberText(hours / length, 3)} ${unit}`;
+}
+
+export function secondsText(seconds: Value): string {
+  return seconds == null ? "never heard" : seconds < 0.5 ? "now" : `${durationText(seconds / 3600)} ago`;
+}
+
+export function momentText(seconds: Value): string {
+  if (seconds == null) return "–";
+  return new Date(seconds * 1000).toISOString().replace("T", " ").slice(0, 19) + " UTC";
+}
+
+export function lastStep(path: string): string {
+  return path.slice(path.lastIndexOf("/") + 1);
+}
+
+/** "99.98 % (fails 1 in 4,700)" */
+export function chanceWords(chance: { probability: number | null; failure: number | null }): string {
+  const odds = oddsText(chance.failure);
+  return percentText(chance.probability, chance.failure) + (odds ? ` (fails ${odds})` : "");
+}

@@ -1,0 +1,227 @@
+import { type ReactNode, useEffect, useState } from "react";
+import { get, type Health, type Shapes } from "../lib/api";
+import { useHealth } from "../lib/health";
+import { go, replaceText, sayError, useDesign, useUnit } from "../lib/store";
+import { everyPart, treeOf } from "../lib/tree";
+import { durationText, lastStep, momentText, numberText, oddsText, percentText, rateText, secondsText } from "../lib/words";
+import { Bars } from "../parts/Bars";
+import { FileButton } from "../parts/Field";
+import { State } from "../parts/Icon";
+import { ProblemList } from "../parts/Problems";
+import { Watching } from "../parts/Watching";
+
+export function Overview(): ReactNode {
+  const design = useDesign();
+  const { health, error } = useHealth();
+  if (!design) return null;
+  const empty = ![...everyPart(treeOf(design))].some((part) => part.kind === "component");
+  if (empty) return <Begin />;
+  return (
+    <>
+      <div className="head">
+        <h1>{design.name}</h1>
+        {health && <State of={health.state} />}
+        <span className="quiet small">{health?.time != null && `up to ${momentText(health.time)}`}</span>
+        <span className="grow" />
+        <Watching />
+      </div>
+      {!design.valid && (
+        <div className="trouble" role="alert">
+          <h2>The design is not complete yet</h2>
+          <ProblemList problems={design.problems.filter((one) => one.level === "error")} />
+        </div>
+      )}
+      {error && design.valid && <div className="trouble" role="alert">{error}</div>}
+      {health && <Figures health={health} />}
+    </>
+  );
+}
+
+function Figures({ health }: { health: Health }): ReactNode {
+  const unit = useUnit();
+  const robot = health.subjects[0];
+  if (!robot) return null;
+  const [nominal, lived] = [robot.nominal, robot.sensor_based];
+  const tone = health.state === "idle" ? "" : health.state;
+  const life = lived.remaining_life;
+  return (
+    <>
+      {health.why.length > 0 && (
+        <div className="trouble">
+          {health.why.map((one) => (
+            <p key={one}>{one}</p>
+          ))}
+        </div>
+      )}
+      {health.design_changed && <p className="quiet">The design has been changed since watching began: stop and start to use it.</p>}
+      <div className="cards">
+        <Figure tone={tone} name="Reliability R(t)" value={percentText(lived.reliability, lived.unreliability)} rows={[
+          ["nominal", percentText(nominal.reliability, nominal.unreliability)],
+          ["failed since new", lived.unreliability === 0 ? "no exposure yet" : oddsText(lived.unreliability) || percentText(lived.unreliability, lived.reliability)],
+        ]} />
+        <Figure tone={tone} name="Hazard rate λ now" value={rateText(lived.hazard_rate, unit)} rows={[
+          ["nominal", rateText(nominal.hazard_rate, unit)],
+          ["", "per hour of operation, given that it works"],
+        ]} />
+        <Figure tone={tone} name="Remaining life, median" value={life ? durationText(life.median) : "…"} rows={[
+          ["nominal", nominal.remaining_life ? durationText(nominal.remaining_life.median) : "…"],
+          ["90 % between", life ? `${durationText(life.early)} and ${durationText(life.late)}` : "…"],
+        ]} />
+        {health.task && (
+          <Figure tone={tone} name={`Task of ${numberText(health.task.distance)} m in ${durationText(health.task.duration)}, completed`} value={percentText(lived.completion, lived.completion_failure)} rows={[
+            ["nominal", percentText(nominal.completion, nominal.completion_failure)],
+            ["fails", oddsText(lived.completion_failure) || "–"],
+          ]} />
+        )}
+      </div>
+      <div className="two">
+        <section className="card">
+          <h2>The five worst contributors</h2>
+          <Bars
+            title="Hazard rates"
+            names={["nominal", "sensor-based"]}
+            bars={health.contributors.map((one) => ({
+              name: `${lastStep(one.path)}${one.quantity > 1 ? ` ×${one.quantity}` : ""}`,
+              values: [one.nominal, one.sensor_based],
+              words: `${rateText(one.sensor_based, unit)}, ${one.share == null ? "–" : `${numberText(100 * one.share, 3)} %`}`,
+            }))}
+          />
+        </section>
+        <section className="card">
+          <h2>Sensors</h2>
+          <Sensors sensors={health.sensors} idle={health.monitoring === "idle"} />
+        </section>
+      </div>
+      <section className="card" style={{ marginTop: 16 }}>
+        <h2>Modules</h2>
+        <div className="scroll" tabIndex={0} role="region" aria-label="Modules">
+          <Modules subjects={health.subjects} />
+        </div>
+      </section>
+      {health.notes.length > 0 && (
+        <section className="card" style={{ marginTop: 16 }}>
+          <h2>What was not taken</h2>
+          {health.notes.map((note) => (
+            <p key={note}>{note}</p>
+          ))}
+        </section>
+      )}
+    </>
+  );
+}
+
+function Figure({ name, value, rows, tone }: { name: string; value: string; rows: [string, string][]; tone: string }): ReactNode {
+  return (
+    <section className={`card figure ${tone}`}>
+      <h2>{name}</h2>
+      <div className="value">{value}</div>
+      <dl>
+        {rows.map(([key, says]) => (
+          <div key={key} style={{ display: "contents" }}>
+            <dt>{key}</dt>
+            <dd>{says}</dd>
+          </div>
+        ))}
+      </dl>
+    </section>
+  );
+}
+
+function Sensors({ sensors, idle }: { sensors: Shapes["Freshness"][]; idle: boolean }): ReactNode {
+  if (!sensors.length)
+    return (
+      <p>
+        No sensor is bound yet. <a href="#/sensors">Bind one</a>, and sensor-based figures stand beside the nominal ones.
+      </p>
+    );
+  return (
+    <table>
+      <thead>
+        <tr>
+          <th scope="col">Signal</th>
+          <th scope="col" className="number">Last value</th>
+          <th scope="col">Heard</th>
+        </tr>
+      </thead>
+      <tbody>
+        {sensors.map((one) => (
+          <tr key={one.signal}>
+            <th scope="row">{one.signal}</th>
+            <td className="number">{one.value == null ? "–" : `${numberText(one.value)} ${one.unit ?? ""}`}</td>
+            <td>{idle ? "not watching" : <span className={one.stale ? "state stale" : ""}>{one.stale ? `STALE, ${secondsText(one.age)}` : secondsText(one.age)}</span>}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function Modules({ subjects }: { subjects: Shapes["SubjectHealth"][] }): ReactNode {
+  const unit = useUnit();
+  return (
+    <table>
+      <thead>
+        <tr>
+          <th scope="col">Module or function</th>
+          <th scope="col" className="number">λ nominal</th>
+          <th scope="col" className="number">λ sensor-based</th>
+          <th scope="col" className="number">R nominal</th>
+          <th scope="col" className="number">R sensor-based</th>
+          <th scope="col" className="number">Remaining life</th>
+          <th scope="col">Flags</th>
+        </tr>
+      </thead>
+      <tbody>
+        {subjects.slice(1).map((one) => (
+          <tr key={`${one.kind} ${one.path}`}>
+            <th scope="row" style={{ paddingLeft: 10 + 16 * one.path.split("/").length - 16 }}>
+              {one.kind === "module" ? <a href={`#/design/${encodeURI(one.path)}`}>{one.name}</a> : `${one.name} (function)`}
+            </th>
+            <td className="number">{rateText(one.nominal.hazard_rate, unit)}</td>
+            <td className="number">{rateText(one.sensor_based.hazard_rate, unit)}</td>
+            <td className="number">{percentText(one.nominal.reliability, one.nominal.unreliability)}</td>
+            <td className="number">{percentText(one.sensor_based.reliability, one.sensor_based.unreliability)}</td>
+            <td className="number">{one.sensor_based.remaining_life ? durationText(one.sensor_based.remaining_life.median) : "–"}</td>
+            <td>{one.flags.join(", ")}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+/** Nothing is designed yet. */
+function Begin(): ReactNode {
+  const [examples, setExamples] = useState<Shapes["Example"][]>([]);
+  useEffect(() => void get("/api/examples").then((found) => setExamples(found.examples)).catch(sayError), []);
+  const open = async (name: string): Promise<void> => {
+    try {
+      const { text } = await get("/api/examples/{name}", { name });
+      await replaceText(text, `open the example ${name}`);
+    } catch (error) {
+      sayError(error);
+    }
+  };
+  return (
+    <div className="empty">
+      <h2>No robot yet</h2>
+      <p>Begin one of your own, import what you have, or look at an example. Everything can be undone.</p>
+      <div className="row">
+        <button className="primary" onClick={() => go("design")}>
+          Start a new robot
+        </button>
+        <FileButton label="Open a design file" accept=".yaml,.yml" take={(file) => void file.text().then((text) => replaceText(text, `open ${file.name}`)).catch(sayError)} />
+        <button onClick={() => go("parts", "import")}>Import a parts list</button>
+        <button onClick={() => go("reports", "legacy")}>Import a file of the 2020 tool</button>
+      </div>
+      <h3>Examples</h3>
+      <div className="row">
+        {examples.map((one) => (
+          <button key={one.name} onClick={() => void open(one.name)}>
+            {one.title}
+          </button>
+        ))}
+      </div>
+    </div>
+  );
+}

@@ -1,0 +1,124 @@
+import { type ReactNode, useState } from "react";
+import { get, type Shapes, upload } from "../lib/api";
+import { offer } from "../lib/exports";
+import { go, replaceText, sayError, useDesign } from "../lib/store";
+import { FileButton } from "../parts/Field";
+
+export function Reports(): ReactNode {
+  const design = useDesign();
+  const [legacy, setLegacy] = useState<{ name: string; found: Shapes["Imported"] } | null>(null);
+  const [wrong, setWrong] = useState("");
+  if (!design) return null;
+  const look = (file: File): void =>
+    void upload("/api/imports/legacy", file, { name: file.name })
+      .then((found) => {
+        setLegacy({ name: file.name, found });
+        setWrong("");
+      })
+      .catch((error: Error) => {
+        setLegacy(null);
+        setWrong(error.message);
+      });
+  return (
+    <>
+      <div className="head">
+        <h1>Reports and data</h1>
+      </div>
+      <div className="two">
+        <section className="card">
+          <h2>Report</h2>
+          <p>One page with diagram, tables, curves, importance, sensors and assumptions. It needs nothing else, not even JavaScript, and prints well.</p>
+          {design.valid ? (
+            <div className="row">
+              <a className="button primary" href="./api/report" target="_blank" rel="noopener">
+                Open the report
+              </a>
+              <a className="button" href="./api/report?download=true" download="health.html">
+                Download it
+              </a>
+            </div>
+          ) : (
+            <p className="state warn">The design is not complete: there is nothing to report yet.</p>
+          )}
+        </section>
+        <section className="card">
+          <h2>The design file</h2>
+          <p>
+            {design.file} is a text file. Opening another one replaces the design on this page; that can be undone, and {design.file} itself changes only when you save.
+          </p>
+          <div className="row">
+            <a className="button" href="./api/design/download" download={design.file}>
+              Download the design
+            </a>
+            <FileButton label="Open a design file" accept=".yaml,.yml" take={(file) => void file.text().then((text) => replaceText(text, `Open ${file.name}`)).then((done) => done && go("design")).catch(sayError)} />
+            <button onClick={() => void get("/api/library/schema").then((schema) => offer("robot.schema.json", "application/json", JSON.stringify(schema, null, 1))).catch(sayError)}>JSON Schema</button>
+          </div>
+        </section>
+        <section className="card">
+          <h2>Parts lists</h2>
+          <p>.csv, .xlsx and .ods as KiCad, Altium and offices export them; looked at first, column by column.</p>
+          <button onClick={() => go("parts", "import")}>Import a parts list…</button>
+        </section>
+        <section className="card">
+          <h2>Measurements for others</h2>
+          <p>
+            Prometheus reads <code>/metrics</code>; a dashboard for Grafana comes along.
+          </p>
+          <div className="row">
+            <a className="button" href="./metrics" target="_blank" rel="noopener">
+              Metrics
+            </a>
+            <a className="button" href="./api/grafana" download="robophm-grafana.json">
+              Grafana dashboard
+            </a>
+          </div>
+        </section>
+        <section className="card">
+          <h2>A file of the 2020 tool</h2>
+          <p>phm_configurations_*.yaml becomes a design; what is odd in it is said before anything is changed.</p>
+          <FileButton label="Choose a file" accept=".yaml,.yml" take={look} />
+          {wrong && (
+            <div className="trouble" role="alert">
+              {wrong}
+            </div>
+          )}
+          {legacy && (
+            <>
+              <h3>{legacy.name}</h3>
+              {legacy.found.findings.map((one) => (
+                <p key={one} className="small">
+                  {one}
+                </p>
+              ))}
+              <div className="scroll" tabIndex={0} role="region" aria-label="What the file says">
+                <table>
+                  <thead>
+                    <tr>
+                      {legacy.found.columns.map((one) => (
+                        <th key={one} scope="col">
+                          {one}
+                        </th>
+                      ))}
+                    </tr>
+                  </thead>
+                  <tbody>
+                    {legacy.found.rows.map((row, i) => (
+                      <tr key={i}>
+                        {row.map((one, n) => (
+                          <td key={n}>{one}</td>
+                        ))}
+                      </tr>
+                    ))}
+                  </tbody>
+                </table>
+              </div>
+              <button className="primary" onClick={() => void replaceText(legacy.found.text, `Import ${legacy.name}`).then((done) => done && go("design"))}>
+                Make it the design
+              </button>
+            </>
+          )}
+        </section>
+      </div>
+    </>
+  );
+}

@@ -1,0 +1,79 @@
+import { type ReactNode, useEffect, useState } from "react";
+import { get, type Shapes } from "../../lib/api";
+import { useDesign } from "../../lib/store";
+import { numberText } from "../../lib/words";
+import { Bars } from "../../parts/Bars";
+import { LevelSelect } from "../parts/LevelSelect";
+
+export function Importance(): ReactNode {
+  const design = useDesign();
+  const [path, setPath] = useState("");
+  const [found, setFound] = useState<Shapes["ImportanceList"] | null>(null);
+  const [wrong, setWrong] = useState("");
+  useEffect(() => {
+    get("/api/analysis/importance", { path })
+      .then((one) => {
+        setFound(one);
+        setWrong("");
+      })
+      .catch((error: Error) => setWrong(error.message));
+  }, [path, design?.state]);
+  const percent = (share: number | null): string => (share == null ? "–" : `${numberText(100 * share, 3)} %`);
+  let sum = 0;
+  return (
+    <>
+      <LevelSelect label="Of" value={path} set={setPath} />
+      {wrong && (
+        <div className="trouble" role="alert">
+          {wrong}
+        </div>
+      )}
+      {found && (
+        <div className="stack">
+          <section className="card">
+            <h2>Pareto: share of the failures within {numberText(found.hours)} h of operation that hang on a part</h2>
+            <Bars
+              title="Criticality"
+              names={["criticality"]}
+              bars={found.parts.slice(0, 15).map((one) => {
+                sum += one.barlow_proschan ?? 0;
+                return { name: one.part, values: [one.criticality], words: `${percent(one.criticality)}; causes so far ${percent(sum)}` };
+              })}
+            />
+          </section>
+          <section className="card scroll" tabIndex={0} role="region" aria-label="Importances">
+            <table>
+              <caption>
+                It fails within that time with {percent(found.failure)}. Causes: share of all failures to come that its own failure brings about (Barlow–Proschan).
+                {found.more > 0 && ` ${found.more} more parts are not shown.`} {found.refused}
+              </caption>
+              <thead>
+                <tr>
+                  {["Part", "Birnbaum", "Criticality", "Fussell–Vesely", "RAW", "RRW", "Improvement", "Causes"].map((one, i) => (
+                    <th key={one} scope="col" className={i ? "number" : ""}>
+                      {one}
+                    </th>
+                  ))}
+                </tr>
+              </thead>
+              <tbody>
+                {found.parts.map((one) => (
+                  <tr key={one.part}>
+                    <th scope="row">{one.part}</th>
+                    <td className="number">{numberText(one.birnbaum)}</td>
+                    <td className="number">{percent(one.criticality)}</td>
+                    <td className="number">{percent(one.fussell_vesely)}</td>
+                    <td className="number">{numberText(one.achievement)}</td>
+                    <td className="number">{numberText(one.reduction)}</td>
+                    <td className="number">{numberText(one.improvement)}</td>
+                    <td className="number">{percent(one.barlow_proschan)}</td>
+                  </tr>
+                ))}
+              </tbody>
+            </table>
+          </section>
+        </div>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,161 @@
+import { lazy, type ReactNode, Suspense, useCallback, useEffect, useMemo, useState } from "react";
+import { editWithUndo, edit, go, route, say, useDesign, useShared } from "../../lib/store";
+import type { Operation } from "../../lib/api";
+import { findPart, freeName, levelOf, levelPlace, type Part, treeOf } from "../../lib/tree";
+import { lastStep } from "../../lib/words";
+import { GroupDialog } from "./GroupDialog";
+import { Inspector } from "./Inspector";
+import { RenameDialog } from "./RenameDialog";
+import { Tree } from "./Tree";
+import "./design.css";
+
+const Canvas = lazy(() => import("./Canvas"));
+
+/** Tree, canvas, inspector. What is chosen in one is chosen in all; "" is the robot. */
+export function Design(): ReactNode {
+  const design = useDesign();
+  const { rest } = useShared(route);
+  const [chosen, setChosen] = useState<string[]>([rest]);
+  const [level, setLevel] = useState("");
+  const [dialog, setDialog] = useState<"" | "group" | "rename">("");
+  const tree = useMemo(() => design && treeOf(design), [design]);
+
+  const choose = useCallback((paths: string[]) => setChosen(paths.length ? paths : [""]), []);
+
+  useEffect(() => {
+    setChosen([rest]);
+  }, [rest]);
+
+  const first = chosen[0] ?? "";
+  const part = design ? findPart(design, first) : undefined;
+  useEffect(() => {
+    if (part) setLevel(part.kind === "component" ? levelOf(part.path) : part.kind === "module" && chosen.length === 1 && rest === part.path ? part.path : levelOf(part.path));
+  }, [rest]);
+  const shownLevel = design && findPart(design, level)?.kind !== "component" && findPart(design, level) ? level : "";
+
+  if (!design || !tree) return null;
+
+  const parts = chosen.map((path) => findPart(design, path)).filter((one): one is Part => !!one && !!one.path);
+
+  function remove(): void {
+    if (!parts.length) return;
+    const doomed = parts.filter((one) => !parts.some((other) => one.path.startsWith(`${other.path}/`)));
+    const operations: Operation[] = doomed.map((one) => ({ op: "delete", path: one.place }));
+    void editWithUndo(operations, `Deleted ${doomed.length === 1 ? doomed[0]!.name : `${doomed.length} parts`}`);
+    choose([levelOf(doomed[0]!.path)]);
+  }
+
+  async function add(kind: "module" | "component", under: Part): Promise<void> {
+    const host = under.kind === "component" ? findPart(design!, levelOf(under.path))! : under;
+    const name = freeName(host, kind === "module" ? "New module" : "New component");
+    const value = kind === "module" ? {} : { rate: "1 FPMH" };
+    const path = host.path ? `${host.path}/${name}` : name;
+    if (await edit([{ op: "put", path: [...host.place, `${kind}s`, name], value }], `Add ${name}`)) {
+      setLevel(host.path);
+      choose([path]);
+      setDialog("rename");
+    }
+  }
+
+  function startGroup(): void {
+    const levels = new Set(parts.map((one) => levelOf(one.path)));
+    if (parts.length < 2) say("Choose at least two parts first: Ctrl+click, or Space in the tree.");
+    else if (levels.size > 1) say("These parts are of different levels; a group is of parts of one level.", "error");
+    else setDialog("group");
+  }
+
+  function keys(event: React.KeyboardEvent): void {
+    const target = event.target as HTMLElement;
+    if (/^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName) || target.closest("dialog")) return;
+    if (event.key === "Delete") remove();
+    else if (event.key === "F2" && parts.length === 1) setDialog("rename");
+    else if (event.ctrlKey && event.key.toLowerCase() === "g") startGroup();
+    else return;
+    event.preventDefault();
+  }
+
+  return (
+    <div className="design" onKeyDown={keys}>
+      <section className="side" aria-label="Parts of the robot">
+        <div className="row tools">
+          <button onClick={() => part && void add("module", part)}>Add module</button>
+          <button onClick={() => part && void add("component", part)}>Add component</button>
+        </div>
+        <Tree
+          root={tree}
+          chosen={chosen}
+          choose={choose}
+          open={(one) => {
+            setLevel(one.kind === "component" ? levelOf(one.path) : one.path);
+            choose([one.path]);
+          }}
+          design={design}
+        />
+      </section>
+      <section className="drawing" aria-label="Block diagram">
+        <div className="row tools">
+          <Crumbs level={shownLevel} robot={design.name} show={setLevel} />
+          <span className="grow" />
+          <button onClick={startGroup} disabled={parts.length < 2} title="Ctrl+G">
+            Group…
+          </button>
+          <button
+            disabled={!parts.length}
+            onClick={() => void edit([{ op: "ungroup", path: levelPlace(shownLevel), members: parts.map((one) => one.name) }], "Ungroup")}
+          >
+            Ungroup
+          </button>
+          <button disabled={parts.length !== 1} onClick={() => setDialog("rename")} title="F2">
+            Rename
+          </button>
+          <button disabled={!parts.length} onClick={remove} title="Delete">
+            Delete
+          </button>
+        </div>
+        <Suspense fallback={<p className="quiet">Loading…</p>}>
+          <Canvas level={shownLevel} chosen={chosen} choose={choose} open={setLevel} />
+        </Suspense>
+      </section>
+      <section className="side right" aria-label="Inspector">
+        {part ? (
+          <Inspector key={part.path} part={part} several={parts.length} design={design} />
+        ) : (
+          <div className="trouble">
+            There is no part {first}. <button onClick={() => go("design")}>To the robot</button>
+          </div>
+        )}
+      </section>
+      {dialog === "group" && <GroupDialog members={parts} level={levelOf(parts[0]!.path)} close={() => setDialog("")} />}
+      {dialog === "rename" && parts[0] && (
+        <RenameDialog
+          part={parts[0]}
+          close={() => setDialog("")}
+          done={(name) => {
+            const level = levelOf(parts[0]!.path);
+            choose([level ? `${level}/${name}` : name]);
+          }}
+        />
+      )}
+    </div>
+  );
+}
+
+function Crumbs({ level, robot, show }: { level: string; robot: string; show: (level: string) => void }): ReactNode {
+  const steps = level ? level.split("/") : [];
+  return (
+    <nav aria-label="Level" className="row">
+      {["", ...steps.map((_, i) => steps.slice(0, i + 1).join("/"))].map((path, i, all) => (
+        <span key={path} className="row">
+          {i > 0 && <span aria-hidden="true">›</span>}
+          {i === all.length - 1 ? (
+            <strong>{path ? lastStep(path) : robot}</strong>
+          ) : (
+            <button className="plain" onClick={() => show(path)}>
+              {path ? lastStep(path) : robot}
+            </button>
+          )}
+        </span>
+      ))}
+    </nav>
+  );
+}

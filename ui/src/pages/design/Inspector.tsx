@@ -1,0 +1,126 @@
+import type { ReactNode } from "react";
+import type { DesignState, Operation } from "../../lib/api";
+import { edit, go, useUnit } from "../../lib/store";
+import { change, isValues, type Part } from "../../lib/tree";
+import { durationText, rateText } from "../../lib/words";
+import { Check, Entry, Select } from "../../parts/Field";
+import { ProblemList } from "../../parts/Problems";
+import { AsText } from "./AsText";
+import { Life } from "./Life";
+import { RateOf } from "./RateOf";
+
+/** All that can be said of one part, a module or the robot. */
+export function Inspector({ part, several, design }: { part: Part; several: number; design: DesignState }): ReactNode {
+  const unit = useUnit();
+  const figures = design.levels[part.path];
+  const problems = design.problems.filter((one) => part.place.every((key, i) => one.place[i] === key) && one.place.length >= part.place.length);
+  const mine = part.kind === "component" ? problems : problems.filter((one) => !["modules", "components"].includes(one.place[part.place.length] ?? ""));
+  const put = (key: string[], value: unknown, what: string): void => {
+    const operations = change(part, key, value);
+    if (operations.length) void edit(operations, what);
+  };
+  const text = (key: string): string => String(part.values[key] ?? "");
+  return (
+    <>
+      <h2>{part.name}</h2>
+      <p className="small quiet">
+        {several > 1 ? `${several} parts are chosen; this is the first. ` : ""}
+        {part.kind}
+        {part.path && ` · ${part.path}`}
+      </p>
+      {figures && (
+        <p>
+          <strong>{rateText(figures.hazard_rate, unit)}</strong>{" "}
+          <span className="quiet small">
+            when new{figures.hazard_rate ? `, one failure in ${durationText(1 / figures.hazard_rate)} of operation` : ""}
+            {figures.quantity > 1 ? `, all ${figures.quantity} together` : ""}
+          </span>
+          {figures.single_point && (
+            <span className="badge warning" style={{ marginLeft: 6 }}>
+              single point of failure
+            </span>
+          )}
+        </p>
+      )}
+      {mine.length > 0 && <ProblemList problems={mine} />}
+      <Entry label="Description" value={text("description")} set={(value) => put(["description"], value, `Describe ${part.name}`)} />
+      {part.kind === "component" ? <OfComponent part={part} put={put} /> : <OfLevel part={part} put={put} />}
+      <h3 style={{ marginTop: 12 }}>Sensors bound here</h3>
+      <Bound part={part} />
+      <AsText part={part} />
+    </>
+  );
+}
+
+export type Putting = (key: string[], value: unknown, what: string) => void;
+
+function OfComponent({ part, put }: { part: Part; put: Putting }): ReactNode {
+  const values = part.values;
+  const whole = (value: string): number | string | undefined => (value.trim() === "" ? undefined : /^\d+$/.test(value.trim()) ? Number(value) : value);
+  return (
+    <>
+      <div className="fields">
+        <Entry label="Quantity" inputMode="numeric" value={String(values.quantity ?? 1)} set={(value) => put(["quantity"], whole(value), `Quantity of ${part.name}`)} />
+        <Entry label="Of which must work" hint="empty: all" inputMode="numeric" value={String(values.required ?? "")} set={(value) => put(["required"], whole(value), `Required of ${part.name}`)} />
+      </div>
+      <RateOf part={part} />
+      <Life part={part} put={put} />
+      <Check label="known to work until reported failed (monitored)" value={values.monitored === true} set={(value) => put(["monitored"], value || undefined, `Monitor ${part.name}`)} />
+    </>
+  );
+}
+
+function OfLevel({ part, put }: { part: Part; put: Putting }): ReactNode {
+  const values = part.values;
+  const nested = (key: string, inner: string): string => {
+    const found = values[key];
+    return isValues(found) ? String(found[inner] ?? "") : "";
+  };
+  const operations = (ops: Operation[], what: string): void => void (ops.length && edit(ops, what));
+  return (
+    <>
+      {part.kind === "robot" && (
+        <Entry label="Name of the robot" value={part.name} set={(value) => value && operations([{ op: "put", path: ["name"], value }], `Name the robot ${value}`)} />
+      )}
+      <Entry label="Environment" hint="symbol of the handbooks, e.g. GF or GM; inherited by all parts below" value={String(values.environment ?? "")} set={(value) => put(["environment"], value, `Environment of ${part.name}`)} />
+      <Life part={part} put={put} />
+      {part.kind === "robot" && (
+        <>
+          <h3>Usage</h3>
+          <div className="fields">
+            <Entry label="Share of the day that it works" value={nested("usage", "operating")} set={(value) => put(["usage", "operating"], value && Number(value), "Usage")} />
+            <Entry label="Driven per hour of operation" hint="e.g. 0.7 km/h" value={nested("usage", "kilometres")} set={(value) => put(["usage", "kilometres"], value, "Usage")} />
+          </div>
+          <h3>Its usual task</h3>
+          <div className="fields">
+            <Entry label="Distance" hint="e.g. 250 m" value={nested("task", "distance")} set={(value) => put(["task", "distance"], value, "Task")} />
+            <Entry label="Speed" hint="e.g. 0.3 m/s" value={nested("task", "speed")} set={(value) => put(["task", "speed"], value, "Task")} />
+            <Entry label="or duration" hint="e.g. 20 min" value={nested("task", "duration")} set={(value) => put(["task", "duration"], value, "Task")} />
+          </div>
+        </>
+      )}
+      <Select
+        label="How what is in it is wired"
+        value={values.diagram === undefined ? "series" : "drawn"}
+        options={[["series", "all in series"], ["drawn", "as drawn"]]}
+        disabled={values.diagram === undefined}
+        set={(value) => value === "series" && void edit([{ op: "wire", path: part.place, diagram: null }], `${part.name} in series`)}
+        hint="choose parts and press Group… to draw groups"
+      />
+    </>
+  );
+}
+
+function Bound({ part }: { part: Part }): ReactNode {
+  const bound = isValues(part.values.signals) ? Object.entries(part.values.signals) : [];
+  return (
+    <>
+      {bound.map(([input, binding]) => (
+        <p key={input} className="small">
+          <strong>{input}</strong>: {isValues(binding) ? `${String(binding.topic)}.${String(binding.field)}` : "?"}
+        </p>
+      ))}
+      <button onClick={() => go("sensors", part.path)}>{bound.length ? "Change…" : "Bind a sensor…"}</button>
+    </>
+  );
+}

@@ -1,0 +1,18 @@
+import { type ReactNode, useEffect, useId, useRef } from "react";
+
+export function Dialog({ title, close, children, className }: { title: string; close: () => void; children: ReactNode; className?: string }): ReactNode {
+  const ref = useRef<HTMLDialogElement>(null);
+  const id = useId();
+  useEffect(() => {
+    if (!ref.current?.open) ref.current?.showModal();
+  }, []);
+  return (
+    <dialog ref={ref} className={className} aria-labelledby={id} onClose={close} onClick={(event) => event.target === ref.current && close()}>
+      <h2 id={id}>{title}</h2>
+      <button className="icon plain close" aria-label="Close" onClick={close}>
+        ×
+      </button>
+      {children}
+    </dialog>
+  );
+}

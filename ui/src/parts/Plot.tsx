@@ -1,0 +1,196 @@
+// Every plot over time or hours is drawn here, by uPlot.
+import { type ReactNode, useEffect, useRef, useState } from "react";
+import uPlot, { type AlignedData } from "uplot";
+import "uplot/dist/uPlot.min.css";
+import { csvOf, offer, svgOf } from "../lib/exports";
+import { preferences, useShared } from "../lib/store";
+import { numberText } from "../lib/words";
+
+export interface Curve {
+  name: string;
+  x: number[];
+  y: (number | null)[];
+  /** By habit nominal is solid, sensor-based dashed. */
+  dashed?: boolean;
+  color?: number;
+}
+
+export interface PlotProps {
+  title: string;
+  curves: Curve[];
+  xLabel: string;
+  yLabel: string;
+  /** x are seconds since the epoch. */
+  time?: boolean;
+  log?: boolean;
+  height?: number;
+  /** Spans of x in which a sensor was silent. */
+  gaps?: [number, number][];
+  empty?: string;
+  children?: ReactNode;
+}
+
+const DASH = [6, 4];
+
+function css(name: string): string {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+function joined(curves: Curve[], log: boolean): AlignedData {
+  const sound = (y: (number | null)[]): (number | null)[] => (log ? y.map((one) => (one != null && one > 0 ? one : null)) : y);
+  const first = curves[0];
+  if (!first) return [[]];
+  if (curves.every((one) => one.x === first.x || (one.x.length === first.x.length && one.x[0] === first.x[0] && one.x.at(-1) === first.x.at(-1))))
+    return [first.x, ...curves.map((one) => sound(one.y))] as AlignedData;
+  return uPlot.join(curves.map((one) => [one.x, sound(one.y)] as AlignedData));
+}
+
+const times = new Intl.DateTimeFormat("en-GB", { hour: "2-digit", minute: "2-digit", second: "2-digit", timeZone: "UTC" });
+
+export function Plot({ title, curves, xLabel, yLabel, time, log = false, height = 230, gaps, empty, children }: PlotProps): ReactNode {
+  const box = useRef<HTMLDivElement>(null);
+  const plot = useRef<uPlot | null>(null);
+  const shaded = useRef(gaps);
+  shaded.current = gaps;
+  const { theme } = useShared(preferences);
+  const [zoomed, setZoomed] = useState(false);
+  const held = useRef(false);
+  const shape = curves.map((one) => `${one.name}|${one.dashed}|${one.color}`).join("\n");
+  const some = curves.some((one) => one.x.length);
+
+  useEffect(() => {
+    const host = box.current;
+    if (!host || !some) return;
+    const line = css("--line");
+    const axis = { stroke: css("--quiet"), grid: { stroke: css("--edge"), width: 1 }, ticks: { stroke: line }, font: "12px system-ui, sans-serif" };
+    const made = new uPlot(
+      {
+        width: Math.max(host.clientWidth, 120),
+        height,
+        legend: { show: false },
+        cursor: { drag: { x: true, y: false }, points: { size: 6 } },
+        scales: { x: { time: false }, y: log ? { distr: 3 } : { range: (_, low, high) => spread(low, high) } },
+        axes: [
+          { ...axis, values: (_, ticks) => ticks.map((tick) => (time ? times.format(tick * 1000) : numberText(tick, 6))), space: time ? 80 : 60 },
+          { ...axis, size: 74, values: (_, ticks) => ticks.map((tick) => (tick == null ? "" : numberText(tick, log ? 2 : 7))) },
+        ],
+        series: [
+          {},
+          ...curves.map((one, i) => ({
+            label: one.name,
+            stroke: css(`--c${(one.color ?? i) % 6}`),
+            width: 2,
+            dash: one.dashed ? DASH : undefined,
+            points: { show: one.x.length < 2 },
+          })),
+        ],
+        hooks: {
+          drawClear: [(u) => shade(u, shaded.current ?? [])],
+          setSelect: [
+            () => {
+              held.current = true;
+              setZoomed(true);
+            },
+          ],
+        },
+      },
+      joined(curves, log),
+      host,
+    );
+    plot.current = made;
+    const observer = new ResizeObserver(() => made.setSize({ width: Math.max(host.clientWidth, 120), height }));
+    observer.observe(host);
+    return () => {
+      observer.disconnect();
+      made.destroy();
+      plot.current = null;
+    };
+    // curves' points are put in by the effect below; only their look makes the plot anew
+    // eslint-disable-next-line react-hooks/exhaustive-deps
+  }, [shape, log, height, theme, some, time]);
+
+  useEffect(() => {
+    const now = plot.current;
+    if (!now) return;
+    const { min, max } = now.scales.x ?? {};
+    now.setData(joined(curves, log), !held.current);
+    if (held.current && min != null && max != null) now.setScale("x", { min, max });
+  }, [curves, log]);
+
+  const reset = (): void => {
+    held.current = false;
+    setZoomed(false);
+    plot.current?.setData(joined(curves, log), true);
+  };
+
+  const visible = (): Curve[] => {
+    const { min, max } = plot.current?.scales.x ?? {};
+    if (min == null || max == null) return curves;
+    return curves.map((one) => {
+      const rows = one.x.map((x, i) => [x, one.y[i] ?? null] as const).filter(([x]) => x >= min && x <= max);
+      return { ...one, x: rows.map(([x]) => x), y: rows.map(([, y]) => y) };
+    });
+  };
+
+  const last = curves.map((one) => `${one.name} ${numberText(one.y.at(-1), 5)}`).join(", ");
+  const words = some ? `${title}, ${yLabel} over ${xLabel}. Latest: ${last}.` : `${title}: ${empty ?? "no data yet"}`;
+  return (
+    <section className="plot card" aria-label={title}>
+      <h3>
+        {title} <span className="quiet small">{yLabel}</span>
+      </h3>
+      <div className="legend" aria-hidden="true">
+        {curves.map((one, i) => (
+          <span key={one.name}>
+            <svg viewBox="0 0 26 8">
+              <path d="M0 4h26" stroke={`var(--c${(one.color ?? i) % 6})`} strokeWidth="2.5" strokeDasharray={one.dashed ? "6 4" : undefined} />
+            </svg>
+            {one.name}
+          </span>
+        ))}
+      </div>
+      {some ? <div ref={box} role="img" aria-label={words} /> : <p className="quiet">{empty ?? "No data yet."}</p>}
+      {children}
+      <div className="tools">
+        <span className="small quiet grow">{xLabel}</span>
+        {zoomed && <button onClick={reset}>Whole range</button>}
+        <button disabled={!some} onClick={() => offer(`${title}.csv`, "text/csv", csvOf(visible(), xLabel))} aria-label={`${title} as CSV, the visible range`}>
+          CSV
+        </button>
+        <button disabled={!some} onClick={() => offer(`${title}.svg`, "image/svg+xml", svgOf(visible(), { title, xLabel, yLabel, log }))} aria-label={`${title} as SVG`}>
+          SVG
+        </button>
+        <button
+          disabled={!some}
+          aria-label={`${title} as PNG`}
+          onClick={() => plot.current?.ctx.canvas.toBlob((blob) => blob && offer(`${title}.png`, "image/png", blob))}
+        >
+          PNG
+        </button>
+      </div>
+    </section>
+  );
+}
+
+/** A range around the data, never of no width: 0.9999 must not look like an empty plot. */
+function spread(low: number, high: number): [number, number] {
+  if (low == null || high == null || !Number.isFinite(low) || !Number.isFinite(high)) return [0, 1];
+  if (high - low <= 1e-12 * Math.max(Math.abs(low), Math.abs(high))) {
+    const room = 0.05 * Math.abs(low) || 1;
+    return [low - room, high + room];
+  }
+  const pad = 0.07 * (high - low);
+  return [low >= 0 && low < 0.25 * high ? 0 : low - pad, high + pad];
+}
+
+function shade(u: uPlot, gaps: [number, number][]): void {
+  if (!gaps.length) return;
+  u.ctx.save();
+  u.ctx.fillStyle = css("--hatch");
+  for (const [from, to] of gaps) {
+    const left = Math.max(u.valToPos(from, "x", true), u.bbox.left);
+    const right = Math.min(u.valToPos(to, "x", true), u.bbox.left + u.bbox.width);
+    if (right > left) u.ctx.fillRect(left, u.bbox.top, right - left, u.bbox.height);
+  }
+  u.ctx.restore();
+}
