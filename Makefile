@@ -30,6 +30,7 @@ lint: setup
 
 peers:
 	@sh tools/ros1-peers
+	@sh tools/browser
 
 test: lint peers
 	$(BIN)/pytest -n 2

@@ -12,6 +12,7 @@ import pytest
 
 NO_SHARED = "no shared/ folder beside the project"
 NO_ROSCORE = "no roscore (sudo sh tools/ros1-peers installs it)"
+NO_BROWSER = "no chromium, no playwright, or the page is not built (sudo sh tools/browser; python hatch_build.py)"
 ANSWER = "published answer"
 """The property by which a test says which published answer it has compared."""
 
@@ -45,7 +46,7 @@ def answer(record_property: Callable[[str, object], None]) -> Callable[..., None
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Say how many tests what is absent has cost, and which published answers were compared."""
     reasons = [str(report.longrepr) for report in terminalreporter.stats.get("skipped", [])]
-    for absent in (NO_SHARED, NO_ROSCORE):
+    for absent in (NO_SHARED, NO_ROSCORE, NO_BROWSER):
         if skipped := sum(absent in reason for reason in reasons):
             terminalreporter.write_line(f"{skipped} tests skipped: {absent}", yellow=True)
     answers = [
