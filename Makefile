@@ -8,7 +8,7 @@ CHECKED := src tests benchmarks
 .DEFAULT_GOAL := help
 
 help:
-	@echo "make demo       a synthetic robot works for a day: its health, live and as a report"
+	@echo "make demo       a synthetic robot works for a day: its health as a report, and live on a page"
 	@echo "make test       all checks and tests"
 	@echo "make calibrate  predictions against 20,000 robots that really fail (docs/calibration.md)"
 	@echo "make fuzz       300,000 damaged recordings, half an hour to an hour (docs/guides/columns.md)"
