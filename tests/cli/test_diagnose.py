@@ -37,7 +37,7 @@ def robot(tmp_path):
 def test_fmeca_as_table_csv_and_page(inside, robot, tmp_path):
     text = inside("fmeca", robot, "--sensors", "sensors.csv", "--to", "fmeca.csv")
     assert text.returncode == 0
-    assert "redundancy is lost, the robot works on" in text.stdout
+    assert "redundancy is lost" in text.stdout
     rows = list(csv.DictReader(io.StringIO((tmp_path / "fmeca.csv").read_text())))
     assert len(rows) == 6
     bearing = next(row for row in rows if row["failure mode"] == "motor/bearing")

@@ -33,7 +33,7 @@ def fmeca(
     may_make(to, path, *([table_of_sensors] if table_of_sensors else []), force=force, suffixes=(".csv", ".html"))
     robot = load(path)
     sensors = read_sensors(table_of_sensors, robot) if table_of_sensors else []
-    sees = coverage(robot, sensors)
+    sees = coverage(robot, [sensor for sensor in sensors if sensor.fitted])
     outlook = as_designed(Plant(robot))
     found = effects(outlook, hours, seen(robot, sensors), _severities(severities, robot))
     if to:

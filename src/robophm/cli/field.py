@@ -43,18 +43,19 @@ def service(
     design: Design,
     part: Annotated[str, typer.Argument(help="path of the component, or of its failure mode")],
     store: Annotated[Path, typer.Option("--store", help="the robot's past, as kept by replay")],
+    replaced: Annotated[bool, typer.Option("--replaced", help="a new one was put in")] = False,
     repaired: Annotated[
         float | None,
         typer.Option(help="it was repaired: the share of its age that remains, 0 as new, 1 as before", metavar="SHARE"),
     ] = None,
     failed: Annotated[bool, typer.Option("--failed", help="it had failed; else it was served before")] = False,
-    history: Annotated[bool, typer.Option("--history", help="list every service so far")] = False,
+    history: Annotated[bool, typer.Option("--history", help="list every service of it so far")] = False,
     as_json: Json = False,
 ) -> None:
     """Tell a robot's ledger that a part was replaced, or repaired."""
     from robophm.cli.service import run
 
-    run(design, part, store, repaired, failed=failed, history=history, as_json=as_json)
+    run(design, part, store, repaired, replaced=replaced, failed=failed, history=history, as_json=as_json)
 
 
 def fit(

@@ -26,7 +26,7 @@ def effect_text(one: Effect) -> tuple[str, str]:
     if one.effect == "function":
         return local, f"loses {', '.join(one.lost)}"
     if one.effect == "redundancy":
-        return local, "redundancy is lost, the robot works on"
+        return local, "redundancy is lost"
     return local, "none alone"
 
 
@@ -63,10 +63,13 @@ def _sections(
     found: Sequence[Effect], coverage: Mapping[str, Mapping[str, float]], hours: float
 ) -> Iterable[Html | str]:
     yield f"Failure modes, effects and criticality within {number_text(hours)} h of operation of a new robot."
-    rows = [(row[1], row[0], *row[2:]) for row in fmeca_rows(found, coverage)]
-    columns = ("failure mode", "function", *COLUMNS[2:])
+    # What the part itself does is in its name here; a spreadsheet has it in full.
+    order = [COLUMNS.index(name) for name in ("failure mode", "function", "end effect", *COLUMNS[9:], *COLUMNS[4:9])]
+    rows = [tuple(row[i] for i in order) for row in fmeca_rows(found, coverage)]
+    short = {"severity": "S", "occurrence": "O", "detection": "D"}
+    columns = [short.get(COLUMNS[i], COLUMNS[i]) for i in order]
     caption = "The highest risk priority number first"
-    yield section("Failure modes", table_html(columns, rows, caption, "lllllrrrlrrrrr"))
+    yield section("Failure modes", table_html(columns, rows, caption, "lllrrrrrrrrrl"))
     sensors = list(dict.fromkeys(sensor for sees in coverage.values() for sensor in sees))
     if sensors:
         matrix = [(mode, *(sees.get(sensor) for sensor in sensors)) for mode, sees in coverage.items()]
