@@ -43,18 +43,19 @@ def service(
     design: Design,
     part: Annotated[str, typer.Argument(help="path of the component, or of its failure mode")],
     store: Annotated[Path, typer.Option("--store", help="the robot's past, as kept by replay")],
+    replaced: Annotated[bool, typer.Option("--replaced", help="a new one was put in")] = False,
     repaired: Annotated[
         float | None,
         typer.Option(help="it was repaired: the share of its age that remains, 0 as new, 1 as before", metavar="SHARE"),
     ] = None,
     failed: Annotated[bool, typer.Option("--failed", help="it had failed; else it was served before")] = False,
-    history: Annotated[bool, typer.Option("--history", help="list every service so far")] = False,
+    history: Annotated[bool, typer.Option("--history", help="list every service of it so far")] = False,
     as_json: Json = False,
 ) -> None:
     """Tell a robot's ledger that a part was replaced, or repaired."""
     from robophm.cli.service import run
 
-    run(design, part, store, repaired, failed=failed, history=history, as_json=as_json)
+    run(design, part, store, repaired, replaced=replaced, failed=failed, history=history, as_json=as_json)
 
 
 def fit(
@@ -144,4 +145,49 @@ def wear(
     run(design, signal, Wishes(part, threshold, kind, load, baseline, false_alarms, shift, store, seed, as_json))
 
 
-COMMANDS: tuple[Callable[..., None], ...] = (learn, service, fit, maintain, wear)
+def fmeca(
+    design: Design,
+    sensors: Annotated[
+        Path | None, typer.Option(help="a table: sensor, part, detects, false alarm, price, fitted")
+    ] = None,
+    hours: Annotated[float, typer.Option(help="of operation of a new robot", min=1e-6)] = 1000.0,
+    severity: Annotated[
+        list[str] | None, typer.Option(metavar="WHAT=1…10", help="of robot, redundancy, nothing, a function or a part")
+    ] = None,
+    to: Annotated[Path | None, typer.Option(help="write all of it, .csv or .html")] = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Failure modes, effects and criticality, the effects from the robot's structure."""
+    from robophm.cli.diagnose import fmeca as run
+
+    run(design, sensors, hours, tuple(severity or ()), to, force=force, as_json=as_json)
+
+
+def diagnose(
+    design: Design,
+    sensors: Annotated[
+        Path, typer.Argument(help="a table: sensor, part, detects, false alarm, price, fitted", metavar="SENSORS.CSV")
+    ],
+    alarm: Annotated[list[str] | None, typer.Option(metavar="SENSOR", help="is on; the others are off")] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="none is on: what may have failed all the same")] = False,
+    add: Annotated[int, typer.Option(help="how many sensors to add, of those with fitted: no", min=0, max=16)] = 0,
+    hours: Annotated[
+        float, typer.Option(help="of operation within which a fault came, or the robot must work", min=0)
+    ] = 100.0,
+    after: Annotated[
+        float | None, typer.Option(help="operating hours that a new robot has worked, unwatched", min=0)
+    ] = None,
+    store: Annotated[Path | None, typer.Option("--store", help="the robot's past, as kept by replay")] = None,
+    function: Annotated[str | None, typer.Option(help="that must work; default the whole robot")] = None,
+    as_json: Json = False,
+) -> None:
+    """What sees which failure, which it is given the alarms, and which sensor would tell most."""
+    from robophm.cli.diagnose import Wishes
+    from robophm.cli.diagnose import diagnose as run
+
+    alarms = tuple(alarm) if alarm else () if quiet else None
+    run(design, sensors, Wishes(alarms, add, hours, after, store, function, as_json))
+
+
+COMMANDS: tuple[Callable[..., None], ...] = (learn, service, fit, maintain, wear, fmeca, diagnose)

@@ -19,7 +19,9 @@ COLUMNS: Mapping[str, Sequence[str]] = {
     "when": ("date", "datetime"),
     "value": ("signal", "reading", "y"),
     "load": ("x",),
+    "ambient": (),
 }
+"""What a table may say of a signal; ``ambient`` is taken off its value, as of a bearing's temperature."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,8 @@ def read_readings(path: Path, unit: str) -> Readings:
     with_load = any("load" in row.cells for row in rows)
     load = np.array([row.number("load") for row in rows]) if with_load else None
     origin = times[0] if dated else 0.0
-    return Readings(np.array(times) - origin, np.array([row.number("value") for row in rows]), load, dated)
+    values = [row.number("value") - row.number("ambient", 0.0) for row in rows]
+    return Readings(np.array(times) - origin, np.array(values), load, dated)
 
 
 def _date(row: Row) -> float:
