@@ -8,7 +8,7 @@ CHECKED := src tests benchmarks
 .DEFAULT_GOAL := help
 
 help:
-	@echo "make demo       a synthetic robot works for a day: its health, live and as a report"
+	@echo "make demo       a synthetic robot works for a day: its health as a report, and live on a page"
 	@echo "make demo-ros   the case study live: a simulated robot over real ROS 1, or over DDS (ROS=2)"
 	@echo "make test       all checks and tests"
 	@echo "make calibrate  predictions against 20,000 robots that really fail (docs/calibration.md)"
@@ -35,6 +35,7 @@ lint: setup
 
 peers:
 	@sh tools/ros-peers
+	@sh tools/browser
 
 test: lint peers
 	$(BIN)/pytest -n 2

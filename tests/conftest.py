@@ -16,6 +16,7 @@ NO_ROSCORE = "no roscore (sudo sh tools/ros-peers installs it)"
 NO_FASTDDS = "no Fast DDS with its headers, or no g++ (sudo sh tools/ros-peers installs them)"
 NO_CYCLONEDDS = "no cyclonedds wheel for this Python or machine"
 NO_RCLPY = "no rclpy (with ROS 2's setup sourced, it is there)"
+NO_BROWSER = "no chromium, no playwright, or the page is not built (sudo sh tools/browser; python hatch_build.py)"
 ANSWER = "published answer"
 """The property by which a test says which published answer it has compared."""
 
@@ -63,7 +64,7 @@ def answer(record_property: Callable[[str, object], None]) -> Callable[..., None
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Say how many tests what is absent has cost, and which published answers were compared."""
     reasons = [str(report.longrepr) for report in terminalreporter.stats.get("skipped", [])]
-    for absent in (NO_SHARED, NO_ROSCORE, NO_FASTDDS, NO_CYCLONEDDS, NO_RCLPY):
+    for absent in (NO_SHARED, NO_ROSCORE, NO_FASTDDS, NO_CYCLONEDDS, NO_RCLPY, NO_BROWSER):
         if skipped := sum(absent in reason for reason in reasons):
             terminalreporter.write_line(f"{skipped} tests skipped: {absent}", yellow=True)
     answers = [

@@ -201,3 +201,9 @@ def test_the_hash_is_of_the_content_alone():
         == parse("# comment\n" + plain.replace("{A: {rate: 1 FIT}}", '\n  "A":\n    rate: 1 FIT')).design_hash
     )
     assert parse(plain).design_hash != parse(plain.replace("1 FIT", "2 FIT")).design_hash
+
+
+@pytest.mark.parametrize("line", ['name: "\\ud800"', '"\\udfff": 1'])
+def test_half_characters_are_no_text(line):
+    with pytest.raises(DesignError, match=r"^design:2: .*is no text; expected whole characters$"):
+        parse(f"schema_version: 1\n{line}\n")

@@ -1,7 +1,10 @@
 """What is shipped: a universal wheel with its schema, its example and its types, and nothing else."""
 
+import os
+import re
 import subprocess
 import sys
+import tarfile
 import zipfile
 from pathlib import Path
 
@@ -11,11 +14,41 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("wheel")
-    command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(folder), str(ROOT)]
-    subprocess.run(command, check=True, capture_output=True)
-    return next(folder.glob("*.whl"))
+def built(tmp_path_factory):
+    """A folder with the sdist, and the wheel that was made of it where there is no Node."""
+    page = subprocess.run([sys.executable, ROOT / "hatch_build.py"], capture_output=True, text=True, check=False)
+    if page.returncode:
+        pytest.skip(page.stderr)
+    folder = tmp_path_factory.mktemp("built")
+    command = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(folder), str(ROOT)]
+    environment = {**os.environ, "PATH": str(Path(sys.executable).parent)}
+    subprocess.run(command, check=True, capture_output=True, env=environment)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def wheel(built):
+    return next(built.glob("*.whl"))
+
+
+def test_the_page_is_shipped_whole_and_sources_come_with_it(built, wheel):
+    shipped = set(zipfile.ZipFile(wheel).namelist())
+    with tarfile.open(next(built.glob("*.tar.gz"))) as sdist:
+        sources = {name.partition("/")[2] for name in sdist.getnames()}
+    index = zipfile.ZipFile(wheel).read("robophm/web/static/index.html").decode()
+    named = re.findall(r'(?:src|href)="\./([^"]+)"', index)
+    assert any(name.endswith(".js") for name in named)
+    for name in named:
+        assert f"robophm/web/static/{name}" in shipped
+        assert f"src/robophm/web/static/{name}" in sources
+    assert "robophm/web/grafana.json" in shipped
+    for needed in ("ui/package-lock.json", "ui/src/main.tsx", "docs/reference/openapi.json", "hatch_build.py"):
+        assert needed in sources
+    assert not [name for name in sources if "node_modules" in name]
+
+
+def test_the_lock_file_names_no_address():
+    assert b'"resolved"' not in (ROOT / "ui" / "package-lock.json").read_bytes()
 
 
 def test_it_installs_anywhere(wheel):

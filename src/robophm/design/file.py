@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -21,6 +22,8 @@ MAX_BYTES = 20_000_000
 
 SCHEMA_VERSION = 1
 """Of design files and task lists; a file that says another number is refused."""
+
+_HALF = re.compile("[\ud800-\udfff]")
 
 Lines = dict[tuple[str, ...], int]
 _Model = TypeVar("_Model", bound="BaseModel")
@@ -189,7 +192,7 @@ class _Reader:
                 at = f"{self.name}:{key_node.start_mark.line + 1}"
                 if key_node.id != "scalar":
                     raise DesignError(f"{at}: {_text(place)}a key is a list or mapping; expected a name")
-                key = str(key_node.value)
+                key = self._text(str(key_node.value), at, place)
                 if key in result:
                     raise DesignError(f"{at}: {_text(place)}duplicate name '{key}'; names of one level must differ")
                 result[key] = self.value(value_node, (*place, key))
@@ -209,8 +212,15 @@ class _Reader:
         except ValueError:
             pass
         if kind in ("str", "timestamp", "int", "float"):
-            return node.value
+            return self._text(node.value, f"{self.name}:{line}", place)
         raise DesignError(f"{self.name}:{line}: {_text(place)}tag '{node.tag}' is not taken; expected plain values")
+
+    @staticmethod
+    def _text(text: str, at: str, place: tuple[str, ...]) -> str:
+        """The same, where it is text that can be written: an escape can be half a character."""
+        if not text.isascii() and _HALF.search(text):
+            raise DesignError(f"{at}: {_text(place)}{text!r:.60} is no text; expected whole characters")
+        return text
 
 
 def _text(place: tuple[str, ...]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -22,6 +23,7 @@ from robophm.design.fault import Fault
 from robophm.web.guard import Guard, TooLargeError
 from robophm.web.routes import analysis, data, design, library, live, tasks
 from robophm.web.service import Service, Settings
+from robophm.web.shapes import Trouble
 from robophm.web.workspace import StaleError
 
 STATIC = Path(__file__).with_name("static")
@@ -31,6 +33,15 @@ DESCRIPTION = (
     "One robot's design, analysis, monitoring and tasks. Times are in hours, samples' times in seconds since the "
     "epoch, hazard rates in 1/h. Live values come over the WebSocket /api/live in binary frames (docs/guides/page.md)."
 )
+
+
+GUARDED: dict[int | str, dict[str, Any]] = {
+    401: {"model": Trouble, "description": "The token is missing or wrong"},
+    403: {"model": Trouble, "description": "Asked by a page from elsewhere"},
+    413: {"model": Trouble, "description": "Larger than it may be"},
+    422: {"model": Trouble, "description": "Refused, and why"},
+}
+"""What any request may be answered."""
 
 
 def create_app(settings: Settings) -> FastAPI:
@@ -60,14 +71,21 @@ def api(**more: Any) -> FastAPI:
         openapi_url="/api/openapi.json", **more,
     )  # fmt: skip
     for routes in (design, library, analysis, tasks, data, live):
-        app.include_router(routes.router)
+        app.include_router(routes.router, responses=GUARDED)
     app.add_exception_handler(RobophmError, _refused)
     app.add_exception_handler(RequestValidationError, _misspelt)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(TooLargeError, _too_large)
     app.add_exception_handler(RecursionError, _too_deep)
+    app.add_exception_handler(UnicodeEncodeError, _no_text)
     app.add_exception_handler(Exception, _our_fault)
     return app
+
+
+def write_schema(path: str) -> None:
+    """Write what the routes are into a file, as the page's types are made of it."""
+    text = json.dumps(api().openapi(), indent=1, ensure_ascii=False) + "\n"
+    Path(path).write_text(text, encoding="utf-8")
 
 
 def _said(status: int, message: str, place: tuple[str, ...] = ()) -> JSONResponse:
@@ -102,6 +120,8 @@ async def _misspelt(request: Request, error: Exception) -> JSONResponse:
 async def _http(request: Request, error: Exception) -> JSONResponse:
     if not isinstance(error, HTTPException):
         raise error
+    if error.status_code == 400:  # a body that is not even JSON
+        return _said(422, "the body cannot be read; expected JSON")
     words = {404: "there is nothing of that name", 405: "this cannot be done here"}
     response = _said(error.status_code, words.get(error.status_code, str(error.detail)))
     response.headers.update(error.headers or {})
@@ -114,6 +134,10 @@ async def _too_large(request: Request, error: Exception) -> JSONResponse:
 
 async def _too_deep(request: Request, error: Exception) -> JSONResponse:
     return _said(422, "what was sent is nested too deeply")
+
+
+async def _no_text(request: Request, error: Exception) -> JSONResponse:
+    return _said(422, "what was sent has half characters in it; expected Unicode")
 
 
 async def _our_fault(request: Request, error: Exception) -> JSONResponse:

@@ -142,6 +142,24 @@ def test_it_goes_on_where_it_was(ros: System, robot: Robot, tmp_path: Path) -> N
     assert operating[1] > operating[0] + 2 / 3600
 
 
+def test_a_watcher_that_was_killed_loses_nothing_that_its_journal_has(
+    ros: System, robot: Robot, tmp_path: Path
+) -> None:
+    ros.talk(TALKER)
+    for times in (1, 2):
+        process = start(ros, tmp_path, "--journal", "run.journal")
+        within(60, lambda times=times: spoken(tmp_path / "run.journal") > 150 * times)  # type: ignore[misc]
+        if times == 1:
+            process.kill()
+            process.communicate()
+    code, _, warned = ended(process, signal.SIGTERM)
+    assert code == 0, warned
+    replayed = MemoryStore()
+    replay(robot, tmp_path / "run.journal", store=replayed, period=1.0)
+    with SqliteStore(tmp_path / "past.db") as store:
+        assert store.ledger("R") == replayed.ledger("R")
+
+
 def test_a_topic_that_nobody_publishes_is_waited_for(system: System, tmp_path: Path) -> None:
     system.start_master()  # one that has never heard of it
     process = start(system, tmp_path, "--journal", "run.journal")

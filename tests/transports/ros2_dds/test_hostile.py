@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import random
 import struct
-import subprocess
-import sys
 
 import pytest
 
@@ -79,18 +77,6 @@ def test_a_large_message_is_walked_not_decoded(peer: Peer, live: LiveSource) -> 
     raw = struct.pack("<iII1s3xI", 0, 5, 1, b"\0", 0) + struct.pack("<I60000dII", 60000, *range(60000), 0, 0)
     peer.tell(f"raw w {(HEAD + raw).hex()}")
     within(10, lambda: heard.of("/large.position[3]") == [3])
-
-
-def test_without_the_wheel_it_is_said_what_to_install() -> None:
-    code = (
-        "import sys; sys.modules['cyclonedds'] = None\n"
-        "from robophm.transports.ros2_dds import Ros2Dds\n"
-        "try: Ros2Dds()\n"
-        "except Exception as error: print(type(error).__name__, error)\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
-    assert done.stdout.startswith("SourceError ROS 2 over DDS needs the package cyclonedds (")
-    assert done.stdout.endswith(": pip install robophm[ros2]\n")
 
 
 def test_a_type_that_says_it_is_larger_than_any(peer: Peer, live: LiveSource) -> None:

@@ -18,12 +18,17 @@ export function useHealth(): { health: Health | null; error: string } {
     return () => clearInterval(timer);
   }, [running]);
   const due = running ? beat : looks;
+  const valid = design?.valid ?? false;
   useEffect(() => {
+    if (!valid && monitoring === "idle") {
+      setFound({ health: null, error: "" }); // nothing can be known of what is no robot yet
+      return;
+    }
     const asked = new AbortController();
     get("/api/health", {}, asked.signal)
       .then((health) => setFound({ health, error: "" }))
       .catch((error: unknown) => !asked.signal.aborted && setFound((old) => ({ ...old, error: String(error instanceof Error ? error.message : error) })));
     return () => asked.abort();
-  }, [due, monitoring, design?.state]);
+  }, [due, monitoring, design?.state, valid]);
   return found;
 }

@@ -131,7 +131,7 @@ export function Sensors(): ReactNode {
                   <th scope="col" className="number">Last value</th>
                   <th scope="col">Heard</th>
                   <th scope="col">
-                    <span className="hidden">Delete</span>
+                    <span className="hidden">Unbind</span>
                   </th>
                 </tr>
               </thead>
@@ -147,7 +147,7 @@ export function Sensors(): ReactNode {
                       <td>{health?.monitoring === "idle" ? "not watching" : heard?.stale ? <span className="state stale">STALE, {secondsText(heard.age)}</span> : secondsText(heard?.age)}</td>
                       <td>
                         <button aria-label={`Unbind ${one.kind} of ${one.at || design.name}`} onClick={() => void editWithUndo([{ op: "delete", path: one.place }], `Unbound ${one.kind} of ${one.at || design.name}`)}>
-                          Delete
+                          Unbind
                         </button>
                       </td>
                     </tr>

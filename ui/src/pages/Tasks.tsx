@@ -2,7 +2,7 @@ import { type ReactNode, useEffect, useState } from "react";
 import { get, post, type Shapes } from "../lib/api";
 import { pulse } from "../lib/live";
 import { say, sayError, useDesign, useShared } from "../lib/store";
-import { chanceWords, durationText, momentText, numberText, percentText } from "../lib/words";
+import { chanceWords, durationText, momentText, numberText, oddsText, percentText } from "../lib/words";
 import { FileButton, Text } from "../parts/Field";
 import { Watching } from "../parts/Watching";
 import { Prognosis } from "./tasks/Prognosis";
@@ -142,6 +142,17 @@ function NewTask({ functions, add }: { functions: string[]; add: (task: Task) =>
   );
 }
 
+/** A probability, and below it the odds of failing. */
+function Chance({ of }: { of: Shapes["Chance"] }): ReactNode {
+  const odds = oddsText(of.failure);
+  return (
+    <>
+      {percentText(of.probability, of.failure)}
+      {odds && <div className="small quiet">fails {odds}</div>}
+    </>
+  );
+}
+
 function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
   return (
     <div style={{ marginTop: 12 }} aria-live="polite">
@@ -163,8 +174,8 @@ function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
                 <th scope="row">{one.name || `task ${i + 1}`}</th>
                 <td className="number">{numberText(one.distance)} m</td>
                 <td className="number">{durationText(one.duration)}</td>
-                <td className="number">{chanceWords(one.chance.nominal)}</td>
-                <td className="number">{chanceWords(one.chance.sensor_based)}</td>
+                <td className="number"><Chance of={one.chance.nominal} /></td>
+                <td className="number"><Chance of={one.chance.sensor_based} /></td>
               </tr>
             ))}
             {answer.tasks.length > 1 && (
@@ -172,8 +183,8 @@ function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
                 <th scope="row">all of them</th>
                 <td className="number">{numberText(answer.tasks.reduce((sum, one) => sum + one.distance, 0))} m</td>
                 <td className="number">{durationText(answer.tasks.reduce((sum, one) => sum + one.duration, 0))}</td>
-                <td className="number">{chanceWords(answer.together.nominal)}</td>
-                <td className="number">{chanceWords(answer.together.sensor_based)}</td>
+                <td className="number"><Chance of={answer.together.nominal} /></td>
+                <td className="number"><Chance of={answer.together.sensor_based} /></td>
               </tr>
             )}
           </tbody>

@@ -118,6 +118,7 @@ class Participant:
     def __init__(self, domain: int, config: str) -> None:
         dds = wheel()
         self._log = Log() if sys.platform != "win32" else None
+        self._making = threading.RLock()
         self._structs: dict[tuple[str, str], Any] = {}
         self._topics: dict[tuple[str, str], Any] = {}
         try:
@@ -142,11 +143,12 @@ class Participant:
         """A topic by its name in DDS."""
         dds = wheel()
         key = name, definition.hash
-        if key not in self._topics:
-            struct = self._struct(definition.type.name, definition)
-            qos = dds.core.Qos(dds.core.Policy.DataRepresentation(use_cdrv0_representation=True))
-            self._topics[key] = dds.topic.Topic(self.entity, name, struct, qos)
-        return self._topics[key]
+        with self._making:
+            if key not in self._topics:
+                struct = self._struct(definition.type.name, definition)
+                qos = dds.core.Qos(dds.core.Policy.DataRepresentation(use_cdrv0_representation=True))
+                self._topics[key] = dds.topic.Topic(self.entity, name, struct, qos)
+            return self._topics[key]
 
     def _struct(self, name: str, definition: Definition) -> Any:
         """The type as the wheel wants it, a class."""

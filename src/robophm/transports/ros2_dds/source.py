@@ -39,7 +39,7 @@ class Ros2(LiveSource):
         self._queue = queue
         self._tick = tick_of(period)
         self._closed = False
-        self._closing = threading.Lock()
+        self._closing = threading.RLock()  # a signal may close while we are in it
         self._run: _Run | None = None
         self._graph = self._node.join(domain)
         self._discovery = self._graph.discovery()
@@ -99,9 +99,9 @@ class Ros2(LiveSource):
         hearing = Hearing(self.notes, queue.put, topics, simulated=simulated)
         node = self._node(domain=self._graph.place.domain, notes=self.notes)
         self._run = run = _Run(node, wanted, queue, hearing, self._tick)
-        if run.listening.mistake:
+        if run.listening.mistake or self._closed:
             run.close()
-            raise run.listening.mistake
+            raise run.listening.mistake or SourceError("the source is closed")
         return run.start()
 
     def close(self) -> None:
@@ -127,7 +127,7 @@ class _Run:
     def __init__(self, node: Node, wanted: dict[str, list[str]], queue: Queue, hearing: Hearing, tick: float) -> None:
         self.hearing = hearing
         self._queue = queue
-        self._closing = threading.Lock()
+        self._closing = threading.RLock()  # a signal may close while we are in it
         self._closed = False
         self._node = node
         self.listening = Listening(node, wanted, hearing, tick)

@@ -1,0 +1,111 @@
+"""Each page with a robot, without one, and with a design that is not complete; nothing serious for axe-core."""
+
+import time
+
+import pytest
+
+from ..conftest import OTA, SMALL, serving
+
+PAGES = ("overview", "design", "parts", "analysis", "live", "sensors", "tasks", "reports", "settings")
+SAYS = {
+    "overview": "worst contributors", "design": "Power", "parts": "Step Down Switching Regulator",
+    "analysis": "Median remaining life", "live": "Hazard rate", "sensors": "/ota/power/temperature",
+    "tasks": "Can I do this?", "reports": "Open the report", "settings": "Hazard rates in",
+}  # fmt: skip
+EMPTY = {
+    "overview": "No robot yet", "design": "Add module", "parts": "No parts yet", "analysis": "Nothing to analyse yet",
+    "live": "not complete", "sensors": "Nothing is bound", "tasks": "The list is empty", "reports": "nothing to report",
+    "settings": "Hazard rates in",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def ota(tmp_path_factory):
+    design = tmp_path_factory.mktemp("ota") / "robot.yaml"
+    design.write_bytes(OTA.read_bytes())
+    with serving(design, seed=3) as served:
+        served.post("/api/monitoring/start", {"source": "synthetic", "speed": 100})
+        until = time.monotonic() + 60
+        while served.get("/api/health")["looks"] < 5 and time.monotonic() < until:
+            time.sleep(0.05)
+        yield served
+
+
+@pytest.fixture(scope="module")
+def nothing(tmp_path_factory):
+    with serving(tmp_path_factory.mktemp("nothing") / "new.yaml", seed=3) as served:
+        yield served
+
+
+@pytest.fixture(scope="module")
+def broken(tmp_path_factory):
+    design = tmp_path_factory.mktemp("broken") / "courier.yaml"
+    design.write_text(SMALL.replace("30 FPMH", "30 kg"))
+    with serving(design, seed=3) as served:
+        yield served
+
+
+def test_every_page_with_a_robot(ota, visit):
+    look = visit(ota)
+    for name in PAGES:
+        page = look.open(name)
+        page.get_by_text(SAYS[name]).first.wait_for()
+        if name == "design":
+            page.locator(".react-flow__node-box").first.wait_for()
+        if name in ("live", "analysis"):
+            page.locator("canvas").first.wait_for()
+        assert look.serious() == [], name
+
+
+def test_every_page_in_the_dark(ota, visit):
+    look = visit(ota, color_scheme="dark")
+    for name in ("overview", "design", "live", "tasks"):
+        look.open(name).get_by_text(SAYS[name]).first.wait_for()
+        assert look.serious() == [], name
+
+
+def test_every_page_without_a_robot(nothing, visit):
+    look = visit(nothing)
+    for name in PAGES:
+        look.open(name).get_by_text(EMPTY[name]).first.wait_for()
+        if name in ("overview", "design", "tasks"):
+            assert look.serious() == [], name
+
+
+def test_every_page_with_a_design_that_is_not_complete(broken, visit):
+    look = visit(broken)
+    for name in PAGES:
+        page = look.open(name)
+        page.get_by_role("button", name="Problems of the design: 1 to mend").wait_for()
+    page = look.open("overview")
+    page.get_by_text("does not measure what '1/h' does").first.wait_for()
+    page.get_by_role("button", name="modules / see / components / lidar / rate").click()
+    page.get_by_label("Stated rate of one").fill("30 FPMH")
+    page.get_by_label("Stated rate of one").press("Enter")
+    page.get_by_role("button", name="Problems of the design: No problems").wait_for()
+    page.get_by_role("button", name="Undo").click()
+    page.get_by_role("button", name="Problems of the design: 1 to mend").wait_for()
+
+
+def test_the_first_load_is_small(ota, visit):
+    look = visit(ota)
+    sizes = []
+    session = look.page.context.new_cdp_session(look.page)
+    session.send("Network.enable")
+    session.on("Network.loadingFinished", lambda event: sizes.append(event["encodedDataLength"]))
+    look.open("live")
+    look.page.wait_for_timeout(500)
+    built = [size for size in sizes if size]
+    assert 20_000 < sum(built) < 150_000
+
+
+def test_a_page_whose_service_ends_says_so_and_comes_back(tmp_path, visit):
+    design = tmp_path / "courier.yaml"
+    design.write_text(SMALL)
+    with serving(design) as served:
+        look = visit(served)
+        page = look.open("overview")
+        served.edit({"op": "put", "path": ["name"], "value": "express"})
+        page.get_by_role("heading", name="express").wait_for()
+    page.get_by_text("The service does not answer.").wait_for()
+    look.wrong.clear()  # the browser reports that it could not connect

@@ -1,0 +1,143 @@
+"""Nobody from elsewhere, nothing too large, and no address that others reach without a token."""
+
+import socket
+import subprocess
+import sys
+
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+
+from robophm.web.guard import MOST_BYTES
+
+from .conftest import SMALL, serving
+
+
+def raw(served, head):
+    """What is answered to a request as it stands, which a client would tidy up."""
+    host, port = served.address.split("//")[1].rstrip("/").split(":")
+    with socket.create_connection((host, int(port)), timeout=10) as connection:
+        connection.sendall(f"{head}Host: {host}:{port}\r\nConnection: close\r\n\r\n".encode())
+        return b"".join(iter(lambda: connection.recv(65536), b""))
+
+
+@pytest.fixture(scope="module")
+def guarded(tmp_path_factory):
+    design = tmp_path_factory.mktemp("guarded") / "courier.yaml"
+    design.write_text(SMALL)
+    with serving(design, token="a secret & more") as served:
+        yield served
+
+
+def test_an_address_that_others_reach_needs_a_token(tmp_path):
+    design = tmp_path / "courier.yaml"
+    design.write_text(SMALL)
+    command = [sys.executable, "-m", "robophm", "serve", str(design), "--host", "0.0.0.0", "--port", "0"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 3
+    assert done.stderr.startswith("error: --host 0.0.0.0: others on the network would reach the design")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("headers", [{}, {"authorization": "Bearer wrong"}, {"cookie": "robophm_token=wrong"},
+                                     {"authorization": "Basic x"}, {"cookie": "robophm_token"}])  # fmt: skip
+@pytest.mark.parametrize("path", ["/", "/api/design", "/metrics", "/api/nothing", "/assets/x.js"])
+def test_without_the_token_there_is_nothing(guarded, path, headers):
+    answer = guarded.client.get(path, headers={"authorization": "", **headers})
+    assert answer.status_code == 401
+    assert "token" in answer.json()["message"]
+
+
+def test_the_token_opens_and_does_not_stay_in_the_address(guarded):
+    client = guarded.client
+    answer = client.get("/?token=a+secret+%26+more&x=1", headers={"authorization": ""}, follow_redirects=False)
+    assert answer.status_code == 303
+    assert answer.headers["location"] == "/?x=1"
+    cookie = answer.headers["set-cookie"]
+    assert {"HttpOnly", "SameSite=Strict"} <= {part.strip() for part in cookie.split(";")}
+    cookies = {"cookie": cookie.partition(";")[0], "authorization": ""}
+    client.cookies.clear()
+    assert client.get("/api/design", headers=cookies).status_code == 200
+    assert client.get("/api/design").status_code == 200
+
+
+def test_a_page_from_elsewhere_may_not_write(shared_small):
+    client, body = shared_small.client, {"revision": 1}
+    for headers in ({"origin": "http://evil.example"}, {"origin": "null"}, {"sec-fetch-site": "cross-site"},
+                    {"origin": shared_small.address.replace("127.0.0.1", "localhost").rstrip("/")}):  # fmt: skip
+        assert client.post("/api/design/undo", json=body, headers=headers).status_code == 403
+    own = {"origin": shared_small.address.rstrip("/"), "sec-fetch-site": "same-origin"}
+    assert client.post("/api/design/undo", json=body, headers=own).status_code == 200
+
+
+def test_a_name_that_somebody_else_points_here_is_refused(shared_small):
+    for host in ("evil.example", "127.0.0.1.evil.example", "", "[::ffff:1.2.3.4]:80"):
+        assert shared_small.client.get("/api/design", headers={"host": host}).status_code in (400, 421)
+    assert shared_small.client.get("/api/design", headers={"host": "localhost:1"}).status_code == 200
+
+
+def test_a_websocket_from_elsewhere_is_refused(shared_small, guarded):
+    url = shared_small.address.replace("http", "ws") + "api/live"
+    with pytest.raises((InvalidStatus, ConnectionClosed)), connect(url, origin="http://evil.example") as socket_:
+        socket_.recv(timeout=5)
+    with connect(url, origin=shared_small.address.rstrip("/")) as socket_:
+        assert socket_.recv(timeout=5)
+    url = guarded.address.replace("http", "ws") + "api/live"
+    with pytest.raises((InvalidStatus, ConnectionClosed)), connect(url) as socket_:
+        socket_.recv(timeout=5)
+
+
+def test_what_is_too_large_is_refused_before_it_is_read(shared_small):
+    said = raw(shared_small, f"POST /api/design/undo HTTP/1.1\r\nContent-Length: {MOST_BYTES + 1}\r\n")
+    assert said.split(b" ", 2)[1] == b"413"
+
+    def endless():
+        for _ in range(MOST_BYTES // 1_000_000 + 2):
+            yield b" " * 1_000_000
+
+    answer = shared_small.client.post("/api/imports/legacy", content=endless())
+    assert answer.status_code in (413, 422)
+    assert shared_small.get("/api/design")["revision"]
+
+
+def test_malformed_bodies_are_refused_in_words(shared_small):
+    for body in (b"", b"{", b"[]", b'{"revision": "x"}', b"\xff\xfe", b"[" * 100_000, b'{"revision": 1e999}'):
+        answer = shared_small.client.post(
+            "/api/design/undo", content=body, headers={"content-type": "application/json"}
+        )
+        assert answer.status_code == 422, body[:20]
+        assert answer.json()["message"]
+
+
+OUT = (
+    "/../../etc/passwd",
+    "/assets/../../../etc/passwd",
+    "/%2e%2e/%2e%2e/etc/passwd",
+    "/assets/%2e%2e%2f%2e%2e%2fetc/passwd",
+    "//etc/passwd",
+    "/..%5c..%5cetc/passwd",
+)
+
+
+@pytest.mark.parametrize("path", OUT)
+def test_no_path_leads_out(shared_small, path):
+    said = raw(shared_small, f"GET {path} HTTP/1.1\r\n")
+    assert b"root:" not in said
+    assert said.split(b" ", 2)[1] in (b"404", b"405", b"400")
+
+
+def test_what_is_answered_loads_nothing_from_elsewhere(shared_small):
+    for path in ("/", "/api/design", "/metrics", "/api/nothing"):
+        headers = shared_small.client.get(path).headers
+        assert headers["content-security-policy"].startswith("default-src 'self'")
+        assert headers["x-content-type-options"] == "nosniff"
+    report = shared_small.client.get("/api/report")
+    assert report.headers["content-security-policy"].startswith("default-src 'none'")
+    assert "<script" not in report.text
+
+
+def test_a_fault_of_ours_shows_no_traceback(small, monkeypatch):
+    monkeypatch.setattr(small.service.workspace, "draft", lambda: 1 / 0)
+    answer = small.client.get("/api/design/text")
+    assert answer.status_code == 500
+    assert answer.json() == {"message": "a fault within robophm; its log says where", "place": []}

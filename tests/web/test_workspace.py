@@ -1,0 +1,153 @@
+"""Undo without limit, that outlives the process; the file stays the truth and is written only on purpose."""
+
+import threading
+from pathlib import Path
+
+import pytest
+
+from robophm.core.errors import DesignError, StoreError
+from robophm.design import editing
+from robophm.design.fault import Fault
+from robophm.web.workspace import StaleError, Workspace
+
+from .conftest import SMALL
+
+HORN = {"rate": "1 FPMH"}
+
+
+def put(path, value):
+    return lambda document: editing.put(document, path, value)
+
+
+@pytest.fixture
+def path(tmp_path) -> Path:
+    design = tmp_path / "courier.yaml"
+    design.write_text(SMALL)
+    return design
+
+
+def test_a_hundred_edits_are_undone_and_done_again_by_another_process(path):
+    one = Workspace(path)
+    texts = [one.draft().text]
+    for i in range(100):
+        texts.append(one.edit(one.draft().revision, put(["components", f"horn {i}"], HORN), f"horn {i}").text)
+    one.close()
+    other = Workspace(path)
+    for text in reversed(texts[:-1]):
+        assert other.undo(other.draft().revision).text == text
+    assert other.draft().text == SMALL
+    assert not other.draft().undo
+    for text in texts[1:]:
+        assert other.redo(other.draft().revision).text == text
+    assert path.read_text() == SMALL  # nobody saved
+
+
+def test_comments_stay_and_only_what_was_meant_changes(path):
+    work = Workspace(path)
+    draft = work.edit(1, put(["modules", "drive", "components", "motor", "quantity"], 3), "three")
+    assert draft.text == SMALL.replace("quantity: 2", "quantity: 3")
+
+
+def test_a_write_of_an_older_revision_is_refused_and_changes_nothing(path):
+    work = Workspace(path)
+    now = work.edit(1, put(["components", "horn"], HORN), "horn")
+    for write in (work.undo, work.redo, work.save, lambda r: work.edit(r, put(["name"], "x"), ""),
+                  lambda r: work.replace(r, SMALL, "")):  # fmt: skip
+        with pytest.raises(StaleError, match="revision 2, not 1"):
+            write(1)
+    assert work.draft() == now
+
+
+def test_an_edit_that_fails_half_way_leaves_nothing(path):
+    work = Workspace(path)
+
+    def half(document):
+        editing.put(document, ["components", "horn"], HORN)
+        editing.delete(document, ["components", "nothing"])
+
+    with pytest.raises(Fault):
+        work.edit(1, half, "")
+    assert work.draft().text == SMALL
+    assert work.edit(1, put(["name"], "other"), "").text == SMALL.replace("courier\n", "other\n")
+
+
+def test_saving_keeps_what_was_there_and_refuses_what_is_no_design(path):
+    work = Workspace(path)
+    draft = work.edit(1, put(["components", "horn"], HORN), "horn")
+    assert not draft.saved
+    assert work.save(draft.revision).saved
+    assert path.read_text() == draft.text
+    assert path.with_name("courier.yaml.bak").read_text() == SMALL
+    broken = work.edit(draft.revision, put(["components", "horn", "rate"], "loud"), "")
+    with pytest.raises(DesignError, match="components/horn/rate: 'loud' is not a number with a unit"):
+        work.save(broken.revision)
+    assert path.read_text() == draft.text
+    back = work.undo(broken.revision)
+    assert back.saved
+
+
+def test_a_new_edit_after_undo_keeps_the_other_way_in_the_file(path):
+    work = Workspace(path)
+    first = work.edit(1, put(["name"], "first"), "first")
+    back = work.undo(first.revision)
+    second = work.edit(back.revision, put(["name"], "second"), "second")
+    assert second.redo is None
+    assert work.text(first.state) == first.text  # nothing that ever was is lost
+
+
+def test_a_file_that_somebody_else_changed_is_one_more_state(path):
+    work = Workspace(path)
+    mine = work.edit(1, put(["name"], "mine"), "mine")
+    work.close()
+    path.write_text(SMALL.replace("name: courier", "name: theirs"))
+    again = Workspace(path)
+    draft = again.draft()
+    assert "theirs" in draft.text
+    assert draft.saved
+    assert draft.what == "changed outside"
+    assert again.undo(draft.revision).text == mine.text
+
+
+def test_a_robot_begins_without_a_file(tmp_path):
+    path = tmp_path / "new robot.yaml"
+    work = Workspace(path)
+    assert work.begun
+    assert not work.draft().saved
+    with pytest.raises(DesignError, match="not saved"):
+        work.save(1)
+    assert not path.exists()
+    draft = work.edit(1, put(["components", "horn"], HORN), "horn")
+    work.save(draft.revision)
+    assert path.read_text() == "schema_version: 1\nname: new robot\ncomponents:\n  horn:\n    rate: 1 FPMH\n"
+    work.close()
+    assert Workspace(path).draft().text == draft.text
+
+
+def test_threads_take_turns(path):
+    work = Workspace(path)
+    done = []
+
+    def add(name):
+        while True:
+            try:
+                done.append(work.edit(work.draft().revision, put(["components", name], HORN), name))
+                return
+            except StaleError:
+                continue
+
+    threads = [threading.Thread(target=add, args=(f"horn {i}",)) for i in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(draft.revision for draft in done) == list(range(2, 10))
+    assert all(f"horn {i}" in work.draft().text for i in range(8))
+
+
+def test_what_is_no_file_of_edits_is_left_alone(path):
+    path.with_name("courier.yaml.edits").write_text("something else")
+    with pytest.raises(StoreError, match=r"expected the edits of courier\.yaml"):
+        Workspace(path)
+    assert path.with_name("courier.yaml.edits").read_text() == "something else"
+    with pytest.raises(DesignError, match="no such folder"):
+        Workspace(path.parent / "nowhere" / "robot.yaml")
