@@ -4,11 +4,12 @@ PYTHON ?= $(shell sh tools/find-python)
 BIN := .venv/bin
 CHECKED := src tests benchmarks
 
-.PHONY: help setup demo lint peers test test-full calibrate fuzz bench clean
+.PHONY: help setup demo demo-ros lint peers test test-full calibrate fuzz bench clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make demo       a synthetic robot works for a day: its health as a report, and live on a page"
+	@echo "make demo-ros   the case study live: a simulated robot over real ROS 1, or over DDS (ROS=2)"
 	@echo "make test       all checks and tests"
 	@echo "make calibrate  predictions against 20,000 robots that really fail (docs/calibration.md)"
 	@echo "make fuzz       300,000 damaged recordings, half an hour to an hour (docs/guides/columns.md)"
@@ -22,6 +23,10 @@ setup:
 demo: setup
 	@$(BIN)/robophm demo --output demo-output
 
+demo-ros: setup peers
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[sim]"
+	@$(BIN)/python examples/ota/live/demo.py $(ROS)
+
 lint: setup
 	$(BIN)/ruff format --check $(CHECKED)
 	$(BIN)/ruff check $(CHECKED)
@@ -29,13 +34,13 @@ lint: setup
 	$(BIN)/lint-imports
 
 peers:
-	@sh tools/ros1-peers
+	@sh tools/ros-peers
 	@sh tools/browser
 
 test: lint peers
 	$(BIN)/pytest -n 2
 
-# `make test` has a tenth of the calibration, by a fixed seed.
+# `make test` has a twenty-fifth of the calibration, by a fixed seed.
 test-full: test calibrate
 	$(BIN)/pytest -n 2 -m full
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import importlib.util
 import os
 import shutil
 import textwrap
@@ -11,7 +12,10 @@ from typing import Any
 import pytest
 
 NO_SHARED = "no shared/ folder beside the project"
-NO_ROSCORE = "no roscore (sudo sh tools/ros1-peers installs it)"
+NO_ROSCORE = "no roscore (sudo sh tools/ros-peers installs it)"
+NO_FASTDDS = "no Fast DDS with its headers, or no g++ (sudo sh tools/ros-peers installs them)"
+NO_CYCLONEDDS = "no cyclonedds wheel for this Python or machine"
+NO_RCLPY = "no rclpy (with ROS 2's setup sourced, it is there)"
 NO_BROWSER = "no chromium, no playwright, or the page is not built (sudo sh tools/browser; python hatch_build.py)"
 ANSWER = "published answer"
 """The property by which a test says which published answer it has compared."""
@@ -33,6 +37,20 @@ def roscore() -> str:
     return found or pytest.skip(NO_ROSCORE)
 
 
+@pytest.fixture(scope="session")
+def fastdds() -> None:
+    """Tests that talk to Fast DDS are skipped without it."""
+    if not (shutil.which("g++") and Path("/usr/include/fastdds/dds/domain/DomainParticipant.hpp").exists()):
+        pytest.skip(NO_FASTDDS)
+
+
+@pytest.fixture(scope="session")
+def cyclonedds() -> None:
+    """Tests of the transport over DDS are skipped without the wheel, which some machines have none of."""
+    if importlib.util.find_spec("cyclonedds") is None:
+        pytest.skip(NO_CYCLONEDDS)
+
+
 @pytest.fixture
 def answer(record_property: Callable[[str, object], None]) -> Callable[..., None]:
     """Say that a test compares a published answer: of which kind of part, of which file, and whether it is disputed."""
@@ -46,7 +64,7 @@ def answer(record_property: Callable[[str, object], None]) -> Callable[..., None
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Say how many tests what is absent has cost, and which published answers were compared."""
     reasons = [str(report.longrepr) for report in terminalreporter.stats.get("skipped", [])]
-    for absent in (NO_SHARED, NO_ROSCORE, NO_BROWSER):
+    for absent in (NO_SHARED, NO_ROSCORE, NO_FASTDDS, NO_CYCLONEDDS, NO_RCLPY, NO_BROWSER):
         if skipped := sum(absent in reason for reason in reasons):
             terminalreporter.write_line(f"{skipped} tests skipped: {absent}", yellow=True)
     answers = [

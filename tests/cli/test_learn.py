@@ -63,14 +63,19 @@ def test_a_robots_own_ledger(inside, design, tmp_path):
     inside("replay", design, "day.mcap", "--store", "past.db")
     robot = load(design)
     part = next(one.path for one in robot.all_components() if one.quantity == 1 and len(one.modes) == 1)
-    done = inside("service", design, part, "--store", "past.db", "--failed")
+    looked = inside("service", design, part, "--store", "past.db", "--history")
+    assert "neither replaced nor repaired so far" in looked.stdout
+    done = inside("service", design, part, "--store", "past.db", "--replaced", "--failed")
     assert done.returncode == 0
     assert f"{part} replaced after it failed, at an effective age of" in done.stdout
     half = inside("service", design, part, "--store", "past.db", "--repaired", "0.5", "--history", "--json")
     assert [one["kind"] for one in json.loads(half.stdout)["services"]] == ["replaced", "repaired"]
     found = json.loads(inside("learn", design, "past.db", "--json").stdout)["rates"]
     assert {one["mode"]: one["failures"] for one in found}[part] == 1
-    wrong = inside("service", design, "wheels", "--store", "past.db")
+    for words, said in (((), "was it replaced or repaired?"), (("--failed", "--history"), "--failed says why"),
+                        (("--replaced", "--repaired", 0.5), "was it replaced or repaired?")):  # fmt: skip
+        assert said in inside("service", design, part, "--store", "past.db", *words).stderr
+    wrong = inside("service", design, "wheels", "--store", "past.db", "--replaced")
     assert wrong.returncode == 3
     assert "no part 'wheels'" in wrong.stderr
-    assert "no such store" in inside("service", design, part, "--store", "none.db").stderr
+    assert "no such store" in inside("service", design, part, "--store", "none.db", "--replaced").stderr

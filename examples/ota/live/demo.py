@@ -1,8 +1,7 @@
 """The case study live: OTA drives in MuJoCo, an executive gives it tasks, ``robophm watch`` listens, another reads.
 
-
-Over real ROS 1 where there is a roscore (the reader is rostopic), else over DDS, as ROS 2 speaks it. All on loopback.
-Ends by itself when the tasks are done.
+Over real ROS 1 where there is a roscore (the reader is rostopic), else, or where ``2`` is said, over DDS as ROS 2
+speaks it (the reader is the cyclonedds wheel alone). All on loopback. Ends by itself when the tasks are done.
 """
 
 from __future__ import annotations
@@ -23,6 +22,12 @@ from server import TASKS, serve
 HERE = Path(__file__).parent
 PATIENCE = 180.0
 """Seconds that all may take."""
+
+LOOPBACK = """<CycloneDDS><Domain id="77"><General><AllowMulticast>false</AllowMulticast>
+<Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>
+<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>
+<Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"""
+"""What ROS_LOCALHOST_ONLY means to ROS, in the words of the reader, which knows nothing of ROS."""
 
 
 def main() -> int:
@@ -52,18 +57,19 @@ def main() -> int:
             threading.Thread(target=_copy, args=(start(*reader), "reader", []), daemon=True).start()
         executive = start(sys.executable, "executive.py", f"http://127.0.0.1:{server.server_port}")
         threading.Thread(target=_copy, args=(executive, "executive", []), daemon=True).start()
-        done = _until(lambda: sum("task done" in line for line in told) == len(TASKS))
+        done = _until(lambda: executive.poll() is not None or sum("task done" in line for line in told) == len(TASKS))
         watcher.send_signal(2)
         watcher.wait(30)
         arrived = sum("task arrived" in line for line in told)
     print(f"{arrived} tasks predicted, {sum('task done' in line for line in told)} of {len(TASKS)} done and judged")
-    return 0 if done and arrived == len(TASKS) else 1
+    return 0 if done and arrived == sum("task done" in line for line in told) == len(TASKS) else 1
 
 
 def _ros(stack: ExitStack, folder: Path) -> tuple[dict[str, str], list[str]]:
     """The environment of all processes, and the reader."""
     environment = dict(os.environ)
-    if roscore := shutil.which("roscore", path="/usr/bin:/opt/ros/noetic/bin"):
+    roscore = shutil.which("roscore", path="/usr/bin:/opt/ros/noetic/bin")
+    if roscore and sys.argv[1:] != ["2"]:
         with socket.create_server(("127.0.0.1", 0)) as free:
             port = free.getsockname()[1]
         environment |= {"ROS_MASTER_URI": f"http://127.0.0.1:{port}", "ROS_IP": "127.0.0.1", "ROS_HOME": str(folder)}
@@ -74,8 +80,9 @@ def _ros(stack: ExitStack, folder: Path) -> tuple[dict[str, str], list[str]]:
         print(f"ROS 1, master on port {port}; the reader is rostopic")
         return environment, ["env", f"PATH={system['PATH']}", "rostopic", "echo", "-n", "1", "/diagnostics/status[0]"]
     environment.pop("ROS_MASTER_URI", None)
-    print("no roscore here: ROS 2 over DDS; the reader is a plain reader of DDS")
-    return environment | {"ROS_LOCALHOST_ONLY": "1"}, [sys.executable, "reader.py"]
+    print("ROS 2 over DDS; the reader is a plain reader of DDS")
+    environment |= {"ROS_VERSION": "2", "ROS_LOCALHOST_ONLY": "1", "ROS_DOMAIN_ID": "77"}
+    return environment, ["env", f"CYCLONEDDS_URI={LOOPBACK}", sys.executable, "reader.py"]
 
 
 def _listens(port: int) -> bool:

@@ -1,7 +1,5 @@
 """A reader of DDS that knows nothing of robophm: what the topic of hazard rates says, once, by the cyclonedds wheel."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 
@@ -37,7 +35,7 @@ class HazardRate(IdlStruct, typename="phm_msgs::msg::dds_::HazardRate_"):
     module_sensor_based_values: sequence[float32]
 
 
-participant = DomainParticipant()
+participant = DomainParticipant(77)
 qos = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.Durability.TransientLocal)
 reader = DataReader(participant, Topic(participant, "rt/phm_hazard_rate", HazardRate), qos)
 for _ in range(600):

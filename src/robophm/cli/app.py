@@ -49,6 +49,9 @@ Legacy = Annotated[bool, typer.Option("--legacy", help="beside the figures of th
 Design = Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")]
 
 
+Ros = Annotated[str, typer.Option("--ros", help="auto, 1 or 2: which ROS; auto says what it takes and why")]
+
+
 def _known_unit(unit: str) -> str:
     try:
         rate_text(0.0, unit)
@@ -232,6 +235,7 @@ def replay(
 @app.command()
 def watch(
     design: Design,
+    ros: Ros = "auto",
     store: Annotated[
         Path | None, typer.Option(help="keep the robot's past in this SQLite file, and go on from it")
     ] = None,
@@ -251,11 +255,11 @@ def watch(
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
-    """The health of a robot that runs, from ROS 1 (ROS_MASTER_URI) and back to it, until it is interrupted."""
+    """The health of a robot that runs, from ROS 1 or ROS 2 and back to it, until it is interrupted."""
     from robophm.cli.watch import Watched, run
 
     asked = Watched(
-        store, journal, period, every, namespace, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
+        ros, store, journal, period, every, namespace, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
         unit, as_json,
     )  # fmt: skip
     _leave(run(design, asked))
@@ -284,6 +288,18 @@ def serve(
     from robophm.cli.serve import Wishes, run
 
     run(design, Wishes(host, port, token, store, journal, tuple(recordings or ()), synthetic, start, speed))
+
+
+@app.command()
+def topics(
+    ros: Ros = "auto",
+    seconds: Annotated[float, typer.Option(min=0.5, max=3600, help="to listen")] = 3.0,
+    as_json: Json = False,
+) -> None:
+    """What a robot that runs publishes: topics, types, rates, and the last value of each number."""
+    from robophm.cli.topics import run
+
+    run(ros, seconds, as_json=as_json)
 
 
 @app.command("import-bom")

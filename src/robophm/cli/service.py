@@ -9,15 +9,20 @@ from robophm.core.errors import RobophmError, StoreError
 from robophm.core.signal import SECOND
 from robophm.design.file import load
 from robophm.health.ledger import Ledger
-from robophm.health.service import repair, replace
+from robophm.health.service import find, repair, replace
 from robophm.report.words import moment_text, number_text
 from robophm.stores.sqlite import SqliteStore
 
 
 def run(
-    design: Path, part: str, store: Path, repaired: float | None, *, failed: bool, history: bool, as_json: bool
-) -> None:
-    """Put it into the store's ledger, and say what the part has behind it now."""
+    design: Path, part: str, store: Path, repaired: float | None, *,
+    replaced: bool, failed: bool, history: bool, as_json: bool,
+) -> None:  # fmt: skip
+    """Put it into the store's ledger, and say what the part has behind it now; or only what was done to it so far."""
+    if replaced + (repaired is not None) != 1 and not (history and not replaced and repaired is None):
+        raise RobophmError("was it replaced or repaired? expected --replaced or --repaired SHARE, or --history to look")
+    if failed and not replaced and repaired is None:
+        raise RobophmError("--failed says why it was served; expected --replaced or --repaired SHARE with it")
     robot = load(design)
     if not store.exists():
         raise StoreError(f"{store}: no such store; `robophm replay --store` makes it")
@@ -27,21 +32,23 @@ def run(
             raise StoreError(f"{store}: knows no robot '{robot.name}'")
         ledger = Ledger.of(robot, data)
         before = len(ledger.services)
-        if repaired is None:
+        if replaced:
             replace(robot, ledger, part, failed=failed)
-        else:
+        elif repaired is not None:
             repair(robot, ledger, part, repaired, failed=failed)
-        if len(ledger.services) == before:
-            raise RobophmError(f"'{part}': nothing to serve")
-        kept.save(robot.name, ledger.to_json())
-    some = ledger.services if history else ledger.services[before:]
+        if len(ledger.services) > before:
+            kept.save(robot.name, ledger.to_json())
+    named = {mode.key for mode in find(robot, part)[1]}
+    some = ledger.services[before:] if not history else [one for one in ledger.services if one.mode in named]
     if as_json:
         print_json({"robot": robot.name, "services": [one._asdict() for one in some]})
         return
-    paths = {mode.key: (mode.path, mode.initial_exposure) for mode in robot.modes}
+    paths = {mode.key: mode.path for mode in robot.modes}
     out = console()
+    if not some:
+        out.print(f"{part}: neither replaced nor repaired so far", markup=False)
     for one in some:
-        path, _ = paths[one.mode]
+        path = paths[one.mode]
         when = moment_text(one.time) if one.time > SECOND else "before its first recording"
         out.print(
             f"{when}: {path} {one.kind}{' after it failed' if one.failed else ''}, at an effective age of "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack, nullcontext
@@ -23,7 +24,7 @@ from robophm.report.words import duration_text, number_text, probability_text, r
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.health_topics import HealthTopics, Outlet
 from robophm.transports.journal import Journal
-from robophm.transports.ros1 import Node, Publisher, Ros1
+from robophm.transports.live import open_live
 from robophm.transports.sink import JudgedTask, ReportSink
 from robophm.transports.tasks.listener import ACTIONS, topics_of
 from robophm.transports.tasks.texts import TEXT_TOPICS
@@ -34,6 +35,8 @@ from robophm.watching import watch
 class Watched:
     """What was asked for."""
 
+    ros: str
+    """Which: auto, 1 or 2."""
     store: Path | None
     journal: Path | None
     period: float
@@ -60,7 +63,9 @@ def run(design: Path, asked: Watched) -> bool:
     for warning in robot.warnings:
         warn(warning)
     with ExitStack() as stack:
-        source = stack.enter_context(Ros1(period=asked.period))
+        opened = open_live(asked.ros, period=asked.period)
+        source = stack.enter_context(opened.source)
+        print(opened.said, file=sys.stderr)
         published = {info.topic: (info.type, info.fields) for info in source.topics()}
         lacks = lacking(robot, published)
         for words in dict.fromkeys(lacks.values()):
@@ -69,7 +74,7 @@ def run(design: Path, asked: Watched) -> bool:
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
         sinks = []
         if asked.publish:
-            outlet = Outlet(1, Node, Publisher)
+            outlet = Outlet(opened.generation, opened.node, opened.publisher)
             topics = stack.enter_context(HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame))
             sinks.append(topics)
             if topics.left_out:

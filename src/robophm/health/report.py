@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, NamedTuple
 
@@ -94,38 +94,30 @@ class HealthReport:
                 return subject
         raise KeyError(path)
 
-    def looking_ahead(self, *, remaining_life: bool = True, parts: bool = False) -> HealthReport:
-        """The same with what is to come: completion of the task, and remaining lives, which are the slow part."""
-        robot, lived = self.outlooks["sensor_based"].plant.robot, self.outlooks["sensor_based"]
-        components = self.components
-        if parts:
-            alone = lived.plant.alone
-            components = tuple(
-                replace(one, remaining_life=lived.remaining_life(diagram))
-                for one, diagram in zip(components, alone, strict=True)
-            )
-        return replace(
-            self,
-            subjects=tuple(
-                _subject(
-                    system,
-                    one.flags,
-                    {
-                        view: looking_ahead(
-                            getattr(one, view),
-                            self.outlooks[view],
-                            system.diagram,
-                            self.task,
-                            remaining_life=remaining_life,
-                            whole=system.kind == "robot",
-                        )
-                        for view in VIEWS
-                    },
+    def looking_ahead(
+        self, *, remaining_life: bool = True, parts: bool = False, pause: Callable[[], None] = lambda: None
+    ) -> HealthReport:
+        """The same with what is to come: completion of the task, and remaining lives, which are the slow part.
+
+        ``pause`` is called after each subject and component.
+        """
+        lived = self.outlooks["sensor_based"]
+        subjects, components = [], list(self.components)
+        for one, system in zip(self.subjects, _systems(lived.plant.robot), strict=True):
+            whole = system.kind == "robot"
+            ahead = {
+                view: looking_ahead(
+                    getattr(one, view), self.outlooks[view], system.diagram, self.task,
+                    remaining_life=remaining_life, whole=whole,
                 )
-                for one, system in zip(self.subjects, _systems(robot), strict=True)
-            ),
-            components=components,
-        )
+                for view in VIEWS
+            }  # fmt: skip
+            subjects.append(_subject(system, one.flags, ahead))
+            pause()
+        for number, diagram in enumerate(lived.plant.alone if parts else ()):
+            components[number] = replace(components[number], remaining_life=lived.remaining_life(diagram))
+            pause()
+        return replace(self, subjects=tuple(subjects), components=tuple(components))
 
     def beside(self, earlier: HealthReport) -> HealthReport:
         """The same with the remaining lives and completions of an earlier look, which takes longer to have."""

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from robophm.core.errors import DesignError
+from robophm.core.errors import DesignError, nearest
 from robophm.design.bom.edits import EditedText
 from robophm.design.file import parse
 from robophm.design.naming import quoted
-from robophm.design.robot import CLOCK_UNITS
+from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
 from robophm.learning.learn import LearnedRate
 
 
@@ -25,12 +26,24 @@ def edited(text: str, label: str, changes: Mapping[str, Mapping[str, str | None]
     """A design with other values of keys of failure modes, by path; None takes a key out. Raises DesignError."""
     design = EditedText(text, label)
     for path, values in changes.items():
-        node = _mode(design, path)
-        for key, value in values.items():
-            _put(design, node, key, value)
+        _put(design, _mode(design, path), values)
     result = design.applied()
     parse(result, label)
     return result
+
+
+def named_mode(robot: Robot, path: str) -> FailureMode:
+    """The failure mode of that path, or the only one of the component of that path. Raises DesignError."""
+    for part in robot.all_components():
+        if part.path == path and part not in robot.causes:
+            if len(part.modes) > 1:
+                names = ", ".join(f"'{mode.path}'" for mode in part.modes)
+                raise DesignError(f"'{path}' fails in several ways; expected one of {names}")
+            return part.modes[0]
+    for mode in robot.modes:
+        if mode.path == path and not mode.member:
+            return mode
+    raise DesignError(f"no part '{path}'{nearest(path, [mode.path for mode in robot.modes])}")
 
 
 def _mode(design: EditedText, path: str) -> Any:
@@ -60,24 +73,45 @@ def _step(node: Any, name: str) -> list[tuple[Any, Any]]:
     return []
 
 
-def _put(design: EditedText, node: Any, key: str, value: str | None) -> None:
-    there = EditedText.child(node, key)
-    if there and value is None:
-        if node.flow_style:
-            raise DesignError(
-                f"{design.label}:{there[0].start_mark.line + 1}: '{key}' stands in braces; expected lines"
-            )
-        design.delete(*there)
-    elif there:
-        design.replace(node, key, f"{key}: {value}", "#\0")
-    elif value is not None and node.flow_style:
+def _put(design: EditedText, node: Any, changes: Mapping[str, str | None]) -> None:
+    """Other values of the keys of a mapping; new ones stand behind the rate, None takes a key out."""
+    anchor = next(filter(None, (EditedText.child(node, key) for key in ("rate", "hazard", "life"))), node.value[-1])
+    new = [f"{key}: {value}" for key, value in changes.items() if value is not None and not EditedText.child(node, key)]
+    kept = 0
+    for key, value in node.value:
+        if key.value not in changes:
+            kept += 1
+        elif changes[key.value] is not None:
+            kept += 1
+            design.replace(node, key.value, f"{key.value}: {changes[key.value]}", "\0")
+        elif node.flow_style:
+            _take_out(design, node, key, value)
+        else:
+            design.delete(key, value)
+    if not new:
+        return
+    if node.flow_style:
         end = node.end_mark.index - 1
-        before = design.text[:end].rstrip()
-        design.edits.append((len(before), end, f"{'' if before[-1] in '{,' else ','} {key}: {value}"))
-    elif value is not None:
-        last = EditedText.child(node, "rate") or EditedText.child(node, "hazard") or EditedText.child(node, "life")
-        key_node, value_node = last or node.value[-1]
-        design.insert(design.line_end(design.end(value_node)), f"{' ' * key_node.start_mark.column}{key}: {value}\n")
+        before = len(design.text[:end].rstrip())
+        comma = "" if not kept or design.text[before - 1] in "{," else ","
+        design.edits.append((before, end, f"{comma}{' ' * (design.text[before - 1] != '{')}{', '.join(new)}"))
+    else:
+        key, value = anchor
+        pad = " " * key.start_mark.column
+        # Behind a key that is taken out, what is new stands in its place.
+        at = design.line_end(design.end(value))
+        design.insert(at, "".join(f"{pad}{line}\n" for line in new))
+
+
+def _take_out(design: EditedText, node: Any, key: Any, value: Any) -> None:
+    """A key and its value out of braces, with the comma behind them, or else the one before."""
+    start, end = key.start_mark.index, design.end(value)
+    behind = re.compile(r"\s*,\s*").match(design.text, end)
+    if behind:
+        design.edits.append((start, behind.end(), ""))
+        return
+    before = design.text[:start].rstrip()
+    design.edits.append((len(before) - before.endswith(","), end, ""))
 
 
 def _written(one: LearnedRate) -> str:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robophm.report.curve import log_ticks, tick_texts, ticks
-from robophm.report.markup import Html, element, number, text_width
-from robophm.report.svg import svg, text
+from robophm.report.frame import HEIGHT, SIZE, WIDTH, frame
+from robophm.report.markup import Html, element, number
+from robophm.report.svg import svg
 from robophm.report.words import number_text
 
 if TYPE_CHECKING:
@@ -20,10 +21,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_SIZE = 11.0
-_WIDTH, _HEIGHT = 460.0, 380.0
 _STYLE = (
-    f".calibration text{{font-size:{_SIZE:g}px;fill:var(--quiet)}}"
+    f".calibration text{{font-size:{SIZE:g}px;fill:var(--quiet)}}"
     ".calibration .title{font-size:13px;font-weight:600;fill:var(--ink)}"
     ".calibration .axis,.calibration .grid{fill:none;stroke:var(--line)}.calibration .grid{stroke-opacity:.3}"
     ".calibration .honest{fill:none;stroke:var(--ink);stroke-dasharray:5 4}"
@@ -63,7 +62,7 @@ def reliability_svg(bins: Sequence[Bin], *, title: str, standalone: bool = False
             return np.maximum(np.log10(share), low)
 
     span = (low, high)
-    x_at, y_at, frame = _frame(title, span, span, (marks, says), (marks, says), "observed share of failures",
+    x_at, y_at, axes = frame(title, span, span, (marks, says), (marks, says), "observed share of failures",
                                "predicted probability of failure")  # fmt: skip
     drawn = [element("path", class_="honest", d=_line(x_at(low), y_at(low), x_at(high), y_at(high)))]
     columns = zip(bins, x_at(place(predicted)), y_at(place(observed)), y_at(place(bands)), strict=True)
@@ -81,7 +80,7 @@ def reliability_svg(bins: Sequence[Bin], *, title: str, standalone: bool = False
             f"Predicted {number_text(one.expected / one.tasks)}, observed {number_text(one.failed / one.tasks)}"
             + (", outside its band." if outside else ".")
         )
-    return _drawing(title, " ".join(words), [*frame, *drawn], standalone)
+    return _drawing(title, " ".join(words), [*axes, *drawn], standalone)
 
 
 def histogram_svg(score: LifeScore, *, title: str, standalone: bool = False) -> Html:
@@ -90,7 +89,7 @@ def histogram_svg(score: LifeScore, *, title: str, standalone: bool = False) -> 
     top = 1.15 * max(heights.max(), score.band[1])
     y_ticks = ticks(0, top)
     x_ticks = ticks(0, 1)
-    x_at, y_at, frame = _frame(
+    x_at, y_at, axes = frame(
         title, (0, 1), (0, top), (x_ticks, tick_texts(x_ticks)[0]), (y_ticks, tick_texts(y_ticks)[0]), "lives",
         "predicted probability of a life no longer than the observed one (PIT)",
     )  # fmt: skip
@@ -106,44 +105,7 @@ def histogram_svg(score: LifeScore, *, title: str, standalone: bool = False) -> 
     drawn.append(element("rect", class_="band", x=edges[0], y=high, width=edges[-1] - edges[0], height=low - high))
     drawn.append(element("path", class_="honest", d=_line(edges[0], even, edges[-1], even)))
     words = f"{', '.join(map(str, score.histogram))} lives; honest between {score.band[0]} and {score.band[1]}."
-    return _drawing(title, words, [*frame, *drawn], standalone)
-
-
-Place = Callable[[Array | float], Array]
-
-
-def _frame(
-    title: str,
-    x_range: tuple[float, float],
-    y_range: tuple[float, float],
-    x_ticks: tuple[Array, Sequence[str]],
-    y_ticks: tuple[Array, Sequence[str]],
-    y_label: str,
-    x_label: str,
-) -> tuple[Place, Place, list[Html]]:
-    """Where values lie in pixels, along and up, and the axes."""
-    left = 12 + max((text_width(says, _SIZE) for says in y_ticks[1]), default=0)
-    right, top, bottom = _WIDTH - 14, 48.0, _HEIGHT - 40
-
-    def scale(low: float, high: float, start: float, stop: float) -> Place:
-        return lambda at: start + (np.asarray(at, dtype=float) - low) / (high - low) * (stop - start)
-
-    x_at, y_at = scale(*x_range, left, right), scale(*y_range, bottom, top)
-    grid = "".join(f"M{number(left)} {number(y)}H{number(right)}" for y in y_at(y_ticks[0]))
-    marks = "".join(f"M{number(x)} {number(bottom)}v4" for x in x_at(x_ticks[0]))
-    return (
-        x_at,
-        y_at,
-        [
-            text(2, 14, title, "title"),
-            text(2, 34, y_label),
-            element("path", class_="grid", d=grid),
-            element("path", class_="axis", d=f"M{number(left)} {number(top)}V{number(bottom)}H{number(right)}{marks}"),
-            *(text(left - 6, y + 4, says, "right") for y, says in zip(y_at(y_ticks[0]), y_ticks[1], strict=True)),
-            *(text(x, bottom + 17, says, "middle") for x, says in zip(x_at(x_ticks[0]), x_ticks[1], strict=True)),
-            text((left + right) / 2, _HEIGHT - 6, x_label, "middle"),
-        ],
-    )
+    return _drawing(title, words, [*axes, *drawn], standalone)
 
 
 def _line(x0: float | Array, y0: float | Array, x1: float | Array, y1: float | Array) -> str:
@@ -151,5 +113,5 @@ def _line(x0: float | Array, y0: float | Array, x1: float | Array, y1: float | A
 
 
 def _drawing(title: str, words: str, content: list[Html], standalone: bool) -> Html:
-    view = (0.0, 0.0, _WIDTH, _HEIGHT)
+    view = (0.0, 0.0, WIDTH, HEIGHT)
     return svg("calibration", content, title=title, description=words, style=_STYLE, view=view, standalone=standalone)

@@ -6,13 +6,14 @@ import math
 import threading
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from operator import attrgetter
 from queue import SimpleQueue
 
 from robophm.core.signal import CLOCK, SECOND, Sample
 from robophm.transports.notes import Notes
-from robophm.transports.reading import LARGE, Reading
+from robophm.transports.reading import LARGE, Numbers, Reading
 from robophm.transports.recording import STAMP_LIMIT
 from robophm.transports.source import Told
 
@@ -61,12 +62,20 @@ class Hearing:
 
     def message(self, reading: Reading, raw: bytes, before: int | None) -> int | None:
         """A message has come; ``before`` is the number in the sequence of the one before it, as is returned of this."""
-        topic = reading.topic
-        try:
-            if self.simulated and topic == CLOCK_TOPIC:
-                self._set_clock(reading, raw)
-            numbers = reading.read(raw)
-        except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
+        return self.messages(reading, (raw,), before)
+
+    def messages(self, reading: Reading, raws: Sequence[bytes], before: int | None) -> int | None:
+        """Messages of one publisher have come, one after the other."""
+        if self.simulated and reading.topic == CLOCK_TOPIC:
+            for raw in raws:
+                with suppress(Exception):  # it is counted below
+                    self._set_clock(reading, raw)
+        for numbers in reading.read_all(raws, whole=reading.topic in self.whole):
+            before = self._heard(reading.topic, numbers, before)
+        return before
+
+    def _heard(self, topic: str, numbers: Numbers | None, before: int | None) -> int | None:
+        if numbers is None:
             self._notes.add(f"unreadable message on {topic}")
             if topic in self.whole and (receipt := self._receipt()):
                 self._put([Told(receipt, topic, None)])

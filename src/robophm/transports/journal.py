@@ -77,6 +77,21 @@ class Journal:
             self._file.flush()
             self._unflushed = 0
 
+    @property
+    def position(self) -> int:
+        """Bytes of the file, once it is synced."""
+        return self._file.tell()
+
+    def since(self, position: int) -> Iterator[Sample]:
+        """The samples that were in the file behind a position when it was opened, with those written since."""
+        self.sync()
+        recording = JournalRecording(self.path)
+        read = 0
+        for number, line in recording._lines():
+            read += len(line)
+            if read > position and not line.startswith(b"#"):
+                yield recording._sample(number, line)
+
     def sync(self) -> None:
         """Return when all that was written is on the disk."""
         self._file.flush()
@@ -118,12 +133,14 @@ class JournalRecording(TextSource):
             if not line.endswith(b"\n"):
                 self.notes["torn last line ignored"] += 1
             elif not line.startswith(b"#"):
-                try:
-                    time, value, signal = line.decode().rstrip("\n").split(" ", 2)
-                    sample = Sample(int(time), signal, float(value))
-                except ValueError:
-                    raise SourceError(f"{self.path}, line {number}: damaged; expected 'time value signal'") from None
-                yield sample
+                yield self._sample(number, line)
+
+    def _sample(self, number: int, line: bytes) -> Sample:
+        try:
+            time, value, signal = line.decode().rstrip("\n").split(" ", 2)
+            return Sample(int(time), signal, float(value))
+        except ValueError:
+            raise SourceError(f"{self.path}, line {number}: damaged; expected 'time value signal'") from None
 
 
 def _cut_torn_line(path: Path) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
 
 LARGE = 1 << 18
 """Bytes of a message, beyond which it is not decoded but walked: a byte can decode to an object of 150."""
+
+MANY = 16
+"""Messages that come together, from which on walking them side by side takes less time than decoding."""
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
 _SEQUENCE = "header.seq"
@@ -87,23 +91,48 @@ class Reading:
                 absent.append(signal)
         return Numbers(stamp, sequence, values, absent, message)
 
+    def read_all(self, raws: Sequence[bytes], *, whole: bool) -> list[Numbers | None]:
+        """Of messages that have come together, side by side where that pays; None of one that is not of the type."""
+        numbers: list[Numbers | None] = [None] * len(raws)
+        if len(raws) >= MANY and self._program and not whole and sum(map(len, raws)) <= LARGE:
+            numbers = self._walk(self._program, raws)
+        for index, raw in enumerate(raws):
+            if numbers[index] is None:
+                with suppress(Exception):  # rosbags lets struct, NumPy and memory errors of damaged messages through
+                    numbers[index] = self.read(raw)
+        return numbers
+
     def _walked(self, raw: bytes) -> Numbers:
         if self._program is None:
             raise ValueError("too large for a type of this kind")
-        found = self._program.run(np.frombuffer(raw, np.uint8), np.array([0]), np.array([len(raw)]))
-        if found.doubtful[0]:
+        (numbers,) = self._walk(self._program, [raw])
+        if numbers is None:
             raise ValueError("not as its type says")
-        at = {field: slot for slot, field in enumerate(self._slots)}
-        number: dict[str, Any] = {field: found.values[at[field]][0] for field in self._slots}
-        values, absent = [], []
-        for signal, _ in self._getters:
-            field = split_signal(signal)[1]
-            if found.absent[at[field]][0]:
-                absent.append(signal)
-            else:
-                values.append((signal, float(number[field])))
-        stamp = int(number[_STAMP[0]]) * SECOND + int(number[_STAMP[1]]) if self.type.stamp else 0
-        return Numbers(stamp, int(number[_SEQUENCE]) if self._numbered else None, values, absent, None)
+        return numbers
+
+    def _walk(self, program: Program, raws: Sequence[bytes]) -> list[Numbers | None]:
+        lengths = np.array([len(raw) for raw in raws])
+        ends = np.cumsum(lengths)
+        found = program.run(np.frombuffer(b"".join(raws), np.uint8), ends - lengths, ends)
+        columns = {
+            field: (column.tolist(), absent.tolist())
+            for field, column, absent in zip(self._slots, found.values, found.absent, strict=True)
+        }
+        signals = [(signal, *columns[split_signal(signal)[1]]) for signal, _ in self._getters]
+        seconds, nanoseconds = (columns[field][0] for field in _STAMP) if self.type.stamp else ([], [])
+        sequences = columns[_SEQUENCE][0] if self._numbered else None
+        return [
+            None
+            if doubtful
+            else Numbers(
+                seconds[row] * SECOND + nanoseconds[row] if seconds else 0,
+                sequences[row] if sequences else None,
+                [(signal, float(values[row])) for signal, values, absent in signals if not absent[row]],
+                [signal for signal, _, absent in signals if absent[row]],
+                None,
+            )
+            for row, doubtful in enumerate(found.doubtful.tolist())
+        ]
 
 
 def _bottomless(definitions: Typesdict) -> bool:

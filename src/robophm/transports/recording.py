@@ -360,12 +360,17 @@ def check_whole(path: Path) -> None:
     unsaved = path.with_name(path.name + "-wal")
     if unsaved.exists() and unsaved.stat().st_size:
         raise SourceError(f"{unsaved}: holds messages that the recorder did not save; expected a closed one")
+    page, pages = pages_of(path)
+    if path.stat().st_size < page * pages:
+        raise SourceError(f"{path}: is cut short: {path.stat().st_size} bytes; expected {page * pages}")
+
+
+def pages_of(path: Path) -> tuple[int, int]:
+    """Bytes of a page of an SQLite file, and how many it says to have: sqlite.org/fileformat2.html, bytes 16 and 28."""
     with path.open("rb") as file:
-        head = file.read(100)  # page size at byte 16 (1 is 65,536), pages at 28: sqlite.org/fileformat2.html
+        head = file.read(100)
     page = int.from_bytes(head[16:18], "big")
-    size = (65536 if page == 1 else page) * int.from_bytes(head[28:32], "big")
-    if path.stat().st_size < size:
-        raise SourceError(f"{path}: is cut short: {path.stat().st_size} bytes; expected {size}")
+    return 65536 if page == 1 else page, int.from_bytes(head[28:32], "big")
 
 
 def _profile(path: Path) -> str:

@@ -13,7 +13,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.report import health_now
 from robophm.monitor import Monitor
 from robophm.replaying import REPORT_STEP, Course
-from robophm.stores.store import Store
+from robophm.stores.store import Progress, Store
 from robophm.transports.journal import Journal
 from robophm.transports.sink import ReportSink
 from robophm.transports.source import LiveSource, SignalSource, Told
@@ -21,7 +21,7 @@ from robophm.watching.ahead import LookAhead
 from robophm.watching.tasks import LiveTasks
 
 SAVE_EVERY = 5.0
-"""Seconds between two saves: what a crash of the machine may cost the ledger, and not the journal."""
+"""Seconds between two saves: what a crash may cost where there is no journal to take it from."""
 
 
 def watch(
@@ -39,22 +39,29 @@ def watch(
     of them is not judged is in the source's notes. ``on_start`` is called before the first sample, ``on_tick`` after
     each step.
 
+    Where there are both a store and a journal, what an earlier watch wrote to that journal and could not save any more
+    is taken into the ledger first.
+
     Raises SourceError as the source does, and where the ledger is ahead of the samples' time.
     """
     kept = store.ledger(robot.name) if store else None
     ledger = Ledger.of(robot, kept) if kept else None
     course = Course(REPORT_STEP, ledger)
     saved = time.monotonic()
+    key = f"journal {journal.path.resolve()}" if journal else ""
 
     def save() -> None:
         nonlocal saved
         if store:
-            store.save(robot.name, monitor.ledger.to_json(), None, course.reports)
+            if journal:
+                journal.sync()
+            progress = Progress(key, journal.position) if journal else None
+            store.save(robot.name, monitor.ledger.to_json(), progress, course.reports)
             course.reports.clear()
             saved = time.monotonic()
 
     def tick(monitor: Monitor) -> None:
-        if ahead:
+        if ahead.is_alive():
             settled = monitor.exposure.settled(monitor.ledger)
             report = ahead.beside(health_now(monitor.plant, monitor.exposure, settled))
             for sink in sinks:
@@ -66,11 +73,17 @@ def watch(
         if on_tick:
             on_tick(monitor)
 
+    ahead = LookAhead()
     monitor = Monitor(robot, ledger, period=period, on_tick=tick)
     tasks = LiveTasks(monitor, speed=speed, functions=functions)
-    behind = ledger.integrated_to if ledger else None
+    if store and journal and (kept_to := store.progress(robot.name, key).position):
+        for sample in journal.since(kept_to):
+            monitor.observe(sample)
+    save()
+    behind = monitor.ledger.integrated_to
     with ExitStack() as opened:
-        ahead = opened.enter_context(LookAhead()) if sinks else None
+        if sinks:
+            opened.enter_context(ahead)
         opened.callback(save)
         if on_start:
             on_start(monitor)

@@ -10,8 +10,8 @@ from robophm.health.report import HealthReport
 EVERY = 2.0
 """Seconds between two looks, at least."""
 
-SHARE = 0.05
-"""Of the time at most that looking ahead takes."""
+SHARE = 0.1
+"""Of the time at most that looking ahead takes, at any time: what is heard meanwhile must not wait for it."""
 
 
 class LookAhead(threading.Thread):
@@ -28,6 +28,7 @@ class LookAhead(threading.Thread):
         self._given: HealthReport | None = None
         self._woken = threading.Event()
         self._closed = threading.Event()
+        self._begun = 0.0
 
     def beside(self, now: HealthReport) -> HealthReport:
         """The report with what was last seen ahead, and have it looked at too. Raises what looking ahead raised."""
@@ -44,14 +45,21 @@ class LookAhead(threading.Thread):
             self._woken.clear()
             if self._closed.is_set() or self._given is None:
                 continue
-            begun = time.monotonic()
+            self._begun = time.thread_time()
             try:
-                self.latest = self._given.looking_ahead(parts=self._parts)
+                self.latest = self._given.looking_ahead(parts=self._parts, pause=self._pause)
+            except _ClosedError:
+                return
             except Exception as error:
                 self.fault = error
                 return
-            took = time.monotonic() - begun
-            self._closed.wait(max(EVERY, took / SHARE) - took)
+            self._closed.wait(EVERY)
+
+    def _pause(self) -> None:
+        """As many times longer than was worked as makes it a small share."""
+        if self._closed.wait((time.thread_time() - self._begun) * (1 / SHARE - 1)):
+            raise _ClosedError
+        self._begun = time.thread_time()
 
     def close(self) -> None:
         """End the thread; twice does no harm."""
@@ -66,3 +74,7 @@ class LookAhead(threading.Thread):
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+class _ClosedError(Exception):
+    """Nobody waits any more."""

@@ -214,6 +214,17 @@ def test_databases_that_are_cut_say_so(recorded: dict[str, Path], tmp_path: Path
         assert any("lost" in note and "cut short" in note for note in notes)
 
 
+def test_a_database_cut_within_its_last_page_is_refused(recorded: dict[str, Path], tmp_path: Path) -> None:
+    """SQLite would take what is missing of the page for zeros, and messages in it for whole."""
+    content = (recorded[".db3"] / "drive.db3").read_bytes()
+    path = tmp_path / "cut.db3"
+    for missing in (1, 21, 511):
+        path.write_bytes(content[:-missing])
+        found = attempt(path, *SIGNALS)
+        assert isinstance(found, SourceError)
+        assert "cut short" in str(found)
+
+
 def test_rows_of_any_type(recorded: dict[str, Path], tmp_path: Path) -> None:
     import shutil
     import sqlite3

@@ -90,6 +90,40 @@ def test_a_journal_replayed_gives_the_ledger_bit_for_bit(
     assert sum(sample.signal == CLOCK for sample in heard) >= 2
 
 
+def test_what_rosbag_records_gives_the_same_ledger(ros: System, robot: Robot, tmp_path: Path) -> None:
+    """Exactly, where all signals have headers: but for the silence after the last message, of which no bag knows."""
+    recorder = ros.start("/usr/bin/rosbag", "record", "-O", str(tmp_path / "drive.bag"), "/motor")
+    process = start(ros, tmp_path, "--journal", "run.journal")
+    journal = tmp_path / "run.journal"
+    try:
+        within(30, journal.exists)
+        talker = ros.talk("""
+rospy.init_node("motor", anonymous=True)
+out = rospy.Publisher("/motor", Temperature, queue_size=100)
+heard(out, 2)
+say("ready")
+for number in range(80):
+    out.publish(Temperature(header=Header(stamp=rospy.Time.now()), temperature=30 + number % 7)); rospy.sleep(0.05)
+rospy.sleep(1)
+say("said")
+""")
+        assert talker.stdout is not None
+        assert talker.stdout.readline() == "said\n"
+        within(30, lambda: spoken(journal) == 80)
+    finally:
+        code, _, warned = ended(process, signal.SIGTERM)
+        ros.stop(recorder, signal.SIGINT)
+    assert code == 0, warned
+    lines = [line for line in journal.read_text().splitlines(keepends=True) if not line.endswith(" clock\n")]
+    (tmp_path / "spoken.journal").write_text("".join(lines))
+    ledgers = []
+    for recorded in ("spoken.journal", "drive.bag"):
+        store = MemoryStore()
+        replay(robot, tmp_path / recorded, store=store, period=1.0)
+        ledgers.append(store.ledger("R"))
+    assert ledgers[0] == ledgers[1]
+
+
 def test_it_goes_on_where_it_was(ros: System, robot: Robot, tmp_path: Path) -> None:
     ros.talk(TALKER)
     operating = []
@@ -106,6 +140,24 @@ def test_it_goes_on_where_it_was(ros: System, robot: Robot, tmp_path: Path) -> N
         assert ledger
         operating.append(ledger["totals"]["clocks"][0][0])
     assert operating[1] > operating[0] + 2 / 3600
+
+
+def test_a_watcher_that_was_killed_loses_nothing_that_its_journal_has(
+    ros: System, robot: Robot, tmp_path: Path
+) -> None:
+    ros.talk(TALKER)
+    for times in (1, 2):
+        process = start(ros, tmp_path, "--journal", "run.journal")
+        within(60, lambda times=times: spoken(tmp_path / "run.journal") > 150 * times)  # type: ignore[misc]
+        if times == 1:
+            process.kill()
+            process.communicate()
+    code, _, warned = ended(process, signal.SIGTERM)
+    assert code == 0, warned
+    replayed = MemoryStore()
+    replay(robot, tmp_path / "run.journal", store=replayed, period=1.0)
+    with SqliteStore(tmp_path / "past.db") as store:
+        assert store.ledger("R") == replayed.ledger("R")
 
 
 def test_a_topic_that_nobody_publishes_is_waited_for(system: System, tmp_path: Path) -> None:

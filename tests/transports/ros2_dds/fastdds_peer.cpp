@@ -1,5 +1,12 @@
 // A peer of another make: Fast DDS, with types written by hand. Reads commands, a line each, and says what it hears.
 // Everything is on loopback. Build: g++ -std=c++17 fastdds_peer.cpp -lfastrtps -lfastcdr
+//
+//   writer NAME TOPIC TYPE reliable|besteffort latched|volatile [USER-DATA]      says made
+//   reader NAME TOPIC TYPE reliable|besteffort latched|volatile                  says made, then NAME and what it hears
+//   matched NAME COUNT                                    says matched when it has so many of the others
+//   float64 NAME VALUE     temperature NAME SECONDS NANOSECONDS FRAME TEMPERATURE VARIANCE     turned: big-endian
+//   count NAME NUMBER      so many temperatures, numbered; says sent
+//   raw NAME HEX           these bytes     close NAME     says closed
 #include <atomic>
 #include <chrono>
 #include <fastcdr/Cdr.h>
@@ -173,6 +180,7 @@ int main(int, char **arguments) {
                 w.history().kind = durability == "latched" ? KEEP_LAST_HISTORY_QOS : KEEP_ALL_HISTORY_QOS;
                 w.history().depth = 1;
                 w.publish_mode().kind = SYNCHRONOUS_PUBLISH_MODE;
+                w.reliable_writer_qos().times.heartbeatPeriod = {0, 50 * 1000 * 1000};
                 w.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_RESERVE_MEMORY_MODE;
                 w.user_data().setValue(std::vector<uint8_t>(user_data.begin(), user_data.end()));
                 writers[name] = publisher->create_datawriter(topic_of(topic, type), w);
@@ -188,11 +196,19 @@ int main(int, char **arguments) {
         } else if (command == "matched") {
             int wanted = 0;
             line >> wanted;
-            PublicationMatchedStatus status;
+            int count;
             do {
                 std::this_thread::sleep_for(std::chrono::milliseconds(5));
-                writers.at(name)->get_publication_matched_status(status);
-            } while (status.current_count != wanted);
+                if (writers.count(name)) {
+                    PublicationMatchedStatus status;
+                    writers[name]->get_publication_matched_status(status);
+                    count = status.current_count;
+                } else {
+                    SubscriptionMatchedStatus status;
+                    readers.at(name)->get_subscription_matched_status(status);
+                    count = status.current_count;
+                }
+            } while (count != wanted);
             say("matched");
         } else if (command == "float64") {
             double value;

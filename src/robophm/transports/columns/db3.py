@@ -20,7 +20,7 @@ from robophm.transports.columns.pieces import BATCH, MOST_TIME, DamageError, Mes
 from robophm.transports.columns.rows import Row, RowsFile
 from robophm.transports.columns.table import COLUMNS, Rows, find_rows
 from robophm.transports.columns.walk import Bytes
-from robophm.transports.recording import check_whole
+from robophm.transports.recording import check_whole, pages_of
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
@@ -47,6 +47,8 @@ class Db3File(RowsFile):
             with path.open("rb") as file:
                 self._content = np.frombuffer(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ), np.uint8)
         except (SourceError, ValueError) as error:  # an empty file cannot be mapped
+            if path.stat().st_size % max(1, pages_of(path)[0]):  # SQLite takes what is missing of a page for zeros
+                raise SourceError(str(error)) from None
             notes[f"lost: {error}"] += 1
         try:
             self._database = sqlite3.connect(f"{path.resolve().as_uri()}?immutable=1", uri=True)

@@ -178,9 +178,10 @@ def markers(report: HealthReport, frame: str) -> Fields:
         red, green, blue = COLOURS[one.state]
         depth = 0 if one.kind == "robot" else one.path.count("/") + 1
         common = {"header": {"stamp": stamp(report.time), "frame_id": frame}, "frame_locked": True}
-        text = f"{one.path.rpartition('/')[2]}: {one.state.upper()}, λ {one.sensor_based.hazard_rate:.3g}/h, " \
-               f"R {one.sensor_based.reliability:.6g}"  # fmt: skip
-        for type_, across, scale, words in ((_BOX, 0.3 * depth, 0.2, ""), (_TEXT, 0.3 * depth + 1.2, 0.16, text)):
+        text = f"{one.path.rpartition('/')[2]}: {one.state.upper()}, λ {one.sensor_based.hazard_rate:.3g}/h"
+        left = 0.3 * depth
+        beside = left + 0.15 + len(text) * _LETTER * _HEIGHT / 2  # a text is centred where it stands
+        for type_, across, scale, words in ((_BOX, left, 0.15, ""), (_TEXT, beside, _HEIGHT, text)):
             found.append(
                 {
                     **common,
@@ -201,6 +202,12 @@ def markers(report: HealthReport, frame: str) -> Fields:
 
 _BOX, _TEXT = 1, 9
 """Marker.CUBE and Marker.TEXT_VIEW_FACING."""
+
+_HEIGHT = 0.16
+"""Of a text [m]."""
+
+_LETTER = 0.44
+"""Width of a letter in RViz, on average, by its height."""
 
 
 def told_of(report: HealthReport) -> Sequence[Subject | ComponentHealth]:

@@ -26,11 +26,11 @@ PUBLISHED = 100
 AT_ONCE = 256
 """Messages that are taken together."""
 
-HISTORY = 20 * AT_ONCE
+HISTORY = 40 * AT_ONCE
 """Messages of a topic that may wait to be taken."""
 
 _LONGEST_LINE = 4096
-_REFUSED = re.compile(rb": deserialization ([^ ]+)/[^ /]+ failed")
+_REFUSED = re.compile(rb": deserialization ([^ ]+)/[^ /]+ failed|: malformed packet received")
 _TIMED_OUT = -10
 _ANY_STATE = 0xFFFFFFFF
 
@@ -55,6 +55,8 @@ class Message(NamedTuple):
     raw: bytes
     key: int
     """Of its publisher's offer."""
+    number: int | None = None
+    """In the sequence of its publisher; Cyclone does not tell."""
 
 
 def wheel() -> Any:
@@ -87,7 +89,7 @@ class Log(threading.Thread):
     def __init__(self) -> None:
         super().__init__(name="ros2 log", daemon=True)
         self.refused = Notes()
-        """Messages by topic, as DDS spells it."""
+        """Messages by topic, as DDS spells it; under no topic, packets that are none of DDS."""
         self._out, self._in = os.pipe()
         self.config = (
             f'<CycloneDDS><Domain id="any"><Tracing><Verbosity>warning</Verbosity>'
@@ -99,7 +101,7 @@ class Log(threading.Thread):
         with os.fdopen(self._out, "rb") as lines:
             while line := lines.readline(_LONGEST_LINE):
                 if match := _REFUSED.search(line):
-                    self.refused.add(match[1].decode("ascii", "replace"))
+                    self.refused.add((match[1] or b"").decode("ascii", "replace"))
 
     def close(self) -> None:
         """Read no more."""
@@ -116,6 +118,7 @@ class Participant:
     def __init__(self, domain: int, config: str) -> None:
         dds = wheel()
         self._log = Log() if sys.platform != "win32" else None
+        self._making = threading.RLock()
         self._structs: dict[tuple[str, str], Any] = {}
         self._topics: dict[tuple[str, str], Any] = {}
         try:
@@ -140,11 +143,12 @@ class Participant:
         """A topic by its name in DDS."""
         dds = wheel()
         key = name, definition.hash
-        if key not in self._topics:
-            struct = self._struct(definition.type.name, definition)
-            qos = dds.core.Qos(dds.core.Policy.DataRepresentation(use_cdrv0_representation=True))
-            self._topics[key] = dds.topic.Topic(self.entity, name, struct, qos)
-        return self._topics[key]
+        with self._making:
+            if key not in self._topics:
+                struct = self._struct(definition.type.name, definition)
+                qos = dds.core.Qos(dds.core.Policy.DataRepresentation(use_cdrv0_representation=True))
+                self._topics[key] = dds.topic.Topic(self.entity, name, struct, qos)
+            return self._topics[key]
 
     def _struct(self, name: str, definition: Definition) -> Any:
         """The type as the wheel wants it, a class."""
@@ -159,6 +163,7 @@ class Participant:
         return self._structs[key]
 
     def _part(self, part: Any, definition: Definition) -> Any:
+        """Bounds of strings and sequences left out: DDS would hold types apart by them that are the same on the way."""
         from cyclonedds.idl import types
         from rosbags.interfaces import Nodetype
 
@@ -168,13 +173,10 @@ class Participant:
         if node == Nodetype.ARRAY:
             return types.array[self._part(detail[0], definition), detail[1]]
         if node == Nodetype.SEQUENCE:
-            inner = self._part(detail[0], definition)
-            return types.sequence[inner, detail[1]] if detail[1] else types.sequence[inner]
-        name, bound = detail
-        if name == "string":
-            return types.bounded_str[bound] if bound else str
-        if name == "bool":
-            return bool
+            return types.sequence[self._part(detail[0], definition)]
+        name = detail[0]
+        if name in ("string", "bool"):
+            return str if name == "string" else bool
         return getattr(types, "uint8" if name == "char" else name)
 
     def close(self) -> None:

@@ -1,7 +1,8 @@
 """Types of messages by name: where their definitions are looked for, and the hash by which a publisher proves its own.
 
-DDS carries no definition of ROS's. It is looked for in the installations that AMENT_PREFIX_PATH names, then in what
-rosbags brings of each distribution, until one has the hash that the publisher tells (REP-2011; Iron and later).
+DDS carries no definition of ROS's. It is looked for in the installations that AMENT_PREFIX_PATH names, in what comes
+with robophm, and in what rosbags brings of each distribution, until one has the hash that the publisher tells
+(REP-2011; Iron and later).
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robophm.core.errors import SourceError
+from robophm.transports.health_topics.definitions import PACKAGE, definition, typestore
 from robophm.transports.message_type import MessageType, message_type
 
 if TYPE_CHECKING:
@@ -128,6 +130,8 @@ def _texts(name: str, *, newest: bool) -> Iterator[tuple[str, str]]:
     for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
         if (text := _installed(Path(prefix), name)) is not None:
             yield text, prefix
+    if name.startswith(f"{PACKAGE}/") and name in typestore(2).fielddefs:
+        yield definition(name, 2), "robophm"
     for distribution in DISTRIBUTIONS if newest else DISTRIBUTIONS[::-1]:
         store = get_typestore(Stores[distribution])
         if name in store.fielddefs:
@@ -139,7 +143,7 @@ def _generated(store: Typestore, name: str) -> str:
 
 
 def _installed(prefix: Path, name: str) -> str | None:
-    """The texts of a type and of all types in it; None where one of them is neither here nor in rosbags."""
+    """The texts of a type and of all types in it, those that are not here by rosbags; None where it is not here."""
     from rosbags.interfaces import Nodetype
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -156,7 +160,7 @@ def _installed(prefix: Path, name: str) -> str | None:
                 return None
             others = others or get_typestore(Stores.LATEST)
             if part not in others.fielddefs:
-                return None
+                continue  # compiling it says so
             text = _generated(others, part).partition("\n" + "=" * 80)[0]
         texts[part] = text
         if len(texts) > MOST_PARTS:

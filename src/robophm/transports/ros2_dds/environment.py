@@ -78,5 +78,7 @@ def _config(reach: str, peers: list[str]) -> str:
     return (
         f'<CycloneDDS><Domain id="any"><General>{general}</General>'
         f"<Discovery>{discovery}</Discovery>"
-        f"<Internal><MaxSampleSize>{LONGEST_MESSAGE}B</MaxSampleSize></Internal></Domain></CycloneDDS>"
+        # without the hash of its key, Fast DDS does not see that a reader or writer of ours is gone
+        f"<Internal><MaxSampleSize>{LONGEST_MESSAGE}B</MaxSampleSize><GenerateKeyhash>true</GenerateKeyhash></Internal>"
+        "</Domain></CycloneDDS>"
     )

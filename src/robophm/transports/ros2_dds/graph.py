@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
@@ -11,8 +12,8 @@ import numpy as np
 
 from robophm.core.errors import SourceError
 from robophm.transports.message_type import serialized
-from robophm.transports.ros2_dds.cyclone import Participant, Writer
-from robophm.transports.ros2_dds.definition import known
+from robophm.transports.ros2_dds.cyclone import Discovery, Participant, Reader, Waiting, Writer
+from robophm.transports.ros2_dds.definition import Definition, known
 from robophm.transports.ros2_dds.environment import Place, place
 
 TOPIC = "ros_discovery_info"
@@ -38,12 +39,40 @@ class Graph:
         definition = known(TOPIC, _INFO, newest=True)
         self._types: dict[str, Any] = definition.type.types
         self._type = definition.type
-        user_data = f"typehash={definition.hash};".encode()
-        self._writer = Writer(self.participant, TOPIC, definition, latched=True, user_data=user_data)
+        self._writer = self.writer("", TOPIC, definition, latched=True)
+
+    def leave(self) -> None:
+        """Once for every ``join``; the last ends the participant."""
+        with _LOCK:
+            self.users -= 1
+            if self.users == 0:
+                del _OPEN[self.place.domain]
+                self.participant.close()
 
     def settle(self) -> None:
         """Wait until those who were there before us can be known."""
         time.sleep(max(0.0, self._born + DISCOVERY_SECONDS - time.monotonic()))
+
+    def reader(self, node: str, topic: str, definition: Definition, *, reliable: bool, latched: bool) -> Reader:
+        """For a node; the topic is as DDS spells it."""
+        return Reader(self.participant, topic, definition, reliable=reliable, latched=latched)
+
+    def writer(self, node: str, topic: str, definition: Definition, *, latched: bool) -> Writer:
+        """For a node; the topic is as DDS spells it."""
+        user_data = f"typehash={definition.hash};".encode()
+        return Writer(self.participant, topic, definition, latched=latched, user_data=user_data)
+
+    def discovery(self) -> Discovery:
+        """Of publishers."""
+        return Discovery(self.participant)
+
+    def waiting(self) -> Waiting:
+        """For readers and discovery."""
+        return Waiting(self.participant)
+
+    def refused(self) -> Counter[str]:
+        """Messages of each topic, by its name in DDS, that were not of its type."""
+        return self.participant.refused()
 
     def add(self, name: str) -> None:
         """A node. Raises SourceError where there is one of this name here."""
@@ -112,12 +141,3 @@ def join(domain: int | None = None) -> Graph:
             )
         graph.users += 1
         return graph
-
-
-def leave(graph: Graph) -> None:
-    """Once for every ``join``; the last ends the participant."""
-    with _LOCK:
-        graph.users -= 1
-        if graph.users == 0:
-            del _OPEN[graph.place.domain]
-            graph.participant.close()

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 from robophm.core.errors import SourceError
 from robophm.transports.hearing import CLOCK_TOPIC, TICK, Hearing
-from robophm.transports.notes import Notes, TypeRefusedError
+from robophm.transports.notes import TypeRefusedError
 from robophm.transports.reading import Reading
-from robophm.transports.ros2_dds.cyclone import Discovery, Offer, Reader, Waiting
+from robophm.transports.ros2_dds.cyclone import Offer, Reader
 from robophm.transports.ros2_dds.definition import Definition, known, name_of_dds
 from robophm.transports.ros2_dds.node import Node
 
@@ -27,37 +27,39 @@ class Ear:
     reading: Reading
     reliable: bool
     latched: bool
+    number: int | None = None
+    """Of the latest message, where the transport numbers them."""
 
 
 class Listening(threading.Thread):
     """Listens to the topics of signals through a node. All that DDS tells is heard in this thread."""
 
-    def __init__(
-        self, node: Node, wanted: Mapping[str, Collection[str]], hearing: Hearing, notes: Notes, tick: float
-    ) -> None:
+    def __init__(self, node: Node, wanted: Mapping[str, Collection[str]], hearing: Hearing, tick: float) -> None:
         super().__init__(name=f"ros2 {node.name}", daemon=True)
         self.mistake: SourceError | None = None
         """The first signal that a topic does not have, or type that cannot be read."""
         self._node = node
-        self._notes = notes
+        self._notes = node.notes
         self._hearing = hearing
         all_wanted = dict.fromkeys(hearing.whole, ()) | dict(wanted)
         if hearing.simulated:
             all_wanted.setdefault(CLOCK_TOPIC, ())
         self._wanted = {f"rt{topic}": (topic, signals) for topic, signals in all_wanted.items()}
         self._every = tick
-        self._participant = node.graph.participant
-        self._discovery = Discovery(self._participant)
-        self._waiting = Waiting(self._participant)
+        self._graph = node.graph
+        self._discovery = self._graph.discovery()
+        self._waiting = self._graph.waiting()
         self._waiting.add(self._discovery.entity)
         self._ears: dict[tuple[str, str], Ear] = {}
         """By topic and hash of the type."""
         self._published: dict[str, dict[int, str]] = {}
         """Of each topic that was ever published: its publishers, and the hash of what each publishes."""
+        self._types: dict[str, set[str]] = {}
+        """Of each, the hashes of what was published when somebody came last."""
         self._definitions: dict[tuple[str, bytes], Definition | TypeRefusedError] = {}
         self._refused: set[int] = set()
         """Publishers that were refused, each counted once."""
-        self._refused_before = self._participant.refused()
+        self._refused_before = self._graph.refused()
         """Messages that Cyclone has refused."""
         self._over = threading.Event()
         self._discovery.look()
@@ -96,10 +98,18 @@ class Listening(threading.Thread):
     def _hear(self, ear: Ear) -> None:
         while (taken := ear.reader.take()) and not self._over.is_set():
             here = self._published[ear.reading.topic]
-            for message in taken:
-                # two definitions of one name: each is read by its own
-                if here.get(message.key, ear.reading.identity) == ear.reading.identity:
-                    self._hearing.message(ear.reading, message.raw, None)
+            # two definitions of one name: each is read by its own
+            own = ear.reading.identity
+            ours = [message for message in taken if here.get(message.key, own) == own]
+            self._hearing.messages(ear.reading, [message.raw for message in ours], None)
+            for message in ours:
+                self._count(ear, message.number, alone=len(here) == 1)
+
+    def _count(self, ear: Ear, number: int | None, *, alone: bool) -> None:
+        """Say what is missing before a message, where the transport numbers those of the only publisher."""
+        if number is not None and alone and ear.number is not None and number > ear.number + 1:
+            self._notes.add(f"sequence gap on {ear.reading.topic}", number - ear.number - 1)
+        ear.number = number if alone else None
 
     def _tick(self) -> None:
         self._hearing.tell()
@@ -111,10 +121,12 @@ class Listening(threading.Thread):
                 self._notes.add(f"came too fast, some may be lost on {topic}", full)
             if refused := ear.reader.refused():
                 self._notes.add(f"incompatible publisher on {topic}", refused)
-        refused_before, self._refused_before = self._refused_before, self._participant.refused()
+        refused_before, self._refused_before = self._refused_before, self._graph.refused()
         for name, count in (self._refused_before - refused_before).items():
             if name in self._wanted:
                 self._notes.add(f"unreadable message on {self._wanted[name][0]}", count)
+            elif not name:
+                self._notes.add("malformed packet", count)
 
     def _match(self) -> None:
         """Have a reader for every type of every topic that is published, one that goes with all its publishers."""
@@ -128,24 +140,24 @@ class Listening(threading.Thread):
                 self._follow(topic, {offer.key: hash_ for hash_, some in groups.items() for offer, _ in some})
             for hash_, some in groups.items():
                 self._listen(topic, hash_, [offer for offer, _ in some], some[0][1])
-            if groups:
-                for key in [key for key in self._ears if key[0] == topic and key[1] not in groups]:
-                    self._ears.pop(key).reader.close()
-        self._node.graph.reads(self._node.name, [ear.reader.gid for ear in self._ears.values()])
+            for key in [key for key in self._ears if key[0] == topic and key[1] not in groups]:
+                self._end(key)
+        self._graph.reads(self._node.name, [ear.reader.gid for ear in self._ears.values()])
 
     def _follow(self, topic: str, now: dict[int, str]) -> None:
         """Count who has come and gone."""
         before = self._published.get(topic)
         self._published[topic] = now
         if before is None:
+            self._types[topic] = {*now.values()}
             return
         if gone := len(before.keys() - now.keys()):
             self._notes.add(f"connection lost on {topic}", gone)
         if come := now.keys() - before.keys():
             self._notes.add(f"connected again to {topic}", len(come))
-            known_types = {key[1] for key in self._ears if key[0] == topic}
-            if changed := len({now[key] for key in come} - known_types):
+            if changed := len({now[key] for key in come} - self._types[topic]):
                 self._notes.add(f"type changed on {topic}", changed)
+            self._types[topic] = {*now.values()}
 
     def _listen(self, topic: str, hash_: str, offers: list[Offer], reading: Reading) -> None:
         reliable, latched = all(offer.reliable for offer in offers), all(offer.latched for offer in offers)
@@ -153,14 +165,18 @@ class Listening(threading.Thread):
         if ear and ear.reliable <= reliable and ear.latched <= latched:
             return
         if ear:
-            self._hear(ear)
-            ear.reader.close()
+            self._end((topic, hash_))
             self._notes.add(f"subscribed again to {topic}, for a publisher that offers less")
         found = self._definition(topic, offers[0])
         assert isinstance(found, Definition)
-        reader = Reader(self._participant, f"rt{topic}", found, reliable=reliable, latched=latched)
+        reader = self._graph.reader(self._node.name, f"rt{topic}", found, reliable=reliable, latched=latched)
         self._waiting.add(reader.entity)
         self._ears[topic, hash_] = Ear(reader, reading, reliable, latched)
+
+    def _end(self, key: tuple[str, str]) -> None:
+        """Take what is there, and listen no more."""
+        self._hear(self._ears[key])
+        self._ears.pop(key).reader.close()
 
     def _reading(self, topic: str, signals: Collection[str], offer: Offer) -> Reading | None:
         """How what is offered is read; None, and counted once for each publisher, where it cannot be."""
@@ -178,7 +194,8 @@ class Listening(threading.Thread):
         if offer.key not in self._refused:
             self._refused.add(offer.key)
             self._notes.add(f"{error.kind} on {topic}")
-            self.mistake = self.mistake or error
+            if topic not in self._hearing.whole:  # those may be there or not
+                self.mistake = self.mistake or error
 
     def _definition(self, topic: str, offer: Offer) -> Definition | TypeRefusedError:
         key = offer.type, offer.user_data

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Self
 
 from robophm.core.errors import SourceError
 from robophm.transports.notes import Notes
-from robophm.transports.ros2_dds.graph import join, leave
+from robophm.transports.ros2_dds.graph import Graph, join
 
 if TYPE_CHECKING:
     from robophm.transports.ros2_dds.publisher import Publisher
@@ -31,12 +31,17 @@ class Node:
         self.published: dict[str, Publisher] = {}
         self._closing = threading.Lock()
         self._closed = False
-        self.graph = join(domain)
+        self.graph = self.join(domain)
         try:
             self.graph.add(self.name)
         except BaseException:
-            leave(self.graph)
+            self.graph.leave()
             raise
+
+    @staticmethod
+    def join(domain: int | None) -> Graph:
+        """What nodes of a domain, or that of ROS_DOMAIN_ID, share in this process; to be left as often."""
+        return join(domain)
 
     def publish(self, topic: str, publisher: Publisher) -> None:
         """Make a publisher known. Raises SourceError where the node has one of this topic."""
@@ -58,7 +63,7 @@ class Node:
                     publisher.close()
                 self._closed = True
                 self.graph.remove(self.name)
-                leave(self.graph)
+                self.graph.leave()
 
     def _tell(self) -> None:
         self.graph.writes(self.name, [publisher.gid for publisher in self.published.values()])

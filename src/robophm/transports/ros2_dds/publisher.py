@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Self
 from robophm.core.errors import SourceError
 from robophm.core.signal import signal_name
 from robophm.transports.message_type import serialized
-from robophm.transports.ros2_dds.cyclone import Writer
 from robophm.transports.ros2_dds.definition import defined, known, ros2_name
 
 if TYPE_CHECKING:
@@ -43,15 +42,14 @@ class Publisher:
         self._closed = False
         if topic in node.published:
             raise SourceError(f"{node.name} publishes {topic} already")
-        user_data = f"typehash={found.hash};".encode()
-        self._writer = Writer(node.graph.participant, f"rt{topic}", found, latched=latched, user_data=user_data)
-        self.gid = self._writer.gid
+        self._writer = node.graph.writer(node.name, f"rt{topic}", found, latched=latched)
+        self.gid: bytes = self._writer.gid
         node.publish(topic, self)
 
     @property
     def subscribers(self) -> int:
         """How many are connected now."""
-        return self._writer.readers
+        return int(self._writer.readers)
 
     def publish(self, message: Any) -> None:
         """Send a message to all that are connected; never blocks. Raises SourceError where it is not of the type."""

@@ -5,21 +5,21 @@ from __future__ import annotations
 import threading
 import uuid
 from collections.abc import Collection, Iterator
+from typing import ClassVar
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, Sample, split_signal
 from robophm.transports.hearing import CLOCK_TOPIC, QUEUE, TICK, Hearing, Queue, tick_of
 from robophm.transports.message_type import numeric_fields
 from robophm.transports.notes import Notes
-from robophm.transports.ros2_dds.cyclone import Discovery, Offer
+from robophm.transports.ros2_dds.cyclone import Offer
 from robophm.transports.ros2_dds.definition import name_of_dds
-from robophm.transports.ros2_dds.graph import join, leave
 from robophm.transports.ros2_dds.listening import Listening, definition_of
 from robophm.transports.ros2_dds.node import Node
 from robophm.transports.source import LiveSource, Told, TopicInfo
 
 
-class Ros2Dds(LiveSource):
+class Ros2(LiveSource):
     """Live topics of ROS 2, of any type whose definition is known, in a domain or ROS_DOMAIN_ID's; a context manager.
 
     ``samples`` is endless: it goes on through publishers and types that come and go, until ``close``, which may come
@@ -28,8 +28,10 @@ class Ros2Dds(LiveSource):
     ``notes`` counts what was dropped, lost, refused, unreadable, and made anew. Clock samples come at multiples of
     ``period`` [s], and at least twice a second.
 
-    Raises SourceError where there is no DDS.
+    Raises SourceError where ROS 2 cannot be spoken here.
     """
+
+    _node: ClassVar[type[Node]]
 
     def __init__(self, domain: int | None = None, *, queue: int = QUEUE, period: float = TICK) -> None:
         self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
@@ -37,10 +39,10 @@ class Ros2Dds(LiveSource):
         self._queue = queue
         self._tick = tick_of(period)
         self._closed = False
-        self._closing = threading.Lock()
+        self._closing = threading.RLock()  # a signal may close while we are in it
         self._run: _Run | None = None
-        self._graph = join(domain)
-        self._discovery = Discovery(self._graph.participant)
+        self._graph = self._node.join(domain)
+        self._discovery = self._graph.discovery()
         self._fields: dict[tuple[str, bytes], tuple[str, ...]] = {}
 
     def topics(self) -> list[TopicInfo]:
@@ -95,10 +97,11 @@ class Ros2Dds(LiveSource):
         self.notes = Notes()
         queue = Queue(self.notes, self._queue)
         hearing = Hearing(self.notes, queue.put, topics, simulated=simulated)
-        self._run = run = _Run(self._graph.place.domain, wanted, self.notes, queue, hearing, self._tick)
-        if run.listening.mistake:
+        node = self._node(domain=self._graph.place.domain, notes=self.notes)
+        self._run = run = _Run(node, wanted, queue, hearing, self._tick)
+        if run.listening.mistake or self._closed:
             run.close()
-            raise run.listening.mistake
+            raise run.listening.mistake or SourceError("the source is closed")
         return run.start()
 
     def close(self) -> None:
@@ -109,21 +112,25 @@ class Ros2Dds(LiveSource):
             if not self._closed:
                 self._closed = True
                 self._discovery.close()
-                leave(self._graph)
+                self._graph.leave()
+
+
+class Ros2Dds(Ros2):
+    """Over DDS, from the cyclonedds wheel."""
+
+    _node = Node
 
 
 class _Run:
     """One call of ``samples``."""
 
-    def __init__(
-        self, domain: int, wanted: dict[str, list[str]], notes: Notes, queue: Queue, hearing: Hearing, tick: float
-    ) -> None:
+    def __init__(self, node: Node, wanted: dict[str, list[str]], queue: Queue, hearing: Hearing, tick: float) -> None:
         self.hearing = hearing
         self._queue = queue
-        self._closing = threading.Lock()
+        self._closing = threading.RLock()  # a signal may close while we are in it
         self._closed = False
-        self._node = Node(domain=domain, notes=notes)
-        self.listening = Listening(self._node, wanted, hearing, notes, tick)
+        self._node = node
+        self.listening = Listening(node, wanted, hearing, tick)
 
     def start(self) -> Iterator[Sample | Told]:
         """Listen until the end."""

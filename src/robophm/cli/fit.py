@@ -1,0 +1,254 @@
+"""``robophm fit``: what life data say of a part, in words, as a plot, and into a design."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from robophm.cli.learn import put
+from robophm.cli.output import console, may_make, may_write, print_json, print_table, table, write
+from robophm.core.errors import DataError, RobophmError
+from robophm.design.file import load, read
+from robophm.learning.evidence import edited, named_mode
+from robophm.learning.fitting import Bounded, Fit, How, fit, fit_all, goodness
+from robophm.learning.life_data import LifeData, read_life_data, written_quantity
+from robophm.learning.life_design import design_keys, snippet
+from robophm.learning.life_stress import LifeStressFit, fit_life_stress
+from robophm.learning.repairable import PowerLaw, fit_power_law, systems
+from robophm.report.fit_page import fit_page, life_stress_page, parameters_text, span_text
+from robophm.report.probability_plot import probability_text
+from robophm.report.words import number_text
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What is asked of life data."""
+
+    distribution: str | None
+    how: How
+    level: float
+    use: tuple[str, ...]
+    laws: tuple[str, ...]
+    repairable: bool
+    refits: int
+    seed: int
+    report: Path | None
+    to: Path | None
+    part: str | None
+    as_json: bool
+
+
+def run(path: Path, wishes: Wishes) -> None:
+    """Fit, print, draw, write."""
+    if (wishes.to is None) != (wishes.part is None):
+        raise RobophmError("--to names a design and --part the part in it; expected both")
+    may_make(wishes.report, path, force=True, suffixes=(".html",))
+    may_write(wishes.to, path)
+    data = read_life_data(path)
+    if wishes.repairable:
+        if wishes.to or wishes.report:
+            raise RobophmError(
+                "--repairable says how systems age, which is no life of a part; expected no --to or --report"
+            )
+        _show_power_law(fit_power_law(*systems(data), level=wishes.level), data, wishes)
+    elif data.stresses or wishes.use or wishes.laws:
+        _stress(data, wishes)
+    else:
+        if data.items and len(set(data.items)) < len(data.items):
+            raise DataError(
+                f"{path}: items have several rows; expected --repairable for repaired systems, or one life each"
+            )
+        _plain(data, wishes)
+
+
+def _plain(data: LifeData, wishes: Wishes) -> None:
+    refused: dict[str, str] = {}
+    if wishes.distribution or wishes.how == "ranks":
+        fits = [fit(data, wishes.distribution or "weibull", how=wishes.how, level=wishes.level)]
+    else:
+        fits, refused = fit_all(data, level=wishes.level)
+    best = fits[0]
+    tested = goodness(best, wishes.refits, wishes.seed) if wishes.refits else None
+    if wishes.as_json:
+        print_json({
+            "data": data.described(), "unit": data.unit, "level": wishes.level,
+            "fits": [_fit_json(one) for one in fits],
+            "refused": refused, "anderson_darling": tested and {"statistic": tested[0], "p": tested[1]},
+        })  # fmt: skip
+    else:
+        _show(data, fits, refused, tested, wishes)
+    if wishes.report:
+        write(wishes.report, fit_page(fits, refused))
+    _into_design(best, wishes)
+
+
+def _stress(data: LifeData, wishes: Wishes) -> None:
+    reference = {name: written_quantity(text, name) for name, text in _pairs(wishes.use, "--use")}
+    found = fit_life_stress(
+        data, wishes.distribution or "weibull", reference=reference, laws=dict(_pairs(wishes.laws, "--law")),
+        level=wishes.level,
+    )  # fmt: skip
+    if wishes.as_json:
+        print_json(_stress_json(found))
+    else:
+        _show_stress(found)
+    if wishes.report:
+        write(wishes.report, life_stress_page(found))
+    _into_design(found, wishes)
+
+
+def _pairs(texts: Sequence[str], option: str) -> list[tuple[str, str]]:
+    pairs = []
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip() or not value.strip():
+            raise RobophmError(f"{option} {text[:60]!r}; expected e.g. temperature='40 degC'")
+        pairs.append((name.strip(), value.strip()))
+    return pairs
+
+
+def _into_design(found: Fit | LifeStressFit, wishes: Wishes) -> None:
+    out = console()
+    if wishes.to and wishes.part:
+        robot = load(wishes.to)
+        mode = named_mode(robot, wishes.part)
+        text = edited(read(wishes.to), str(wishes.to), {mode.path: design_keys(found, mode)})
+        put(wishes.to, text)
+        if not wishes.as_json:
+            out.print(f"{wishes.to}: {mode.path} has this life now; as it was: {wishes.to.name}.bak", markup=False)
+    elif not wishes.as_json:
+        try:
+            lines = snippet(found)
+        except RobophmError as error:
+            out.print(f"Not for a design: {error}", markup=False, soft_wrap=True)
+            return
+        out.print("\nIn a design (or --to ROBOT.YAML --part PART):", markup=False)
+        for line in lines:
+            out.print(f"  {line}", markup=False, soft_wrap=True)
+
+
+def _show(
+    data: LifeData, fits: Sequence[Fit], refused: Mapping[str, str], tested: tuple[float, float] | None, wishes: Wishes
+) -> None:
+    out = console()
+    unit = f" [{data.unit}]" if data.unit else ""
+    columns = ["", f"parameters{unit}", "10 % by", "half by", "mean", "AICc", "R²"]
+    rows = [
+        [one.name, parameters_text(one.parameters), number_text(one.quantiles[0.1].value),
+         number_text(one.quantiles[0.5].value), number_text(one.mean), number_text(one.aic_corrected, 5),
+         number_text(one.straightness, 3)]
+        for one in fits
+    ]  # fmt: skip
+    print_table(out, table(f"{data.source}: {data.described()}", columns, rows, figures=range(2, len(columns))))
+    best = fits[0]
+    out.print(
+        f"In brackets: {100 * wishes.level:g} % intervals. AICc: less is better, two apart is little. R² of the "
+        "probability plot", markup=False,
+    )  # fmt: skip
+    close = [one.name for one in fits[1:] if one.aic_corrected < best.aic_corrected + 2]
+    if len(fits) > 1:
+        also = f"; {', '.join(close)} cannot be told from it" if close else ""
+        out.print(f"Best: {best.name}{also}", style="bold", markup=False, soft_wrap=True)
+    out.print(
+        f"{best.name}: 1 % fail by {span_text(best.quantiles[0.01])}, 10 % by {span_text(best.quantiles[0.1])}, half "
+        f"by {span_text(best.quantiles[0.5])}", markup=False, soft_wrap=True,
+    )  # fmt: skip
+    if tested:
+        fits_well = "no reason to doubt it" if tested[1] >= 0.05 else "it does not fit"
+        out.print(
+            f"Anderson–Darling {number_text(tested[0], 3)}, p = {number_text(tested[1], 2)}: {fits_well}", markup=False
+        )
+    for one in fits:
+        for note in one.notes:
+            out.print(f"{one.name}: {note}", style="yellow", markup=False, soft_wrap=True)
+    for name, why in refused.items():
+        out.print(f"{name} was not fitted: {why}", style="yellow", markup=False, soft_wrap=True)
+    _draw(out, best)
+
+
+def _draw(out: Console, found: Fit) -> None:
+    if len(found.plot.times) < 2:
+        return
+    out.print(f"\n{found.name} probability plot: o failures, · the fit", markup=False)
+    for line in probability_text(found):
+        out.print(line, markup=False, soft_wrap=True)
+
+
+def _show_stress(found: LifeStressFit) -> None:
+    out, unit = console(), found.data.unit
+    use = ", ".join(f"{name} {value:g}" for name, value in found.reference.items())
+    rows = [[f"{stress}: {found.laws[stress]}", span_text(one)] for stress, one in found.coefficients.items()]
+    rows += [[f"{name} at {use}", span_text(one)] for name, one in found.parameters.items()]
+    rows += [[f"{100 * p:g} % fail by [{unit}]" if unit else f"{100 * p:g} % fail by", span_text(one)]
+             for p, one in found.quantiles.items()]  # fmt: skip
+    print_table(out, table(f"{found.data.source}: {found.data.described()}; {found.name} life", ["", "value"], rows))
+    if found.levels:
+        tested = [
+            [", ".join(f"{name} {value:g}" for name, value in stress.items()), str(parts), str(failures),
+             number_text(factor, 3), parameters_text(alone.parameters) if alone else "too few failures"]
+            for stress, parts, failures, factor, alone in found.levels
+        ]  # fmt: skip
+        columns = ["tested at", "parts", "failed", "times as fast", "alone"]
+        print_table(out, table("", columns, tested, figures=(1, 2, 3)))
+    if found.separate:
+        ratio, freedom, p = found.separate
+        out.print(f"One law for all against each alone: likelihood ratio {number_text(ratio)} on {freedom} degrees of "
+                  f"freedom, p = {number_text(p, 2)}", markup=False)  # fmt: skip
+    out.print(f"ln L {number_text(found.log_likelihood, 6)}, AIC {number_text(found.aic, 6)}; intervals hold with "
+              f"{100 * found.level:g} %", markup=False)  # fmt: skip
+    for note in found.notes:
+        out.print(note, style="yellow", markup=False, soft_wrap=True)
+
+
+def _show_power_law(found: PowerLaw, data: LifeData, wishes: Wishes) -> None:
+    if wishes.as_json:
+        print_json({
+            "systems": found.systems, "failures": found.failures, "beta": _bounded(found.shape), "lambda": found.scale,
+            "until": found.until, "mean_time_between_failures": _bounded(found.mean_time), "trend_p": found.p_value,
+            "unit": data.unit,
+        })  # fmt: skip
+        return
+    out = console()
+    trend = "no trend is shown" if found.p_value >= 0.05 else "they improve" if found.shape.value < 1 else "they wear"
+    out.print(f"{found.failures} failures of {found.systems} repaired system{'s' * (found.systems > 1)}: {trend} "
+              f"(p = {number_text(found.p_value, 2)})", style="bold", markup=False)  # fmt: skip
+    out.print(f"Power law: {number_text(found.scale)} · t^{number_text(found.shape.value)} failures by t; exponent "
+              f"{span_text(found.shape)}", markup=False)  # fmt: skip
+    out.print(f"At {number_text(found.until)} {data.unit}: {span_text(found.mean_time)} {data.unit} between failures, "
+              f"with {100 * wishes.level:g} %", markup=False, soft_wrap=True)  # fmt: skip
+
+
+def _bounded(one: Bounded) -> dict[str, float | None]:
+    return {key: value if math.isfinite(value) else None for key, value in one._asdict().items()}
+
+
+def _fit_json(one: Fit) -> dict[str, Any]:
+    return {
+        "distribution": one.name, "parameters": {name: _bounded(value) for name, value in one.parameters.items()},
+        "log_likelihood": one.log_likelihood, "aic": one.aic,
+        "aic_corrected": one.aic_corrected if math.isfinite(one.aic_corrected) else None,
+        "mean": one.mean if math.isfinite(one.mean) else None,
+        "quantiles": {str(p): _bounded(value) for p, value in one.quantiles.items()},
+        "r_squared": one.straightness if math.isfinite(one.straightness) else None, "notes": list(one.notes),
+    }  # fmt: skip
+
+
+def _stress_json(found: LifeStressFit) -> dict[str, Any]:
+    return {
+        "distribution": found.name, "laws": dict(found.laws), "use": dict(found.reference), "unit": found.data.unit,
+        "coefficients": {name: _bounded(one) for name, one in found.coefficients.items()},
+        "parameters": {name: _bounded(one) for name, one in found.parameters.items()},
+        "quantiles": {str(p): _bounded(one) for p, one in found.quantiles.items()},
+        "log_likelihood": found.log_likelihood, "aic": found.aic, "step_stress": found.steps,
+        "levels": [
+            {"stress": dict(stress), "parts": parts, "failures": failures, "acceleration": factor}
+            for stress, parts, failures, factor, _ in found.levels
+        ],
+        "separate": found.separate and dict(zip(("ratio", "freedom", "p"), found.separate, strict=True)),
+        "notes": list(found.notes),
+    }  # fmt: skip

@@ -1,0 +1,297 @@
+"""``robophm maintain``: when to replace which part, with which spares, at what cost, and whether watching pays."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from robophm.cli.output import console, print_json, print_table, table
+from robophm.cli.past import kept
+from robophm.core.errors import DataError, RobophmError, UnitError
+from robophm.core.units import quantity
+from robophm.design.file import load
+from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
+from robophm.health.plant import Plant
+from robophm.health.prognosis import Outlook
+from robophm.health.replacement import replacements
+from robophm.learning.costs import PartCosts, read_costs
+from robophm.learning.life_cycle import LifeCycle, Return, Upkept, return_on_watching, simulate
+from robophm.learning.maintenance import Policy, Visit, best_age, rescaled, together
+from robophm.learning.spares import spares
+from robophm.monitor import Monitor
+from robophm.report.words import duration_text, number_text
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What is asked."""
+
+    store: Path | None
+    setup: float
+    hour_down: float
+    horizon: str
+    robots: int
+    level: float
+    lead: str
+    repetitions: int
+    seed: int
+    as_json: bool
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """One part: its life in calendar hours, what it costs, when it is best replaced."""
+
+    mode: FailureMode
+    costs: PartCosts
+    pace: float
+    """How far its clock goes in a calendar hour."""
+    upkept: Upkept
+    policy: Policy
+    """In calendar hours."""
+    due: float | None
+    """Calendar hours until it is best replaced, of a robot with a past."""
+
+
+def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
+    """Plan, simulate, print."""
+    robot = load(design)
+    horizon, lead = _hours(wishes.horizon, "--horizon"), _hours(wishes.lead, "--lead")
+    costs = read_costs(table_of_costs, robot, wishes.hour_down)
+    plant = Plant(robot)
+    outlook = None
+    if wishes.store:
+        outlook = Monitor(robot, kept(wishes.store, robot)).report(remaining_life=False).outlooks["sensor_based"]
+    plans = [_plan(robot, plant, one, outlook, wishes.seed) for one in costs.values()]
+    repaired = [plan for plan in plans if plan.costs.costs.repair is not None]
+    replaced = {plan.costs.part.path: plan for plan in plans if plan not in repaired}
+    visit = None
+    if wishes.setup > 0 and replaced:
+        visit = together(
+            {f"{name}": (plan.upkept.life, plan.costs.costs) for name, plan in replaced.items()}, wishes.setup
+        )
+    by_failure = _cycle({name: Upkept(p.upkept.life, p.upkept.costs, parts=p.upkept.parts) for name, p in
+                         replaced.items()}, horizon, wishes)  # fmt: skip
+    by_age = _cycle({name: plan.upkept for name, plan in replaced.items()}, horizon, wishes)
+    watched = None
+    if any(plan.costs.watch for plan in replaced.values()) and by_age:
+        watched = return_on_watching(
+            {name: _watched(plan) for name, plan in replaced.items()}, horizon, wishes.repetitions, wishes.seed, by_age
+        )
+    stock = {
+        name: spares(plan.upkept.life, lead, wishes.robots * plan.upkept.parts, wishes.level, plan.policy.age)
+        for name, plan in replaced.items()
+    }
+    first = _first(robot, outlook, costs) if outlook else None
+    if wishes.as_json:
+        print_json(_json(robot, plans, visit, by_failure, by_age, watched, stock, first))
+    else:
+        _print(robot, plans, visit, (by_failure, by_age, watched), stock, first, wishes, horizon, lead)
+
+
+def _hours(text: str, option: str) -> float:
+    try:
+        hours = quantity(text, "h")
+    except UnitError as error:
+        raise RobophmError(f"{option}: {error}") from None
+    if not 0 < hours < 1e9:
+        raise RobophmError(f"{option} {text}: expected a time above 0")
+    return hours
+
+
+def _plan(robot: Robot, plant: Plant, said: PartCosts, outlook: Outlook | None, seed: int) -> _Plan:
+    part = said.part
+    if len(part.modes) > 1:
+        raise DataError(
+            f"'{part.path}' fails in {len(part.modes)} ways, each with its own age; expected costs of parts "
+            "that fail in one, as components of their own"
+        )
+    (mode,) = part.modes
+    i = next(k for k, one in enumerate(robot.modes) if one.path == mode.path)
+    pace = float(plant.pace[i])
+    if outlook is not None:  # as it was used of late, at the stress that it had
+        future = outlook.future
+        gone = future.effective if mode.scaling == "age" else future.advance
+        pace = float(gone[i, -1] / future.hours[-1])
+    if not pace > 0:
+        raise DataError(f"'{part.path}' does not age: its clock '{mode.clock}' stands still by the design's usage")
+    life = rescaled(mode.life, 1 / pace)
+    policy = best_age(life, said.costs, seed=seed)
+    due = None
+    if outlook is not None and policy.age is not None:
+        due = policy.age - float(outlook.age[i]) / pace
+    return _Plan(mode, said, pace, Upkept(life, said.costs, policy.age, None, part.quantity), policy, due)
+
+
+def _watched(plan: _Plan) -> Upkept:
+    one = plan.upkept
+    return Upkept(one.life, one.costs, one.age, plan.costs.watch, one.parts)
+
+
+def _cycle(parts: dict[str, Upkept], horizon: float, wishes: Wishes) -> LifeCycle | None:
+    if not parts:
+        return None
+    work = sum(
+        part.parts * (1 + horizon / max(min(part.age or math.inf, part.life.mean()), 1e-9)) for part in parts.values()
+    )
+    if work * wishes.repetitions > 2e9:
+        raise RobophmError(
+            "that is more than two thousand million lives; expected a shorter --horizon or fewer --repetitions"
+        )
+    return simulate(parts, horizon, wishes.repetitions, wishes.seed)
+
+
+def _first(robot: Robot, outlook: Outlook, costs: dict[str, PartCosts]) -> list[dict[str, Any]]:
+    """What each part put in new would gain for what it costs, the most mean life per cost first."""
+    found = replacements(outlook, robot.diagram, robot.task)
+    rows: list[dict[str, Any]] = []
+    for one in found.parts:
+        if one.path not in costs:
+            continue
+        price = costs[one.path].costs.preventive * costs[one.path].part.quantity
+        rows.append({
+            "part": one.path, "cost": price, "mean_life": one.mean, "mean_life_per_cost": one.mean / price,
+            "completion": one.completion,
+            "completion_per_cost": None if one.completion is None else one.completion / price,
+        })  # fmt: skip
+    rows.sort(key=lambda row: -row["mean_life_per_cost"] if math.isfinite(row["mean_life_per_cost"]) else 0.0)
+    return rows
+
+
+def _print(
+    robot: Robot, plans: list[_Plan], visit: Visit | None,
+    cycles: tuple[LifeCycle | None, LifeCycle | None, Return | None], stock: dict[str, tuple[int, float]],
+    first: list[dict[str, Any]] | None, wishes: Wishes, horizon: float, lead: float,
+) -> None:  # fmt: skip
+    out = console()
+    columns = [
+        "",
+        "replace at",
+        "that is every",
+        "cost per 1000 h",
+        "if never",
+        "saved",
+        *(["due in"] if wishes.store else []),
+    ]
+    rows = []
+    for plan in plans:
+        name, policy, unit = plan.costs.part.path, plan.policy, CLOCK_UNITS[plan.mode.clock]
+        age = policy.age
+        rows.append([
+            name,
+            "never by age" if age is None else f"{number_text(age * plan.pace, 3)} {unit}",
+            "–" if age is None else duration_text(age),
+            number_text(1000 * policy.cost_rate, 3), number_text(1000 * policy.never, 3),
+            f"{number_text(100 * policy.saving, 2)} %" if policy.saving else "–",
+            *([_due(plan)] if wishes.store else []),
+        ])  # fmt: skip
+    print_table(out, table(f"When to replace the parts of {robot.name}", columns, rows, figures=range(1, len(columns))))
+    out.print("Costs of one part per 1000 h of calendar time. Never by age: it does not wear (β ≤ 1, or constant), or "
+              "failing costs no more than replacing.", soft_wrap=True)  # fmt: skip
+    if visit:
+        _print_visit(visit, wishes)
+    by_failure, by_age, watched = cycles
+    if by_failure and by_age:
+        rows = [[name, *_cycle_row(one)] for name, one in (("only what fails", by_failure), ("by age", by_age))]
+        if watched:
+            rows.append(["watched", *_cycle_row(watched.watched)])
+        title = f"Over {duration_text(horizon)} of one robot, {wishes.repetitions:,} times over (seed {wishes.seed})"
+        columns = ["", "cost", "90 % between", "available", "failures", "precautions"]
+        out.print()
+        print_table(out, table(title, columns, rows, figures=range(1, 6)))
+        if watched:
+            pays = "pays" if watched.ratio > 0 else "does not pay"
+            out.print(
+                f"Watching costs {number_text(watched.investment, 3)} and {pays}: return on it "
+                f"{number_text(100 * watched.ratio, 3)} %, with {number_text(100 * watched.chance, 3)} % it saves "
+                "anything",
+                markup=False, soft_wrap=True,
+            )  # fmt: skip
+    if stock:
+        robots = f"{wishes.robots} robot{'s' * (wishes.robots > 1)}"
+        share = f"{100 * wishes.level:g} %"
+        out.print(f"\nSpares that are enough for {robots} of new parts over {duration_text(lead)} with {share}:")
+        out.print(
+            "  " + ", ".join(f"{name} {number}" for name, (number, _) in stock.items()), markup=False, soft_wrap=True
+        )
+    if first:
+        columns = ["first, for what it costs", "cost", "mean life", "per cost", *(["PoTC"] if robot.task else [])]
+        rows = [
+            [row["part"], number_text(row["cost"]), _signed(row["mean_life"]), _signed(row["mean_life_per_cost"]),
+             *([number_text(row["completion"])] if robot.task else [])]
+            for row in first[:20]
+        ]  # fmt: skip
+        out.print()
+        print_table(out, table("What to replace first, put in new now", columns, rows, figures=range(1, len(columns))))
+
+
+def _due(plan: _Plan) -> str:
+    return "–" if plan.due is None else "now" if plan.due <= 0 else duration_text(plan.due)
+
+
+def _print_visit(visit: Visit, wishes: Wishes) -> None:
+    out = console()
+    if visit.interval is None:
+        out.print(f"\nA visit that costs {wishes.setup:g} is worth nothing: replace what has failed.", markup=False)
+        return
+    groups: dict[int, list[str]] = {}
+    for name, every in visit.every.items():
+        if every:
+            groups.setdefault(every, []).append(name)
+    what = "; ".join(
+        f"{', '.join(names)} at {'each' if every == 1 else f'one in {every}'}"
+        for every, names in sorted(groups.items())
+    )
+    between, saved = duration_text(visit.interval), 1 - visit.cost_rate / visit.apart
+    out.print(f"\nTogether, at {wishes.setup:g} a visit: one every {between}: {what}", markup=False, soft_wrap=True)
+    out.print(
+        f"That costs {number_text(1000 * visit.cost_rate, 3)} per 1000 h, where visits of their own cost "
+        f"{number_text(1000 * visit.apart, 3)} ({number_text(100 * saved, 2)} % less)", markup=False, soft_wrap=True,
+    )  # fmt: skip
+
+
+def _cycle_row(one: LifeCycle) -> list[str]:
+    return [
+        f"{number_text(one.cost)} ± {number_text(one.error, 2)}", f"{number_text(one.low)} … {number_text(one.high)}",
+        f"{100 * one.availability:.4g} %", number_text(one.failures, 3), number_text(one.replacements, 3),
+    ]  # fmt: skip
+
+
+def _signed(hours: float) -> str:
+    if not np.isfinite(hours):
+        return number_text(hours)
+    return ("+" if hours > 0 else "-" if hours < 0 else "") + duration_text(abs(hours))
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _json(
+    robot: Robot, plans: list[_Plan], visit: Visit | None, by_failure: LifeCycle | None, by_age: LifeCycle | None,
+    watched: Return | None, stock: dict[str, tuple[int, float]], first: list[dict[str, Any]] | None,
+) -> dict[str, Any]:  # fmt: skip
+    def cycle(one: LifeCycle | None) -> dict[str, float] | None:
+        names = ("cost", "low", "high", "error", "availability", "failures", "replacements")
+        return None if one is None else {name: getattr(one, name) for name in names}
+
+    return {
+        "robot": robot.name,
+        "parts": [
+            {"part": p.costs.part.path, "clock": p.mode.clock, "age": p.policy.age and p.policy.age * p.pace,
+             "every_hours": p.policy.age, "cost_per_hour": p.policy.cost_rate, "never": _finite(p.policy.never),
+             "due_in_hours": p.due}
+            for p in plans
+        ],
+        "together": visit and {"interval_hours": visit.interval, "every": dict(visit.every),
+                               "cost_per_hour": visit.cost_rate, "apart": visit.apart},
+        "life_cycle": {"failures_only": cycle(by_failure), "by_age": cycle(by_age),
+                       "watched": watched and {**(cycle(watched.watched) or {}), "investment": watched.investment,
+                                               "return": watched.ratio, "chance": watched.chance}},
+        "spares": {name: {"spares": number, "enough_with": sure} for name, (number, sure) in stock.items()},
+        "first": first,
+    }  # fmt: skip

@@ -1,0 +1,78 @@
+"""``robophm topics``: what a robot that runs publishes."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+
+from robophm.cli.output import console, print_json, print_table, table, warn
+from robophm.core.signal import CLOCK, SECOND, split_signal
+from robophm.report.words import number_text
+from robophm.transports.live import open_live
+from robophm.transports.source import TopicInfo
+
+SHOWN = 6
+"""Numbers of one topic in the table; JSON has all."""
+
+
+def run(ros: str, seconds: float, *, as_json: bool) -> None:
+    """Listen for a while to all that is published, and print it."""
+    opened = open_live(ros)
+    print(opened.said, file=sys.stderr)
+    with opened.source as source:
+        fields = {info.topic: _numbers(info) for info in source.topics()}
+        values: dict[str, dict[str, float]] = {topic: {} for topic in fields}
+        end = time.monotonic() + seconds
+        for sample in source.samples([f"{topic}.{field}" for topic, some in fields.items() for field in some]):
+            if sample.signal != CLOCK:
+                topic, field = split_signal(sample.signal)
+                values[topic][field] = sample.value
+            if time.monotonic() >= end:  # clock samples come in silence too
+                break
+        infos = source.topics()
+        notes = source.notes.copy()
+    if as_json:
+        found = [
+            {
+                "topic": info.topic,
+                "type": info.type,
+                "messages": info.messages,
+                "rate": _rate(info),
+                "values": {field: value if math.isfinite(value) else None for field, value in here.items()},
+            }
+            for info in infos
+            for here in (values.get(info.topic, {}),)
+        ]
+        print_json({
+            "ros": opened.generation, "transport": opened.transport, "reason": opened.reason, "seconds": seconds,
+            "topics": found, "notes": dict(sorted(notes.items())),
+        })  # fmt: skip
+        return
+    rows = [_row(info, fields.get(info.topic, []), values.get(info.topic, {})) for info in infos]
+    out = console()
+    print_table(out, table(f"{len(rows)} topics", ["topic", "type", "per s", "last values"], rows, figures=(2,)))
+    for what, count in sorted(notes.items()):
+        if not what.startswith(("receipt time used", "no element")):
+            warn(f"{what} ({count} times)")
+
+
+def _numbers(info: TopicInfo) -> list[str]:
+    """The fields to listen to: of arrays the first element, and not the stamp by which messages are ordered."""
+    return [field.replace("[]", "[0]") for field in info.fields if not field.startswith(("header.stamp", "header.seq"))]
+
+
+def _rate(info: TopicInfo) -> float | None:
+    """Messages a second; None of fewer than two."""
+    if info.first is None or info.last is None or info.last <= info.first:
+        return None
+    return (info.messages - 1) / ((info.last - info.first) / SECOND)
+
+
+def _row(info: TopicInfo, fields: list[str], values: dict[str, float]) -> list[str]:
+    rate = _rate(info)
+    shown = [f"{field} {number_text(values[field])}" for field in fields if field in values]
+    more = f", … {len(shown) - SHOWN} more" if len(shown) > SHOWN else ""
+    if not info.fields:
+        shown = ["its definition is not known" if info.type else "nobody tells its type"]
+    return [info.topic, info.type, "–" if rate is None else number_text(rate), ", ".join(shown[:SHOWN]) + more]

@@ -1,0 +1,219 @@
+"""What each failure does to a robot, from its structure: a functional FMECA; and what may have failed unseen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.blocks.diagram import Block
+from robophm.core.errors import RobophmError
+from robophm.design.robot import CLOCK_UNITS, Component, FailureMode
+from robophm.design.task import Knowledge
+from robophm.health.importance import Drawn
+from robophm.health.plant import Plant
+from robophm.health.prognosis import Outlook
+
+Array = npt.NDArray[np.float64]
+
+SEVERITY: Mapping[str, int] = {"robot": 8, "function": 6, "redundancy": 3, "nothing": 1}
+"""Of a failure that takes the robot, a function of it, redundancy, or nothing; unless said otherwise."""
+
+OCCURRENCE = (1e-6, 1e-5, 1e-4, 5e-4, 2e-3, 1e-2, 2e-2, 5e-2, 1e-1)
+"""Probabilities from which on occurrence is 2, 3 … 10 (AIAG, Potential Failure Mode and Effects Analysis, 4th ed.)."""
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One failure mode: what it does, how often, whether it is seen, and what that adds up to."""
+
+    part: str
+    mode: str
+    functions: tuple[str, ...]
+    """That its part is drawn in."""
+    lost: tuple[str, ...]
+    """Functions that fail with it alone; "" is the robot as a whole."""
+    effect: str
+    """robot, function, redundancy or nothing."""
+    rate: float
+    """[1 per unit of its clock], of one part."""
+    unit: str
+    probability: float
+    """That any of the equal parts fails so within the hours."""
+    ratio: float
+    """α: its share of the part's failures within the hours."""
+    beta: float
+    """P(the robot fails within the hours | it has)."""
+    detected: float
+    """P(a sensor sees it)."""
+    severity: int
+    occurrence: int
+    detection: int
+
+    @property
+    def rpn(self) -> int:
+        """Severity · occurrence · detection."""
+        return self.severity * self.occurrence * self.detection
+
+    @property
+    def criticality(self) -> float:
+        """C_m = β·α·λ_p·t, with λ_p·t the part's cumulative hazard (MIL-STD-1629A, task 102)."""
+        return self.beta * -float(np.log1p(-min(self.probability, 1 - 1e-16)))
+
+
+def effects(
+    outlook: Outlook, hours: float, detected: Mapping[str, float], severities: Mapping[str, int] | None = None
+) -> list[Effect]:
+    """Of every failure mode of every part, the gravest first; within operating hours from a new robot's start.
+
+    ``severities``: by function, by failure mode, or of SEVERITY's kinds.
+    """
+    plant = outlook.plant
+    robot = plant.robot
+    severities = {**SEVERITY, **(severities or {})}
+    diagrams = {"": robot.diagram, **robot.functions}
+    lost: dict[str, list[str]] = {}
+    drawn_in: dict[str, list[str]] = {}
+    weakened: set[str] = set()
+    betas: dict[str, float] = {}
+    advance, effective = outlook.paced(np.array([hours]))
+    for function, diagram in diagrams.items():
+        drawn = Drawn(plant, diagram)
+        names = list(drawn.structure.names)
+        everything = np.ones((len(names), len(names)))
+        alone = drawn.structure.probability(everything - np.eye(len(names)), np.eye(len(names)))[0]
+        added = outlook.gathered(drawn, advance[:, None], effective[:, None])[:, 0, 0]
+        works, failed = np.exp(-added), -np.expm1(-added)
+        hangs = np.asarray(drawn.structure.birnbaum(works, failed)).reshape(-1)
+        fails = float(drawn.structure.probability(works, failed)[1])
+        for k, name in enumerate(names):
+            for unit in _members(plant, name):
+                drawn_in.setdefault(unit, []).append(function)
+                group = unit != name  # a member of a group: the others take over
+                if alone[k] == 0 and not group:
+                    lost.setdefault(unit, []).append(function)
+                elif hangs[k] > 0 or group:
+                    weakened.add(unit)
+                if not function and group:
+                    one = replace(outlook, knowledge=Knowledge(frozenset((unit,))))
+                    ahead = one.ahead(diagram, advance[:, 0], effective[:, 0])
+                    betas[unit] = float(1 - ahead.survives)
+                elif not function:  # the robot fails with the unit, or does so by itself: sums of positive terms
+                    betas[unit] = 1.0 if alone[k] == 0 else fails + float(works[k] * hangs[k])
+    chances = fault_chances(outlook, hours)
+    found = []
+    own = {part.path for part in robot.all_components()}
+    for part in plant.components:
+        if part in robot.causes or part.path not in own:
+            continue
+        hazards = [-np.log1p(-min(chances[mode.path], 1 - 1e-16)) for mode in part.modes]
+        total = float(sum(hazards))
+        for mode, hazard in zip(part.modes, hazards, strict=True):
+            found.append(
+                _effect(part, mode, hazard / total if total > 0 else 1 / len(part.modes), chances[mode.path],
+                        part.units[0], lost, drawn_in, weakened, betas, detected.get(mode.path, 0.0), severities)
+            )  # fmt: skip
+    return sorted(found, key=lambda one: (-one.rpn, -one.criticality))
+
+
+def _effect(
+    part: Component, mode: FailureMode, ratio: float, probability: float, unit: str, lost: Mapping[str, list[str]],
+    drawn_in: Mapping[str, list[str]], weakened: set[str], betas: Mapping[str, float], detected: float,
+    severities: Mapping[str, int],
+) -> Effect:  # fmt: skip
+    gone = tuple(lost.get(unit, ()))
+    kind = "robot" if "" in gone else "function" if gone else "redundancy" if unit in weakened else "nothing"
+    named = [severities[name] for name in gone if name in severities]
+    severity = severities.get(mode.path, severities.get(part.path, max([*named, severities[kind] if not named else 0])))
+    return Effect(
+        part.path, mode.path, tuple(name for name in drawn_in.get(unit, ()) if name), gone, kind, mode.rate,
+        CLOCK_UNITS[mode.clock], probability, float(ratio), betas.get(unit, 0.0), detected, severity,
+        1 + sum(probability >= limit for limit in OCCURRENCE), round(1 + 9 * (1 - detected)),
+    )  # fmt: skip
+
+
+def _members(plant: Plant, name: str) -> list[str]:
+    """The unit itself, or the parts in a group of dependent parts."""
+    for held in plant.groups:
+        if held.group.name == name:
+            return [unit for member in held.group.members for unit in member]
+    return [name]
+
+
+def fault_chances(outlook: Outlook, hours: float) -> dict[str, float]:
+    """P(any of a part's equal parts fails by this mode within so many operating hours from now), by failure mode."""
+    plant = outlook.plant
+    advance, effective = outlook.paced(np.array([hours]))
+    more = outlook.increments(plant.parts, advance[:, None], effective[:, None])[:, 0, 0]
+    quantity = {mode.path: part.quantity for part in plant.components for mode in part.modes}
+    return {
+        mode.path: float(-np.expm1(-quantity[mode.path] * more[i]))
+        for i, mode in enumerate(plant.robot.modes)
+        if not mode.member
+    }
+
+
+@dataclass(frozen=True)
+class SilentStates:
+    """Which units may have failed unseen, all likely combinations of it, and what the robot then does."""
+
+    units: tuple[str, ...]
+    states: tuple[frozenset[str], ...]
+    weights: Array
+    """P(state | the robot works now), of those listed; adds up to 1."""
+    outcome: Array
+    """P(it works through the hours | state)."""
+    missed: float
+    """Probability of the combinations that are not listed."""
+
+
+def silent_states(outlook: Outlook, diagram: Block, hours: float, most: int = 1500) -> SilentStates:
+    """What may have failed unseen by now, and what that means for the hours of operation ahead.
+
+    Raises RobophmError where nothing can have failed unseen: then no sensor of failures buys anything.
+    """
+    drawn = Drawn(outlook.plant, diagram)
+    known = outlook.known(drawn, drawn.needed)
+    names = drawn.structure.names
+    chances = {name: float(-np.expm1(-h)) for name, h in zip(names, known.tolist(), strict=True) if h > 0}
+    silent = sorted((name for name in chances if chances[name] < 1), key=lambda name: -chances[name])
+    if not silent:
+        raise RobophmError(
+            "nothing can have failed unseen: every part is new, monitored, or needed by what works; expected a robot "
+            "with a past (--store, or --after) and redundancy that nobody watches"
+        )
+    advance, effective = outlook.paced(np.array([hours]))
+    states, weights, outcomes, total, listed = [], [], [], 0.0, 0.0
+    for size in range(len(silent) + 1):
+        before = listed
+        for failed in combinations(silent, size):
+            chance = float(np.prod([chances[n] if n in failed else 1 - chances[n] for n in silent]))
+            listed += chance
+            one = replace(outlook, knowledge=Knowledge(
+                outlook.knowledge.failed | frozenset(failed),
+                outlook.knowledge.working | frozenset(n for n in silent if n not in failed),
+            ))  # fmt: skip
+            ahead = one.ahead(diagram, advance[:, 0], effective[:, 0])
+            works = float(ahead.fails + ahead.survives)
+            if works > 0:
+                states.append(frozenset(failed))
+                weights.append(chance * works)
+                outcomes.append(float(ahead.survives) / works)
+                total += chance * works
+            if len(states) >= most:
+                break
+        if len(states) >= most or 1 - listed < 1e-9 or (size > 2 and listed - before < 1e-9):
+            break
+    return SilentStates(
+        tuple(silent), tuple(states), np.array(weights) / total, np.array(outcomes), max(1 - listed, 0.0)
+    )
+
+
+def alarm_chances(states: Sequence[frozenset[str]], detects: Mapping[str, float], false_alarm: float) -> Array:
+    """P(alarm | state), shape (states,), of a sensor that sees units with these probabilities."""
+    return np.array([
+        1 - (1 - false_alarm) * float(np.prod([1 - detects.get(unit, 0.0) for unit in state])) for state in states
+    ])  # fmt: skip

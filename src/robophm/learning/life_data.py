@@ -1,0 +1,221 @@
+"""Life data: how long parts lived, known exactly or within bounds, at which stresses; and what of it cannot be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.core.errors import DataError, UnitError
+from robophm.core.units import conversion, quantity
+from robophm.design.robot import CLOCK_UNITS
+from robophm.learning.table import YES, Row, read_table
+
+Array = npt.NDArray[np.float64]
+
+COLUMNS: Mapping[str, Sequence[str]] = {
+    "time": ("life", "t", "age", "failure", "failure time", "exposure", "hours", "cycles"),
+    "from": ("left", "lower", "after"),
+    "to": ("right", "upper", "before"),
+    "censored": ("suspended", "working", "suspension"),
+    "count": ("n", "quantity", "number"),
+    "item": ("unit", "serial", "id", "system"),
+}
+"""What a table may say of lives; any other column is a stress."""
+
+STRESS_UNITS: Mapping[str, str] = {
+    "temperature": "degC",
+    "humidity": "percent",
+    "voltage": "V",
+    "load": "",
+    "temperature_swing": "K",
+}
+"""The unit inside of each stress that an acceleration of a design knows."""
+
+
+@dataclass(frozen=True)
+class LifeData:
+    """Lives between ``low`` and ``high``, equal where a failure was seen; shapes (rows,). Times count from 0."""
+
+    source: str
+    low: Array
+    """0: failed before ``high``."""
+    high: Array
+    """Infinite: still worked at ``low``."""
+    count: Array
+    unit: str
+    """h, km, cycle or start; "" where the data state none."""
+    stresses: Mapping[str, Array] = field(default_factory=dict)
+    """By name, in the unit inside; shape (rows,)."""
+    items: tuple[str, ...] = ()
+    """Whose row each is, where the table says so."""
+
+    @property
+    def failed(self) -> npt.NDArray[np.bool_]:
+        """Whether each row is a failure, at a time known or not."""
+        return np.isfinite(self.high)
+
+    @property
+    def failures(self) -> int:
+        """How many parts failed."""
+        return int(self.count[self.failed].sum())
+
+    @property
+    def parts(self) -> int:
+        """How many there were."""
+        return int(self.count.sum())
+
+    def described(self) -> str:
+        """In words: '10 failures and 10 that still worked'."""
+        exact = self.low == self.high
+        kinds = {
+            "failure": exact,
+            "failure before a time": self.failed & ~exact & (self.low == 0),
+            "failure within an interval": self.failed & ~exact & (self.low > 0),
+            "that still worked": ~self.failed,
+        }
+        texts = []
+        for name, which in kinds.items():
+            if number := int(self.count[which].sum()):
+                texts.append(
+                    f"{number} {name if number == 1 or 'worked' in name else name.replace('failure', 'failures', 1)}"
+                )
+        return " and ".join(filter(None, [", ".join(texts[:-1]), texts[-1]])) if texts else "nothing"
+
+
+def read_life_data(path: Path) -> LifeData:
+    """A table of lives, CSV or the list ``lives`` of a YAML file. Raises DataError, with the line."""
+    rows = read_table(path, COLUMNS, "lives", free=True)
+    unit = _unit(rows)
+    names = dict.fromkeys(name for row in rows for name in row.cells if name not in COLUMNS)
+    bounds = [_bounds(row, unit) for row in rows]
+    counts = []
+    for row in rows:
+        number = row.number("count", 1.0)
+        if number != int(number) or not 0 <= number <= 1e9:
+            raise row.error(f"{row.text('count')}; expected a whole number", "count")
+        counts.append(number)
+    stresses = {name: np.array([_stress(row, name) for row in rows]) for name in names}
+    items = tuple(row.text("item") for row in rows)
+    low, high = (np.array(side) for side in zip(*bounds, strict=True))
+    some = np.array(counts) > 0
+    if not some.any():
+        raise DataError(f"{path}: all counts are 0; expected parts")
+    return LifeData(
+        str(path), low[some], high[some], np.array(counts)[some], unit,
+        {name: values[some] for name, values in stresses.items()},
+        tuple(item for item, is_ in zip(items, some, strict=True) if is_) if any(items) else (),
+    )  # fmt: skip
+
+
+def life_data(
+    failures: Sequence[float] = (), censored: Sequence[float] = (), *, unit: str = "h", source: str = "data",
+    stresses: Mapping[str, Sequence[float]] | None = None,
+) -> LifeData:  # fmt: skip
+    """Life data of failures and of parts that still worked [unit]; stresses of the former, then of the latter."""
+    low = np.array([*failures, *censored], dtype=float)
+    high = np.array([*failures, *[math.inf] * len(censored)], dtype=float)
+    return LifeData(source, low, high, np.ones(len(low)), unit,
+                    {name: np.array(values, dtype=float) for name, values in (stresses or {}).items()})  # fmt: skip
+
+
+def _unit(rows: Sequence[Row]) -> str:
+    """The clock's unit in which all times can be said; "" where none is stated. Raises DataError for a mixture."""
+    known: dict[str, Row] = {}
+    for row in rows:
+        for column in ("time", "from", "to"):
+            if column not in row.cells:
+                continue
+            written = row.text(column)
+            bare = _is_number(written)
+            stated = row.units.get(column, "") if bare else written.lstrip("+-.0123456789eE").strip()
+            inside = ""
+            if stated:
+                inside = next((unit for unit in dict.fromkeys(CLOCK_UNITS.values()) if _converts(stated, unit)), "?")
+                if inside == "?":
+                    raise row.error(f"{written!r:.60} is no life; expected h, km, cycles or starts", column)
+            known.setdefault(inside, row)
+            if len(known) > 1:
+                first, second = known
+                raise row.error(
+                    f"{written!r:.60} is in {second or 'no unit'}, but line {known[first].line} is in "
+                    f"{first or 'no unit'}; expected one clock for all",
+                    column,
+                )
+    if not known:
+        raise DataError(f"{rows[0].table}: has no times; expected a column 'time [h]', or 'from [h]' and 'to [h]'")
+    return next(iter(known))
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _converts(written: str, unit: str) -> bool:
+    try:
+        conversion(written, unit)
+    except UnitError:
+        return False
+    return True
+
+
+def _bounds(row: Row, unit: str) -> tuple[float, float]:
+    """Between which a part failed. Raises DataError for times that cannot be."""
+    censored = row.choice("censored", {**YES, "left": (), "right": ()}, "no")
+
+    def time(column: str, missing: float) -> float:
+        if column not in row.cells:
+            return missing
+        if column == "to" and row.text(column).casefold() in ("inf", "infinity", "na"):
+            return math.inf
+        value = row.quantity(column, unit)
+        if value < 0:
+            raise row.error(f"{row.text(column)} is negative; expected a life, above 0", column)
+        return value
+
+    if "time" in row.cells:
+        if "from" in row.cells or "to" in row.cells:
+            raise row.error("states a time and an interval too; expected one of the two")
+        at = time("time", math.nan)
+        if at == 0:
+            raise row.error("a life of 0; expected above 0: what never worked is counted apart, not fitted", "time")
+        return {"no": (at, at), "yes": (at, math.inf), "right": (at, math.inf), "left": (0.0, at)}[censored]
+    low, high = time("from", 0.0), time("to", math.inf)
+    if low == 0 and high == math.inf:
+        raise row.error("says nothing: neither time nor from nor to; expected one")
+    if low > high:
+        raise row.error(f"from {low:g} to {high:g} contradicts itself; expected the lower end first", "from")
+    if censored in ("yes", "right") and high != math.inf:
+        raise row.error(f"still worked, and failed before {high:g}: contradicts itself", "censored")
+    if high == 0:
+        raise row.error("a life of 0; expected above 0", "to")
+    return low, high
+
+
+def _stress(row: Row, name: str) -> float:
+    if name not in row.cells:
+        raise row.error(f"has no {name}; expected it in every row", name)
+    inside = STRESS_UNITS.get(name)
+    if inside is None or (not row.units.get(name) and _is_number(row.text(name)) and not inside):
+        return row.number(name)
+    value = row.quantity(name, inside)
+    if name == "temperature" and value <= -273.15:
+        raise row.error(f"{row.text(name)} is below absolute zero", name)
+    return value
+
+
+def written_quantity(text: str, name: str) -> float:
+    """A stress as a user writes it, in the unit inside. Raises DataError."""
+    inside = STRESS_UNITS.get(name)
+    try:
+        return float(text) if inside is None else quantity(text, inside)
+    except (UnitError, ValueError) as error:
+        raise DataError(f"{name} '{text:.40}': {error}") from None

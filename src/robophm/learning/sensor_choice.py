@@ -1,0 +1,107 @@
+"""Which sensors buy most certainty of whether a robot will do its task.
+
+What is not known is which parts have failed silently. With sensors A the prediction is E[Y | their alarms], and what of
+its error they take away is Var(E[Y | A]): the gain in expected Brier score. It never falls as sensors are added. Greedy
+choice need not be the best: what all candidates together would give bounds the best from above, and small choices are
+gone through exhaustively.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.core.errors import DataError
+
+Array = npt.NDArray[np.float64]
+
+EXHAUSTIVE = 3000
+"""Sets that are gone through one by one."""
+MOST = 16
+"""Sensors whose alarms are taken together."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Sensors, in the order of their choice."""
+
+    chosen: tuple[int, ...]
+    gains: tuple[float, ...]
+    """What each adds, in that order."""
+    value: float
+    """Variance of the outcome that they explain together."""
+    most: float
+    """That all candidates would explain: no set of any size explains more."""
+    exhaustive: bool
+    """Whether no set of so many is better, gone through one by one."""
+
+    @property
+    def at_least(self) -> float:
+        """Share of the best set's value that this one is sure to have."""
+        return 1.0 if self.exhaustive or self.most == 0 else self.value / self.most
+
+
+def explained(weights: Array, outcome: Array, alarms: Array, chosen: Sequence[int], base: Sequence[int] = ()) -> float:
+    """Var(E[Y | alarms of the chosen and the fitted]) ; ``weights`` and P(Y) of states, shape (states,).
+
+    ``alarms``: P(alarm | state), shape (states, sensors); independent given the state.
+    """
+    taken = [*base, *chosen]
+    if len(taken) > MOST:
+        raise DataError(f"{len(taken)} sensors together; expected at most {MOST}")
+    mass = weights[:, None]
+    for j in taken:
+        p = alarms[:, j : j + 1]
+        mass = np.concatenate((mass * (1 - p), mass * p), axis=1)
+    total = mass.sum(axis=0)
+    mean = np.divide(outcome @ mass, total, out=np.zeros(len(total)), where=total > 0)
+    overall = float(weights @ outcome)
+    return float(np.sum(total * (mean - overall) ** 2))
+
+
+def choose(
+    weights: Array, outcome: Array, alarms: Array, number: int, *, base: Sequence[int] = (),
+    candidates: Sequence[int] | None = None,
+) -> Choice:  # fmt: skip
+    """The best so many further sensors, beside those fitted (``base``): all sets where they are few, else greedily."""
+    rest = [j for j in range(alarms.shape[1]) if j not in base] if candidates is None else list(candidates)
+    number = min(number, len(rest))
+    before = explained(weights, outcome, alarms, (), base)
+
+    def value(some: Sequence[int]) -> float:
+        return explained(weights, outcome, alarms, some, base) - before
+
+    fits = len(base) + len(rest) <= MOST
+    most = value(rest) if fits else float(weights @ (outcome - weights @ outcome) ** 2) - before
+    if math.comb(len(rest), number) <= EXHAUSTIVE:
+        best = max(combinations(rest, number), key=value, default=())
+        order = _greedily(best, len(best), value)
+    else:
+        order = _greedily(rest, number, value)
+    gains = np.diff([0.0, *(value(order[: k + 1]) for k in range(len(order)))])
+    exhaustive = math.comb(len(rest), number) <= EXHAUSTIVE
+    return Choice(tuple(order), tuple(float(one) for one in gains), value(order), max(most, 0.0), exhaustive)
+
+
+def _greedily(rest: Sequence[int], number: int, value: Callable[[Sequence[int]], float]) -> list[int]:
+    chosen: list[int] = []
+    for _ in range(number):
+        chosen.append(max((j for j in rest if j not in chosen), key=lambda j: value([*chosen, j])))
+    return chosen
+
+
+def greedily(weights: Array, outcome: Array, alarms: Array, number: int) -> Choice:
+    """As ``choose``, never exhaustively."""
+    every = list(range(alarms.shape[1]))
+
+    def value(some: Sequence[int]) -> float:
+        return explained(weights, outcome, alarms, some)
+
+    order = _greedily(every, number, value)
+    gains = np.diff([0.0, *(value(order[: k + 1]) for k in range(len(order)))])
+    return Choice(tuple(order), tuple(float(one) for one in gains), value(order), value(every), False)

@@ -1,0 +1,79 @@
+"""How many spares are enough: the demand of a time, and how often a stock meets it."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.core.errors import DataError
+from robophm.life.distribution import LifeDistribution
+
+Array = npt.NDArray[np.float64]
+
+_STEPS = 2000
+_MOST = 10_000
+
+
+def demand(life: LifeDistribution, time: float, parts: int, age: float | None = None) -> Array:
+    """P(so many are needed in a time), from 0 on, of equal parts that are new; replaced at failure, and at an age.
+
+    A part's demands are renewals: P(N ≥ k) is the k-fold convolution of its life, on a grid. Independent parts: the
+    n-fold convolution of that. Raises DataError where it would be more than _MOST.
+    """
+    step = time / _STEPS
+    edges = np.arange(_STEPS + 1) * step
+    F = -np.expm1(-np.asarray(life.increment(np.zeros(len(edges)), edges)))
+    if age is not None and age < time:
+        F = np.where(edges >= age, 1.0, F)
+    # A life within a step ends at either end of it: half its mass at each, so that the mean is kept.
+    mass = np.zeros(_STEPS + 1)
+    mass[:-1] += np.diff(F) / 2
+    mass[1:] += np.diff(F) / 2
+    size = 2 * (_STEPS + 1)
+    transform = np.fft.rfft(mass, size)
+    tail, current = [1.0], np.zeros(_STEPS + 1)
+    current[0] = 1.0
+    while tail[-1] > 1e-14:
+        current = np.fft.irfft(np.fft.rfft(current, size) * transform, size)[: _STEPS + 1]
+        current = np.maximum(current, 0.0)
+        at_end = current[-1] / 2  # what ends in the last step is half within the time
+        tail.append(float(min(current.sum() - at_end, tail[-1])))
+        if len(tail) > _MOST:
+            raise DataError(f"more than {_MOST:,} spares of one part; expected a shorter time")
+    one = -np.diff(np.append(tail, 0.0))
+    total: Array = np.ones(1)
+    power: Array = np.maximum(one, 0.0)
+    n = parts
+    while n:  # the n-fold convolution by squaring
+        if n & 1:
+            total = _convolved(total, power)
+        n >>= 1
+        if n:
+            power = _convolved(power, power)
+    result: Array = total / total.sum()
+    return result
+
+
+def _convolved(a: Array, b: Array) -> Array:
+    found = np.convolve(a, b) if len(a) * len(b) < 4_000_000 else _by_transform(a, b)
+    end = len(found) - int(np.argmax(np.cumsum(found[::-1]) > 1e-14))
+    if end > 100 * _MOST:
+        raise DataError("too many spares to count; expected a shorter time or fewer parts")
+    return np.maximum(found[:end], 0.0)
+
+
+def _by_transform(a: Array, b: Array) -> Array:
+    size = len(a) + len(b) - 1
+    found: Array = np.fft.irfft(np.fft.rfft(a, size) * np.fft.rfft(b, size), size)
+    return found
+
+
+def spares(
+    life: LifeDistribution, time: float, parts: int, level: float, age: float | None = None
+) -> tuple[int, float]:
+    """The fewest spares that are enough with a probability of at least ``level``, and that probability."""
+    if not (0 < level < 1 and time > 0 and parts >= 1):
+        raise DataError(f"level {level:g}, time {time:g}, {parts} parts; expected 0 < level < 1, a time, parts")
+    enough = np.cumsum(demand(life, time, parts, age))
+    k = int(np.searchsorted(enough, level))
+    return k, float(min(enough[min(k, len(enough) - 1)], 1.0))

@@ -1,0 +1,122 @@
+"""Which part is it? Alarms that are on and off, the chance of each fault, and what each sensor sees.
+
+Faults come independently; a fault that is there sets off each alarm that sees it independently, and an alarm may be
+false (noisy or: Pearl 1988). Posteriors are exact, several faults at once included, and sums of positive terms alone:
+the alarms that are on are explained fault by fault, a distribution over their subsets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.core.errors import DataError, nearest
+
+Array = npt.NDArray[np.float64]
+
+MOST_ON = 14
+"""Alarms that may be on at once; work doubles with each."""
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """An alarm: what sets it off."""
+
+    name: str
+    detects: Mapping[str, float]
+    """By fault: P(alarm | that fault alone)."""
+    false_alarm: float = 0.0
+    """P(alarm | no fault)."""
+    price: float | None = None
+    fitted: bool = True
+
+
+class Suspect(NamedTuple):
+    """A fault, and how likely it is now."""
+
+    fault: str
+    before: float
+    probability: float
+    """Given the alarms."""
+
+
+class Diagnosis(NamedTuple):
+    """Suspects, the likeliest first, and what else there may be."""
+
+    suspects: tuple[Suspect, ...]
+    no_fault: float
+    """P(nothing has failed, all alarms are false)."""
+    evidence: float
+    """P(just these alarms are on)."""
+
+
+def suspects(chances: Mapping[str, float], sensors: Sequence[Sensor], on: Collection[str]) -> Diagnosis:
+    """How likely each fault is, the alarms ``on`` being on and those of the other fitted sensors off.
+
+    ``chances``: of each fault, before anything is known. Raises DataError for an alarm that is none, too many, or some
+    that nothing can have set off.
+    """
+    fitted = [sensor for sensor in sensors if sensor.fitted]
+    names = [sensor.name for sensor in fitted]
+    for name in on:
+        if name not in names:
+            raise DataError(f"no fitted sensor '{name}'{nearest(name, names)}")
+    rings = [sensor for sensor in fitted if sensor.name in on]
+    silent = [sensor for sensor in fitted if sensor.name not in on]
+    if len(rings) > MOST_ON:
+        raise DataError(f"{len(rings)} alarms are on; expected at most {MOST_ON}")
+    faults = list(chances)
+    prior = np.array([chances[fault] for fault in faults])
+    sees = np.array([[sensor.detects.get(fault, 0.0) for sensor in rings] for fault in faults]).reshape(len(faults), -1)
+    quiet = np.array([np.prod([1 - s.detects.get(fault, 0.0) for s in silent]) for fault in faults])
+    there, absent = prior * quiet, 1 - prior
+    start = np.ones(1)
+    for sensor in rings:
+        start = np.concatenate((start * (1 - sensor.false_alarm), start * sensor.false_alarm))
+    start = start * float(np.prod([1 - sensor.false_alarm for sensor in silent]))
+    none = start * float(np.prod(absent))
+
+    forward = [start]
+    for i in range(len(faults)):
+        forward.append(absent[i] * forward[-1] + there[i] * _sets_off(forward[-1], sees[i]))
+    evidence = float(forward[-1][-1])
+    if not evidence > 0:
+        raise DataError("nothing that is known can have set off these alarms alone; expected a sensor's false alarms")
+    # Backward: of the faults behind the i-th, P(they explain at least the alarms of a subset).
+    full = len(start) - 1
+    behind = np.zeros(full + 1)
+    behind[0] = 1.0
+    posterior = np.empty(len(faults))
+    subsets = np.arange(full + 1)
+    for i in reversed(range(len(faults))):
+        with_it = there[i] * _sets_off(forward[i], sees[i])
+        posterior[i] = float(with_it @ _at_least(behind)[full - subsets]) / evidence
+        behind = absent[i] * behind + there[i] * _sets_off(behind, sees[i])
+    order = np.argsort(-posterior, kind="stable")
+    found = tuple(Suspect(faults[i], float(prior[i]), float(min(posterior[i], 1.0))) for i in order)
+    return Diagnosis(found, float(none[-1]) / evidence, evidence)
+
+
+def _sets_off(explained: Array, sees: Array) -> Array:
+    """A distribution over subsets of alarms that are on, after a fault that sets off each independently."""
+    found = explained
+    for bit, chance in enumerate(sees.tolist()):
+        if chance:
+            table = found.reshape(-1, 2, 1 << bit)
+            off, on = table[:, 0], table[:, 1]
+            found = np.stack((off * (1 - chance), on + off * chance), axis=1).ravel()
+    return found
+
+
+def _at_least(explained: Array) -> Array:
+    """P(at least the alarms of a subset are on), by subset."""
+    found = explained
+    bits = len(explained).bit_length() - 1
+    for bit in range(bits):
+        table = found.reshape(-1, 2, 1 << bit)
+        found = np.stack((table[:, 0] + table[:, 1], table[:, 1]), axis=1).ravel()
+    return found

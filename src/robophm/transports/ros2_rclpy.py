@@ -1,0 +1,311 @@
+"""Transport ``ros2_rclpy``: live ROS 2 through the rclpy of the ROS 2 that is installed and sourced here.
+
+For where the cyclonedds wheel is not (ARM, newer Pythons) or the robot speaks another RMW. All but the binding is that
+of ``ros2_dds``: messages come and go as bytes.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from robophm.core.errors import SourceError
+from robophm.transports.ros2_dds.cyclone import HISTORY, PUBLISHED, Message, Offer
+from robophm.transports.ros2_dds.definition import Definition, dds_name, name_of_dds
+from robophm.transports.ros2_dds.environment import place
+from robophm.transports.ros2_dds.graph import DISCOVERY_SECONDS
+from robophm.transports.ros2_dds.node import Node as DdsNode
+from robophm.transports.ros2_dds.publisher import Publisher
+from robophm.transports.ros2_dds.source import Ros2
+
+__all__ = ["Node", "Publisher", "Ros2Rclpy"]
+
+LOOK_SECONDS = 0.5
+"""Between two looks at who publishes: rclpy does not tell of changes."""
+
+_UNNUMBERED = (1 << 64) - 1
+_OPEN: dict[int, RclpyGraph] = {}
+_LOCK = threading.RLock()
+
+
+def rclpy() -> Any:
+    """The package. Raises SourceError where it cannot be imported."""
+    try:
+        import rclpy.context
+        import rclpy.event_handler
+        import rclpy.executors
+        import rclpy.qos
+    except Exception as error:  # a half-sourced installation fails in many ways
+        raise SourceError(f"no rclpy here ({error}); expected the setup of a ROS 2 to be sourced") from None
+    return rclpy
+
+
+class Node(DdsNode):
+    """A node of ROS 2 in rclpy; otherwise as that of ``ros2_dds``."""
+
+    @staticmethod
+    def join(domain: int | None) -> Any:
+        """What nodes of a domain share in this process."""
+        with _LOCK:
+            where = place(domain)
+            graph = _OPEN.get(where.domain) or _OPEN.setdefault(where.domain, RclpyGraph(where.domain))
+            graph.users += 1
+            return graph
+
+
+class Ros2Rclpy(Ros2):
+    """Through rclpy."""
+
+    _node = Node
+
+
+class RclpyGraph:
+    """A context of rclpy with its executor's thread, in the words of ``ros2_dds``."""
+
+    def __init__(self, domain: int) -> None:
+        self.place = place(domain)
+        self.users = 0
+        self._born = time.monotonic()
+        self._rclpy = rclpy()
+        self._context = self._rclpy.context.Context()
+        self._rclpy.init(args=[], context=self._context, domain_id=domain)
+        self._executor = self._rclpy.executors.SingleThreadedExecutor(context=self._context)
+        self._nodes: dict[str, Any] = {}
+        self._eye = self._rclpy.create_node("robophm_discovery", context=self._context, **_PLAIN)
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._spin, name="ros2 rclpy", daemon=True)
+        self._thread.start()
+
+    def _spin(self) -> None:
+        while not self._over.is_set():
+            self._executor.spin_once(timeout_sec=LOOK_SECONDS)
+
+    def leave(self) -> None:
+        """Once for every ``join``; the last ends the context."""
+        with _LOCK:
+            self.users -= 1
+            if self.users:
+                return
+            del _OPEN[self.place.domain]
+        self._over.set()
+        self._executor.wake()
+        self._thread.join()
+        self._executor.shutdown()
+        self._eye.destroy_node()
+        self._rclpy.shutdown(context=self._context)
+
+    def settle(self) -> None:
+        """Wait until those who were there before us can be known."""
+        time.sleep(max(0.0, self._born + DISCOVERY_SECONDS - time.monotonic()))
+
+    def add(self, name: str) -> None:
+        """A node. Raises SourceError where there is one of this name here."""
+        if name in self._nodes:
+            raise SourceError(f"this process has a node {name} already")
+        namespace, _, last = name.rpartition("/")
+        node = self._rclpy.create_node(last, namespace=namespace or "/", context=self._context, **_PLAIN)
+        self._nodes[name] = node
+        self._executor.add_node(node)
+
+    def remove(self, name: str) -> None:
+        """It is no more."""
+        if node := self._nodes.pop(name, None):
+            self._executor.remove_node(node)
+            node.destroy_node()
+
+    def reads(self, name: str, gids: Iterable[bytes]) -> None:
+        """Known to rclpy."""
+
+    def writes(self, name: str, gids: Iterable[bytes]) -> None:
+        """Known to rclpy."""
+
+    def reader(self, node: str, topic: str, definition: Definition, *, reliable: bool, latched: bool) -> RclpyReader:
+        """For a node; the topic is as DDS spells it."""
+        return RclpyReader(self._rclpy, self._nodes[node], topic.removeprefix("rt"), definition, reliable, latched)
+
+    def writer(self, node: str, topic: str, definition: Definition, *, latched: bool) -> RclpyWriter:
+        """For a node; the topic is as DDS spells it."""
+        return RclpyWriter(self._rclpy, self._nodes[node], topic.removeprefix("rt"), definition, latched)
+
+    def discovery(self) -> RclpyDiscovery:
+        """Of publishers."""
+        return RclpyDiscovery(self._rclpy, self._eye)
+
+    def waiting(self) -> RclpyWaiting:
+        """For readers and discovery."""
+        return RclpyWaiting()
+
+    def refused(self) -> Counter[str]:
+        """rclpy tells of none."""
+        return Counter()
+
+
+_PLAIN: dict[str, Any] = {"use_global_arguments": False, "enable_rosout": False, "start_parameter_services": False}
+"""Of a node that has no more than it is asked for."""
+
+
+def _message_class(definition: Definition) -> Any:
+    from rosidl_runtime_py.utilities import get_message
+
+    name = definition.type.name
+    try:
+        return get_message(name)
+    except Exception as error:  # of the import of a package of messages
+        raise SourceError(f"rclpy has no '{name}' ({error}); expected its package in the sourced workspace") from None
+
+
+def _quality(package: Any, *, reliable: bool, latched: bool, depth: int) -> Any:
+    qos = package.qos
+    return qos.QoSProfile(
+        depth=depth,
+        reliability=qos.ReliabilityPolicy.RELIABLE if reliable else qos.ReliabilityPolicy.BEST_EFFORT,
+        durability=qos.DurabilityPolicy.TRANSIENT_LOCAL if latched else qos.DurabilityPolicy.VOLATILE,
+    )
+
+
+class RclpyWriter:
+    """Writes one topic."""
+
+    gid = b""
+
+    def __init__(self, package: Any, node: Any, topic: str, definition: Definition, latched: bool) -> None:
+        qos = _quality(package, reliable=True, latched=latched, depth=1 if latched else PUBLISHED)
+        self._node = node
+        self._publisher = node.create_publisher(_message_class(definition), topic, qos)
+
+    def write(self, raw: bytes) -> bool:
+        """Send a message."""
+        self._publisher.publish(raw)
+        return True
+
+    @property
+    def readers(self) -> int:
+        """How many are connected."""
+        return int(self._publisher.get_subscription_count())
+
+    def close(self) -> None:
+        """Write no more; twice does no harm."""
+        self._node.destroy_publisher(self._publisher)
+
+
+class RclpyReader:
+    """Reads one topic; what comes waits here until it is taken."""
+
+    gid = b""
+
+    def __init__(
+        self, package: Any, node: Any, topic: str, definition: Definition, reliable: bool, latched: bool
+    ) -> None:
+        self.entity = self
+        self.woken: Callable[[], None] = lambda: None
+        self._waiting: deque[Message] = deque()
+        self._counts: Counter[str] = Counter()
+        self._node = node
+        callbacks = package.event_handler.SubscriptionEventCallbacks(
+            incompatible_qos=lambda info: self._count("refused", info.total_count_change),
+            message_lost=lambda info: self._count("lost", info.total_count_change),
+        )
+        arguments = (_message_class(definition), topic, self._heard)
+        qos = _quality(package, reliable=reliable, latched=latched, depth=HISTORY)
+        try:
+            self._subscription = node.create_subscription(*arguments, qos, event_callbacks=callbacks, raw=True)
+        except Exception:  # an RMW that does not tell of these
+            self._subscription = node.create_subscription(*arguments, qos, raw=True)
+
+    def _heard(self, raw: bytes, info: dict[str, int]) -> None:
+        number = info.get("publication_sequence_number", _UNNUMBERED)
+        if len(self._waiting) >= HISTORY:
+            self._count("lost", 1)
+            return
+        self._waiting.append(Message(bytes(raw), 0, None if number == _UNNUMBERED else number))
+        self.woken()
+
+    def _count(self, what: str, number: int) -> None:
+        self._counts[what] += number
+
+    def take(self) -> list[Message]:
+        """What has come; an empty list where there is no more."""
+        return [self._waiting.popleft() for _ in range(len(self._waiting))]
+
+    def lost(self) -> int:
+        """Messages that were lost since this was asked last."""
+        return self._counts.pop("lost", 0)
+
+    def overrun(self) -> int:
+        """What came too fast is counted as lost."""
+        return 0
+
+    def refused(self) -> int:
+        """Publishers since this was asked last whose quality of service does not go with ours."""
+        return self._counts.pop("refused", 0)
+
+    def close(self) -> None:
+        """Read no more; twice does no harm."""
+        self._node.destroy_subscription(self._subscription)
+
+
+class RclpyDiscovery:
+    """Tells who publishes."""
+
+    def __init__(self, package: Any, node: Any) -> None:
+        self.entity = self
+        self.woken: Callable[[], None] = lambda: None
+        self.offers: dict[int, Offer] = {}
+        self._due = 0.0
+        self._qos = package.qos
+        self._node = node
+
+    def look(self) -> bool:
+        """Take what is new into ``offers``; whether there was something."""
+        if time.monotonic() < self._due:
+            return False
+        self._due = time.monotonic() + LOOK_SECONDS
+        offers = {}
+        for topic, _ in self._node.get_topic_names_and_types():
+            for info in self._node.get_publishers_info_by_topic(topic):
+                key = int.from_bytes(bytes(info.endpoint_gid), "little")
+                offers[key] = self._offer(key, topic, info)
+        changed = offers != self.offers
+        self.offers = offers
+        return changed
+
+    def _offer(self, key: int, topic: str, info: Any) -> Offer:
+        hash_ = getattr(info, "topic_type_hash", None)  # since Iron
+        told = hash_ is not None and hash_.version > 0
+        return Offer(
+            key,
+            f"rt{topic}",
+            dds_name(info.topic_type) if name_of_dds(dds_name(info.topic_type)) else info.topic_type,
+            info.qos_profile.reliability == self._qos.ReliabilityPolicy.RELIABLE,
+            info.qos_profile.durability == self._qos.DurabilityPolicy.TRANSIENT_LOCAL,
+            f"typehash=RIHS{hash_.version:02}_{hash_.value.hex()};".encode() if hash_ and told else b"",
+        )
+
+    def close(self) -> None:
+        """Look no more."""
+
+
+class RclpyWaiting:
+    """Waits for any of some readers, or to be woken."""
+
+    def __init__(self) -> None:
+        self._woken = threading.Event()
+
+    def add(self, entity: RclpyReader | RclpyDiscovery) -> None:
+        """Wait for this too."""
+        entity.woken = self._woken.set
+
+    def wait(self, seconds: float) -> None:
+        """At most so long."""
+        self._woken.wait(seconds)
+        self._woken.clear()
+
+    def wake(self) -> None:
+        """End waiting; from any thread."""
+        self._woken.set()
+
+    def close(self) -> None:
+        """Let go."""

@@ -1,0 +1,76 @@
+"""robophm maintain, run as a newcomer does."""
+
+import json
+
+import pytest
+
+from robophm.core.signal import SECOND
+from robophm.design.file import load
+from robophm.transports.synthetic import SyntheticOta
+
+ROBOT = """
+schema_version: 1
+name: courier
+usage: {operating: 0.5, kilometres: 1.2 km/h}
+components:
+  battery: {rate: 120 FPMH, life: {distribution: weibull, shape: 3.5}}
+  bearing: {quantity: 2, rate: 2e-5 /km, clock: kilometres, life: {distribution: weibull, shape: 2}}
+  computer: {rate: 10 FPMH}
+"""
+COSTS = "part,preventive,corrective,corrective downtime,sensor,detects\nbattery,300,300,24 h,60,0.9\n\
+bearing,80,120,8 h,,\ncomputer,900,900,24 h,,\n"
+
+
+@pytest.fixture
+def robot(tmp_path):
+    path = tmp_path / "robot.yaml"
+    path.write_text(ROBOT)
+    (tmp_path / "costs.csv").write_text(COSTS)
+    return path
+
+
+def test_what_it_says(inside, robot):
+    words = ("maintain", robot, "costs.csv", "--setup", 100, "--downtime-cost", 50, "--repetitions", 200)
+    text = inside(*words)
+    assert text.returncode == 0
+    assert "computer" in text.stdout
+    assert "never by age" in text.stdout
+    assert "Watching costs 60" in text.stdout
+    said = json.loads(inside(*words, "--json").stdout)
+    parts = {one["part"]: one for one in said["parts"]}
+    assert parts["computer"]["age"] is None
+    assert parts["battery"]["every_hours"] == pytest.approx(parts["battery"]["age"] * 2)  # it works half of the time
+    assert parts["bearing"]["every_hours"] == pytest.approx(parts["bearing"]["age"] / 0.6)
+    assert said["together"]["cost_per_hour"] < said["together"]["apart"]
+    assert said["life_cycle"]["by_age"]["cost"] < said["life_cycle"]["failures_only"]["cost"]
+    assert said["life_cycle"]["watched"]["investment"] == pytest.approx(60)
+
+
+def test_of_a_robot_with_a_past(inside, design, tmp_path):
+    SyntheticOta(seed=3, duration=600 * SECOND).record(tmp_path / "day.mcap")
+    inside("replay", design, "day.mcap", "--store", "past.db")
+    some = [part.path for part in load(design).all_components() if len(part.modes) == 1][:3]
+    (tmp_path / "costs.csv").write_text("part,preventive,corrective\n" + "".join(f"{name},10,50\n" for name in some))
+    said = json.loads(
+        inside("maintain", design, "costs.csv", "--store", "past.db", "--repetitions", 50, "--json").stdout
+    )
+    assert {one["part"] for one in said["first"]} <= set(some)
+    assert len(said["parts"]) == 3
+
+
+def test_mistakes_are_one_line(inside, robot, tmp_path):
+    for text, said in (
+        ("part,preventive,corrective\nbatery,1,2\n", "no part 'batery' in the design; did you mean 'battery'"),
+        ("part,preventive,corrective\nbattery,1,-2\n", "corrective: -2 is negative"),
+        ("part,preventive,corrective\nbattery,0,2\n", "costs nothing is best done all the time"),
+        ("part,preventive\nbattery,1\n", "corrective: is empty; expected a number"),
+        ("part,preventive,corrective,detects\nbattery,1,2,0.5\n", "detects: is of a sensor"),
+        ("part,preventive,corrective,downtime\nbattery,1,2,5\n", "'5' has no unit; expected e.g. '5 h'"),
+        ("part,preventive,corrective\nbattery,1,2\nbattery,1,2\n", "'battery' stands twice"),
+    ):
+        (tmp_path / "bad.csv").write_text(text)
+        failed = inside("maintain", robot, "bad.csv")
+        assert (failed.returncode, failed.stdout) == (3, "")
+        assert said in failed.stderr
+        assert failed.stderr.count("\n") == 1
+    assert "--horizon" in inside("maintain", robot, "costs.csv", "--horizon", "5").stderr

@@ -1,0 +1,3 @@
+from ..ros2_dds.conftest import domain
+
+__all__ = ["domain"]

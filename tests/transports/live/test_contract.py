@@ -1,0 +1,184 @@
+"""What every live transport must do, with its own node and publisher on the other side.
+
+That others understand it is tested beside real peers, in ``ros1`` and ``ros2_dds``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib.util
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from itertools import pairwise
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import SECOND
+from robophm.transports.source import LiveSource, Told
+
+from ...conftest import NO_RCLPY
+from ..ros1.conftest import System
+from ..ros2_dds.conftest import Heard, within
+
+DEFINITION = "float64 level\nown_msgs/Part[] parts\n" + "=" * 80 + "\nMSG: own_msgs/Part\nint16[2] pair\nstring name\n"
+NAMES = {"ros1": "Ros1", "ros2_dds": "Ros2Dds", "ros2_rclpy": "Ros2Rclpy"}
+
+
+@pytest.fixture(scope="module", params=NAMES)
+def room(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
+    """A transport, with what it needs."""
+    name: str = request.param
+    with ExitStack() as stack:
+        if name == "ros1":
+            request.getfixturevalue("roscore")
+            system = System(tmp_path_factory.mktemp("ros"))
+            stack.callback(system.close)
+            system.start_master()
+            stack.enter_context(pytest.MonkeyPatch.context()).setenv("ROS_MASTER_URI", system.uri)
+        elif name == "ros2_dds":
+            request.getfixturevalue("cyclonedds")
+            request.getfixturevalue("domain")
+        elif importlib.util.find_spec("rclpy") is None:
+            pytest.skip(NO_RCLPY)
+        room = importlib.import_module(f"robophm.transports.{name}")
+        stack.enter_context(room.Node("/kept"))  # one participant for all
+        yield room
+
+
+@pytest.fixture
+def source(room: ModuleType) -> Iterator[LiveSource]:
+    with open_source(room) as source:
+        yield source
+
+
+def open_source(room: ModuleType, **settings: Any) -> LiveSource:
+    source: LiveSource = getattr(room, NAMES[room.__name__.rpartition(".")[2]])(**settings)
+    return source
+
+
+@pytest.fixture
+def publish(room: ModuleType) -> Iterator[Callable[..., Any]]:
+    """Make a publisher in a node of its own."""
+    with ExitStack() as stack:
+
+        def make(topic: str, type_: str, definition: str | None = None, *, latched: bool = False) -> Any:
+            node = stack.enter_context(room.Node(f"/of{topic.replace('/', '_')}"))
+            return stack.enter_context(room.Publisher(node, topic, type_, definition, latched=latched))
+
+        yield make
+
+
+def temperature(publisher: Any, stamp: int, value: float) -> Any:
+    kinds = publisher.types
+    at = kinds["builtin_interfaces/msg/Time"](stamp // SECOND, stamp % SECOND)
+    header = kinds["std_msgs/msg/Header"]
+    number = {"seq": 0} if "seq" in {field.name for field in dataclasses.fields(header)} else {}
+    return kinds["sensor_msgs/msg/Temperature"](header(stamp=at, frame_id="f", **number), value, 0.5)
+
+
+def connected(publisher: Any, heard: Heard) -> Heard:
+    within(8, lambda: publisher.subscribers == 1)
+    return heard
+
+
+def test_values_stamps_and_nested_elements(source: LiveSource, publish: Callable[..., Any]) -> None:
+    warm, own = publish("/c/warm", "sensor_msgs/Temperature"), publish("/c/own", "own_msgs/Whole", DEFINITION)
+    within(8, lambda: {"/c/warm", "/c/own"} <= {info.topic for info in source.topics()})
+    (info,) = [info for info in source.topics() if info.topic == "/c/warm"]
+    assert (info.type, info.messages) == ("sensor_msgs/msg/Temperature", 0)
+    assert {"temperature", "header.stamp.sec"} <= set(info.fields)
+    heard = connected(warm, Heard(source, "/c/warm.temperature"))
+    now = time.time_ns()
+    warm.publish(temperature(warm, now, 1e-300))
+    warm.publish(temperature(warm, 5, 2.5))
+    within(5, lambda: heard.of("/c/warm.temperature") == [1e-300, 2.5])
+    stamped, late = (sample.time for sample in heard.samples if sample.signal == "/c/warm.temperature")
+    assert stamped == now
+    assert now < late < time.time_ns()
+    assert source.notes["receipt time used for /c/warm"] == 1
+    kinds = own.types
+    parts = [kinds["own_msgs/msg/Part"](pair=[n, -n], name="é" * n) for n in range(3)]
+    with pytest.raises(SourceError, match="message on /c/own is no own_msgs"):
+        own.publish(kinds["own_msgs/msg/Whole"](level="high", parts=parts))
+
+
+def test_a_latched_message_and_a_topic_that_comes_later(source: LiveSource, publish: Callable[..., Any]) -> None:
+    first = publish("/c/early", "std_msgs/Float64", latched=True)
+    first.publish(first.types["std_msgs/msg/Float64"](1.5))
+    heard = Heard(source, "/c/early.data", "/c/later.data")
+    within(8, lambda: heard.of("/c/early.data") == [1.5])
+    later = publish("/c/later", "std_msgs/Float64", latched=True)
+    later.publish(later.types["std_msgs/msg/Float64"](2.5))
+    within(8, lambda: heard.of("/c/later.data") == [2.5])
+    within(4, lambda: len(heard.of("clock")) >= 3)
+    clocks = [sample.time for sample in heard.samples if sample.signal == "clock"]
+    assert all(0 < after - before < SECOND for before, after in pairwise(clocks))
+
+
+def test_whole_messages_come_between_samples(source: LiveSource, publish: Callable[..., Any]) -> None:
+    level, text = publish("/c/level", "std_msgs/Float64"), publish("/c/text", "std_msgs/String")
+    within(8, lambda: {"/c/level", "/c/text"} <= {info.topic for info in source.topics()})
+    listened = source.listen(["/c/level.data"], ["/c/text"])
+    within(8, lambda: level.subscribers == text.subscribers == 1)
+    text.publish(text.types["std_msgs/msg/String"]("grüße"))
+    told = next(one for one in listened if isinstance(one, Told))
+    assert (told.topic, told.message.data) == ("/c/text", "grüße")
+    assert abs(told.time - time.time_ns()) < 10 * SECOND
+
+
+def test_what_is_not_there_is_said_at_once(
+    room: ModuleType, source: LiveSource, publish: Callable[..., Any], tmp_path: Path
+) -> None:
+    publish("/c/plain", "std_msgs/Float64")
+    within(8, lambda: "/c/plain" in {info.topic for info in source.topics()})
+    with pytest.raises(SourceError, match="has no field 'dta'; did you mean 'data'"):
+        source.samples(["/c/plain.dta"])
+    for signal in ("c/plain.data", "/c/plain", "/c/plain."):
+        with pytest.raises(SourceError):
+            source.samples([signal])
+    with room.Node("/c_names") as node:
+        with pytest.raises(SourceError, match="'c/x' is not a topic"):
+            room.Publisher(node, "c/x", "std_msgs/Float64")
+        with pytest.raises(SourceError, match=r"odd_msgs/(msg/)?Odd"):
+            room.Publisher(node, "/c/x", "odd_msgs/Odd")
+    with pytest.raises(SourceError, match="is not the name of a ROS node"):
+        room.Node("9")
+
+
+def test_a_burst_beyond_the_queue_is_counted_to_the_last(room: ModuleType, publish: Callable[..., Any]) -> None:
+    sent = 60
+    out = publish("/c/burst", "std_msgs/Float64")
+    with open_source(room, queue=20) as source:
+        within(8, lambda: "/c/burst" in {info.topic for info in source.topics()})
+        samples = source.samples(["/c/burst.data"])
+        within(8, lambda: out.subscribers == 1)
+        for number in range(sent):
+            out.publish(out.types["std_msgs/msg/Float64"](number))
+        within(8, lambda: source.notes["receipt time used for /c/burst"] == sent)
+        values = [sample.value for sample, _ in zip(samples, range(20), strict=False) if sample.signal != "clock"]
+        assert values == list(range(len(values)))
+        assert source.notes["queue full, dropped /c/burst.data"] == sent - len(values)
+
+
+def test_close_ends_it_at_once_and_leaves_nothing(room: ModuleType, publish: Callable[..., Any]) -> None:
+    publisher = publish("/c/steady", "std_msgs/Float64")
+    before = set(threading.enumerate())
+    source = open_source(room)
+    heard = connected(publisher, Heard(source, "/c/steady.data", "/c/never.data"))
+    begun = time.monotonic()
+    source.close()
+    heard.join(1)
+    assert not heard.is_alive()
+    assert time.monotonic() - begun < 2
+    assert set(threading.enumerate()) <= before
+    within(8, lambda: publisher.subscribers == 0)
+    publisher.publish(publisher.types["std_msgs/msg/Float64"](1.0))  # to nobody
+    source.close()
+    with pytest.raises(SourceError, match="closed"):
+        source.samples([])
