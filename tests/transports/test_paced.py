@@ -15,7 +15,7 @@ from robophm.transports.paced import Paced
 def table(tmp_path):
     """Four seconds, a silence of an hour, and one more."""
     path = tmp_path / "drive.csv"
-    times = [*range(0, 5), 3604]
+    times = [*range(5), 3604]
     path.write_text("time,/a.b\n" + "".join(f"{1_700_000_000 + at},{at}\n" for at in times))
     return path
 
