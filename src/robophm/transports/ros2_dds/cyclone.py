@@ -190,9 +190,7 @@ class Participant:
 class Writer:
     """Writes one topic."""
 
-    def __init__(
-        self, participant: Participant, topic: str, definition: Definition, *, latched: bool, user_data: bytes
-    ) -> None:
+    def __init__(self, participant: Participant, topic: str, definition: Definition, *, latched: bool) -> None:
         dds = wheel()
         policy = dds.core.Policy
         qos = dds.core.Qos(
@@ -200,7 +198,7 @@ class Writer:
             policy.Durability.TransientLocal if latched else policy.Durability.Volatile,
             policy.History.KeepLast(1 if latched else PUBLISHED),
             policy.DataRepresentation(use_cdrv0_representation=True),
-            policy.Userdata(user_data),
+            policy.Userdata(f"typehash={definition.hash};".encode()),
         )
         self._entity = dds.pub.DataWriter(participant.entity, participant.topic(topic, definition), qos)
         self._write = dds._clayer.ddspy_write
@@ -237,6 +235,7 @@ class Reader:
             policy.History.KeepLast(HISTORY),
             policy.DataRepresentation(use_cdrv0_representation=True),
             policy.TypeConsistency.AllowTypeCoercion(),
+            policy.Userdata(f"typehash={definition.hash};".encode()),
         )
         self.entity = dds.sub.DataReader(participant.entity, participant.topic(topic, definition), qos)
         status = dds.core.DDSStatus

@@ -59,8 +59,7 @@ class Graph:
 
     def writer(self, node: str, topic: str, definition: Definition, *, latched: bool) -> Writer:
         """For a node; the topic is as DDS spells it."""
-        user_data = f"typehash={definition.hash};".encode()
-        return Writer(self.participant, topic, definition, latched=latched, user_data=user_data)
+        return Writer(self.participant, topic, definition, latched=latched)
 
     def discovery(self) -> Discovery:
         """Of publishers."""
