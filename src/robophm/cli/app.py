@@ -266,6 +266,18 @@ def watch(
     _leave(run(design, asked))
 
 
+@app.command()
+def topics(
+    ros: Ros = "auto",
+    seconds: Annotated[float, typer.Option(min=0.5, max=3600, help="to listen")] = 3.0,
+    as_json: Json = False,
+) -> None:
+    """What a robot that runs publishes: topics, types, rates, and the last value of each number."""
+    from robophm.cli.topics import run
+
+    run(ros, seconds, as_json=as_json)
+
+
 @app.command("import-bom")
 def import_bom(
     source: Annotated[Path, typer.Argument(help="the parts list", metavar="PARTS.CSV|XLSX|ODS")],

@@ -37,17 +37,6 @@ def serve(
     run(design, Wishes(host, port, token, store, journal, tuple(recordings or ()), synthetic, start, speed))
 
 
-def topics(
-    ros: Ros = "auto",
-    seconds: Annotated[float, typer.Option(min=0.5, max=3600, help="to listen")] = 3.0,
-    as_json: Json = False,
-) -> None:
-    """What a robot that runs publishes: topics, types, rates, and the last value of each number."""
-    from robophm.cli.topics import run
-
-    run(ros, seconds, as_json=as_json)
-
-
 def report(
     design: Design,
     store: Annotated[Path | None, typer.Option("--store", help="the robot's past, as kept by replay")] = None,
