@@ -30,7 +30,7 @@ def test_learned_and_written(inside, robot, tmp_path):
     text = inside("learn", robot, "log.csv", "--to", "new.yaml")
     assert text.returncode == 0
     assert "What the field says of courier, 2 robots" in text.stdout
-    assert "lidar: 1 failures contradict" in text.stdout.replace("* ", "")
+    assert "lidar: 1 failure contradicts" in text.stdout.replace("* ", "")
     assert (tmp_path / "new.yaml").read_text().count("# maker") == 1
     said = json.loads(inside("learn", robot, "log.csv", "--json").stdout)["rates"]
     (motor,) = (one for one in said if one["mode"] == "motor")

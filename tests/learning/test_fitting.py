@@ -157,6 +157,12 @@ def test_the_right_distribution_wins():
     assert fits[-1].below_zero > 0.01 or fits[-1].name in ("normal", "gumbel")
 
 
+def test_three_parts_are_ranked_without_the_correction():
+    fits, _ = fit_all(life_data([100.0, 100.0001, 100.0002]))
+    assert math.isinf(next(one for one in fits if one.name == "weibull").aic_corrected)
+    assert fits[-1].name == "exponential"
+
+
 def test_goodness_of_fit():
     rng = np.random.default_rng(4)
     good = fit(life_data(rng.exponential(100, 40)), "exponential")
@@ -229,7 +235,8 @@ def test_systems_watched_for_different_times():
         ("time [h]\nnan\n7\n", r"'nan' is not a number with a unit"),
         ("time\n5 h\n7 km\n", r":3: time: '7 km' is in km, but line 2 is in h; expected one clock for all"),
         ("time\n5\n7 h\n", r":3: time: '7 h' is in h, but line 2 is in no unit"),
-        ("time\n5 V\n", r"time: '5 V' is no life; expected h, km, cycles or starts"),
+        ("time\n5 V\n", r"time: '5 V' is no unit of life; expected h, km, cycles or starts"),
+        ("time [V]\n5\n", r"time: 'V' in its heading is no unit of life"),
         ("from [h],to [h]\n9,3\n", r":2: from: from 9 to 3 contradicts itself"),
         ("from [h],to [h]\n,\n", r"holds no lives"),
         ("from [h],to [h],count\n,,3\n", r"has no times; expected a column 'time \[h\]'"),

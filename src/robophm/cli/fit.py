@@ -150,7 +150,13 @@ def _show(
         f"In brackets: {100 * wishes.level:g} % intervals. AICc: less is better, two apart is little. R² of the "
         "probability plot", markup=False,
     )  # fmt: skip
-    close = [one.name for one in fits[1:] if one.aic_corrected < best.aic_corrected + 2]
+    corrected = all(math.isfinite(one.aic_corrected) for one in fits)
+    if not corrected and len(fits) > 1:
+        out.print(
+            f"{data.parts} parts are too few to correct AIC for them: ranked without", style="yellow", markup=False
+        )
+    scores = [one.aic_corrected if corrected else one.aic for one in fits]
+    close = [one.name for one, score in zip(fits[1:], scores[1:], strict=True) if score < scores[0] + 2]
     if len(fits) > 1:
         also = f"; {', '.join(close)} cannot be told from it" if close else ""
         out.print(f"Best: {best.name}{also}", style="bold", markup=False, soft_wrap=True)

@@ -114,7 +114,7 @@ def _print(robot: Robot, learned: Sequence[LearnedRate]) -> None:
         found = one.posterior
         if found.conflict:
             out.print(
-                f"* {one.mode.path}: {number_text(found.failures, 3)} failures contradict the stated rate, by which "
+                f"* {one.mode.path}: {_failures(found.failures)} the stated rate, by which "
                 f"{number_text(found.expected, 3)} were expected (p = {number_text(found.surprise, 2)}); its weight "
                 f"of {number_text(found.prior, 3)} failures was cut to {number_text(100 * found.weight, 2)} % of that",
                 style="yellow", markup=False,
@@ -126,6 +126,10 @@ def _print(robot: Robot, learned: Sequence[LearnedRate]) -> None:
                 markup=False,
             )
     out.print("expected: failures by the stated rate; times: learned over stated. --to NEW.YAML writes the design.")
+
+
+def _failures(number: float) -> str:
+    return f"{number_text(number, 3)} failure{'s contradict' if number != 1 else ' contradicts'}"
 
 
 def _json(one: LearnedRate) -> dict[str, Any]:

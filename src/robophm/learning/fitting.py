@@ -74,7 +74,7 @@ class Fit:
     log_likelihood: float
     aic: float
     aic_corrected: float
-    """For small samples (Hurvich and Tsai, Biometrika 76, 1989)."""
+    """For small samples (Hurvich and Tsai, Biometrika 76, 1989); infinite where there are too few parts for it."""
     quantiles: Mapping[float, Bounded]
     mean: float
     straightness: float
@@ -139,7 +139,8 @@ def fit_all(data: LifeData, names: Sequence[str] = (), *, level: float = LEVEL) 
             refused[name] = str(error).removeprefix(f"{data.source}: ")
     if not found:
         raise DataError(f"{data.source}: no distribution fits: {next(iter(refused.values()))}")
-    found.sort(key=lambda one: (one.below_zero > MOST_BELOW_ZERO, one.aic_corrected))
+    corrected = all(math.isfinite(one.aic_corrected) for one in found)  # of three parts or so there is none
+    found.sort(key=lambda one: (one.below_zero > MOST_BELOW_ZERO, one.aic_corrected if corrected else one.aic))
     return found, refused
 
 

@@ -137,7 +137,8 @@ def _unit(rows: Sequence[Row]) -> str:
             if stated:
                 inside = next((unit for unit in dict.fromkeys(CLOCK_UNITS.values()) if _converts(stated, unit)), "?")
                 if inside == "?":
-                    raise row.error(f"{written!r:.60} is no life; expected h, km, cycles or starts", column)
+                    said = f"'{stated:.40}' in its heading" if bare else f"{written!r:.60}"
+                    raise row.error(f"{said} is no unit of life; expected h, km, cycles or starts", column)
             known.setdefault(inside, row)
             if len(known) > 1:
                 first, second = known
