@@ -66,7 +66,7 @@ class Served:
 
 
 @contextmanager
-def serving(design: Path, **settings: Any) -> Iterator[Served]:
+def serving(design: Path, port: int = 0, **settings: Any) -> Iterator[Served]:
     """A service in a thread, until left."""
     started = threading.Event()
     found: list[Any] = []
@@ -75,7 +75,7 @@ def serving(design: Path, **settings: Any) -> Iterator[Served]:
         found.extend((address, service, stop))
         started.set()
 
-    thread = threading.Thread(target=serve, args=(Settings(design, **settings), 0, ready), daemon=True)
+    thread = threading.Thread(target=serve, args=(Settings(design, **settings), port, ready), daemon=True)
     thread.start()
     assert started.wait(30)
     address, service, stop = found

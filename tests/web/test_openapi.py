@@ -34,7 +34,7 @@ def examples(number):
 
 
 @schema.exclude(path=list(STARTS)).parametrize()
-@examples(2)
+@examples(3)
 def test_whatever_it_is_sent_it_answers_as_it_says(case, shared_small):
     case.call_and_validate(base_url=shared_small.address.rstrip("/"), checks=CHECKS, timeout=60)
 

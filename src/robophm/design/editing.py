@@ -8,6 +8,7 @@ document may then be half changed, and is to be thrown away.
 from __future__ import annotations
 
 from collections.abc import Iterator, MutableMapping, MutableSequence, Sequence
+from copy import deepcopy
 from typing import Any, Literal
 
 from robophm.core.errors import nearest
@@ -23,7 +24,7 @@ def put(document: Any, path: Sequence[str], value: Any) -> None:
     """Put a value at a place, what is around it made where it is missing. Raises Fault."""
     if not path:
         raise Fault((), "a whole design is put in place as text")
-    around = _around(document, path)
+    around, value = _around(document, path), deepcopy(value)
     key = path[-1]
     if isinstance(around, MutableSequence):
         at = _index(around, path)

@@ -298,6 +298,10 @@ class RclpyWaiting:
         """Wait for this too."""
         entity.woken = self._woken.set
 
+    def remove(self, entity: RclpyReader | RclpyDiscovery) -> None:
+        """No longer."""
+        entity.woken = lambda: None
+
     def wait(self, seconds: float) -> None:
         """At most so long."""
         self._woken.wait(seconds)

@@ -96,7 +96,7 @@ async def _refused(request: Request, error: Exception) -> JSONResponse:
     if isinstance(error, StaleError):
         service: Service = request.app.state.service
         current = (await run_in_threadpool(service.design_state)).model_dump(mode="json")
-        yours = (await _json(request)).get("revision", 0)
+        yours = int((await _json(request)).get("revision", 0))  # which may have come as true or 1.0
         return JSONResponse({"message": str(error), "place": [], "yours": yours, "current": current}, 409)
     return _said(422, str(error), error.place if isinstance(error, Fault) else ())
 

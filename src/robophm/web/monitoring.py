@@ -29,10 +29,10 @@ from robophm.watching import watch
 from robophm.web.series import Board
 from robophm.web.sources import Choice
 
-QUICK, FULL = 0.25, 2.0
+QUICK, FULL = 0.5, 2.0
 """Seconds between two looks at the figures, and at remaining life too, at least."""
 
-QUICK_SHARE, FULL_SHARE = 10.0, 20.0
+QUICK_SHARE, FULL_SHARE = 20.0, 20.0
 """How many times as long as it takes, at least."""
 
 MOST_TASKS = 500
@@ -208,7 +208,7 @@ class Monitoring:
 
 
 class _Looking:
-    """Takes a report when it is time to: so that looking takes a tenth of the time at most."""
+    """Takes a report when it is time to: so that looking takes a twentieth of the time at most."""
 
     def __init__(self, run: Run, board: Board) -> None:
         self._run, self._board = run, board

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import sqlite3
+import threading
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from fastapi import Depends, Request
 
-from robophm.core.errors import DesignError
+from robophm.core.errors import DesignError, RobophmError
 from robophm.design.problems import Problem as Found
 from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger
@@ -48,6 +51,12 @@ class Service:
         self.jobs = Jobs()
         self.sources: Mapping[str, Choice] = choices(settings.recordings, seed=settings.seed)
         self._shelf = Shelf()
+        # A design of thousands of parts takes seconds to be read: they are over when a browser asks.
+        threading.Thread(target=self._read_ahead, name="read ahead", daemon=True).start()
+
+    def _read_ahead(self) -> None:
+        with suppress(RobophmError, sqlite3.Error):
+            self.design_state()
 
     def prepared(self, state: int | None = None) -> Prepared:
         """The robot of the design now, or of an earlier state. Raises DesignError where that is no design."""

@@ -47,8 +47,10 @@ class Visit:
         page.on("websocket", lambda socket: self._asked(socket.url))
 
     def _said(self, said: ConsoleMessage) -> None:
-        """Errors, but that the service has refused something in words, which the page then shows."""
-        if said.type == "error" and "status of 422" not in said.text:
+        """Errors, but that the service has refused something in words, or is gone: both of which the page shows."""
+        if said.type == "error" and not any(
+            words in said.text for words in ("status of 422", "ERR_CONNECTION_REFUSED")
+        ):
             self.wrong.append(said.text)
 
     def _asked(self, url: str) -> None:

@@ -45,8 +45,14 @@ def broken(tmp_path_factory):
         yield served
 
 
-def test_every_page_with_a_robot(ota, visit):
-    look = visit(ota)
+def test_every_page_with_a_robot_and_the_first_load_is_small(ota, visit):
+    look, sizes = visit(ota), list[float]()
+    session = look.page.context.new_cdp_session(look.page)
+    session.send("Network.enable")
+    session.on("Network.loadingFinished", lambda event: sizes.append(event["encodedDataLength"]))
+    look.open("live")
+    look.page.locator("canvas").first.wait_for()
+    assert 20_000 < sum(sizes) < 150_000
     for name in PAGES:
         page = look.open(name)
         page.get_by_text(SAYS[name]).first.wait_for()
@@ -57,6 +63,7 @@ def test_every_page_with_a_robot(ota, visit):
         assert look.serious() == [], name
 
 
+@pytest.mark.full
 def test_every_page_in_the_dark(ota, visit):
     look = visit(ota, color_scheme="dark")
     for name in ("overview", "design", "live", "tasks"):
@@ -85,18 +92,6 @@ def test_every_page_with_a_design_that_is_not_complete(broken, visit):
     page.get_by_role("button", name="Problems of the design: No problems").wait_for()
     page.get_by_role("button", name="Undo").click()
     page.get_by_role("button", name="Problems of the design: 1 to mend").wait_for()
-
-
-def test_the_first_load_is_small(ota, visit):
-    look = visit(ota)
-    sizes = []
-    session = look.page.context.new_cdp_session(look.page)
-    session.send("Network.enable")
-    session.on("Network.loadingFinished", lambda event: sizes.append(event["encodedDataLength"]))
-    look.open("live")
-    look.page.wait_for_timeout(500)
-    built = [size for size in sizes if size]
-    assert 20_000 < sum(built) < 150_000
 
 
 def test_a_page_whose_service_ends_says_so_and_comes_back(tmp_path, visit):

@@ -4,7 +4,12 @@ export function Dialog({ title, close, children, className }: { title: string; c
   const ref = useRef<HTMLDialogElement>(null);
   const id = useId();
   useEffect(() => {
-    if (!ref.current?.open) ref.current?.showModal();
+    const dialog = ref.current;
+    if (!dialog || dialog.open) return;
+    dialog.showModal();
+    const first = dialog.querySelector<HTMLElement>("input, select, textarea, .primary");
+    first?.focus();
+    if (first instanceof HTMLInputElement) first.select();
   }, []);
   return (
     <dialog ref={ref} className={className} aria-labelledby={id} onClose={close} onClick={(event) => event.target === ref.current && close()}>

@@ -43,7 +43,6 @@ export function Palette({ close, pages, go }: { close: () => void; pages: { id: 
   return (
     <Dialog title="Find anything" close={close} className="palette">
       <input
-        autoFocus
         role="combobox"
         aria-expanded="true"
         aria-controls={list}

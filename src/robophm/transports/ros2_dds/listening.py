@@ -12,9 +12,15 @@ from robophm.core.errors import SourceError
 from robophm.transports.hearing import CLOCK_TOPIC, TICK, Hearing
 from robophm.transports.notes import TypeRefusedError
 from robophm.transports.reading import Reading
-from robophm.transports.ros2_dds.cyclone import Offer, Reader
+from robophm.transports.ros2_dds.cyclone import AT_ONCE, HISTORY, Offer, Reader
 from robophm.transports.ros2_dds.definition import Definition, known, name_of_dds
 from robophm.transports.ros2_dds.node import Node
+
+FAIR = 4
+"""Times that one topic is taken from before the others have their turn."""
+
+MOST_DEFINITIONS = 10_000
+"""That are remembered: publishers can tell any hash they like."""
 
 _DAMAGED = "definition missing or damaged"
 
@@ -56,7 +62,7 @@ class Listening(threading.Thread):
         """Of each topic that was ever published: its publishers, and the hash of what each publishes."""
         self._types: dict[str, set[str]] = {}
         """Of each, the hashes of what was published when somebody came last."""
-        self._definitions: dict[tuple[str, bytes], Definition | TypeRefusedError] = {}
+        self._definitions: dict[tuple[str, str], Definition | TypeRefusedError] = {}
         self._refused: set[int] = set()
         """Publishers that were refused, each counted once."""
         self._refused_before = self._graph.refused()
@@ -95,8 +101,10 @@ class Listening(threading.Thread):
             ear.reader.close()
         self._discovery.close()
 
-    def _hear(self, ear: Ear) -> None:
-        while (taken := ear.reader.take()) and not self._over.is_set():
+    def _hear(self, ear: Ear, rounds: int = FAIR) -> None:
+        for _ in range(rounds):
+            if self._over.is_set() or not (taken := ear.reader.take()):
+                return
             here = self._published[ear.reading.topic]
             # two definitions of one name: each is read by its own
             own = ear.reading.identity
@@ -175,8 +183,10 @@ class Listening(threading.Thread):
 
     def _end(self, key: tuple[str, str]) -> None:
         """Take what is there, and listen no more."""
-        self._hear(self._ears[key])
-        self._ears.pop(key).reader.close()
+        ear = self._ears.pop(key)
+        self._hear(ear, HISTORY // AT_ONCE)
+        self._waiting.remove(ear.reader.entity)
+        ear.reader.close()
 
     def _reading(self, topic: str, signals: Collection[str], offer: Offer) -> Reading | None:
         """How what is offered is read; None, and counted once for each publisher, where it cannot be."""
@@ -198,8 +208,10 @@ class Listening(threading.Thread):
                 self.mistake = self.mistake or error
 
     def _definition(self, topic: str, offer: Offer) -> Definition | TypeRefusedError:
-        key = offer.type, offer.user_data
+        key = offer.type, told_hash(offer)
         if key not in self._definitions:
+            if len(self._definitions) >= MOST_DEFINITIONS:
+                self._definitions.clear()
             try:
                 self._definitions[key] = definition_of(topic, offer)
             except SourceError as error:

@@ -14,7 +14,7 @@ from robophm.transports.message_type import numeric_fields
 from robophm.transports.notes import Notes
 from robophm.transports.ros2_dds.cyclone import Offer
 from robophm.transports.ros2_dds.definition import name_of_dds
-from robophm.transports.ros2_dds.listening import Listening, definition_of
+from robophm.transports.ros2_dds.listening import Listening, definition_of, told_hash
 from robophm.transports.ros2_dds.node import Node
 from robophm.transports.source import LiveSource, Told, TopicInfo
 
@@ -43,7 +43,7 @@ class Ros2(LiveSource):
         self._run: _Run | None = None
         self._graph = self._node.join(domain)
         self._discovery = self._graph.discovery()
-        self._fields: dict[tuple[str, bytes], tuple[str, ...]] = {}
+        self._fields: dict[tuple[str, str], tuple[str, ...]] = {}
 
     def topics(self) -> list[TopicInfo]:
         """What is published now; messages and their times are counted since they are listened to.
@@ -70,7 +70,7 @@ class Ros2(LiveSource):
             return list(self._discovery.offers.values())
 
     def _fields_of(self, topic: str, offer: Offer) -> tuple[str, ...]:
-        key = offer.type, offer.user_data
+        key = offer.type, told_hash(offer)
         if key not in self._fields:
             try:
                 type_ = definition_of(topic, offer).type

@@ -52,12 +52,19 @@ def peak() -> int:
     return next(int(line.split()[1]) * 1024 for line in status.splitlines() if line.startswith("VmHWM"))
 
 
+def forget_peak() -> None:
+    """Have the peak begin anew: what the peers took for an earlier file is not ours (proc(5), clear_refs)."""
+    with contextlib.suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
+
+
 def examine(format_: str, number: int, seed: int, folder: Path) -> Iterator[Result]:
     """First that it is begun with, then what became of it; where peers are asked a second beginning between."""
     damaged = mutant(format_, number, seed)
     path = folder / f"{format_}{damaged.suffix}"
     path.write_bytes(damaged.content)
     yield Result(format_, number, "begun")
+    forget_peak()
     begun = time.process_time()
     verdict, ours = judge(damaged, path)
     seconds = time.process_time() - begun

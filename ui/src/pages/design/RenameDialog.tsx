@@ -19,7 +19,7 @@ export function RenameDialog({ part, close, done }: { part: Part; close: () => v
             void edit([{ op: "rename", path: part.place, name: wanted }], `Rename ${part.name} to ${wanted}`).then((made) => made && done(wanted));
         }}
       >
-        <Text label="Name" autoFocus value={name} set={setName} wrong={wrong} onFocus={(event) => event.target.select()} />
+        <Text label="Name" value={name} set={setName} wrong={wrong} />
         <div className="row">
           <button className="primary" type="submit" disabled={!!wrong}>
             Name it so
