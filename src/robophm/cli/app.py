@@ -11,6 +11,7 @@ from robophm.cli import BREACHED
 from robophm.cli.data import data
 from robophm.cli.field import COMMANDS
 from robophm.cli.output import Json, json_text, may_write
+from robophm.cli.page import PAGE_COMMANDS
 from robophm.core.errors import RobophmError, UnitError
 from robophm.report.words import rate_text
 
@@ -24,7 +25,7 @@ app = typer.Typer(
 
 
 app.add_typer(data, name="data")
-for _command in COMMANDS:
+for _command in (*COMMANDS, *PAGE_COMMANDS):
     app.command()(_command)
 
 
@@ -263,31 +264,6 @@ def watch(
         unit, as_json,
     )  # fmt: skip
     _leave(run(design, asked))
-
-
-@app.command()
-def serve(
-    design: Design,
-    host: Annotated[str, typer.Option(help="address to listen on; any but 127.0.0.1 needs --token")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=0, max=65535, help="0 is any that is free")] = 8707,
-    token: Annotated[
-        str | None, typer.Option(help="secret that browsers must show once", envvar="ROBOPHM_TOKEN")
-    ] = None,
-    store: Annotated[Path | None, typer.Option(help="keep the robot's past in this SQLite file")] = None,
-    journal: Annotated[Path | None, typer.Option(help="write every sample to the end of this journal")] = None,
-    recordings: Annotated[
-        list[Path] | None, typer.Option("--replay", help="recordings that can be watched as if they were live")
-    ] = None,
-    synthetic: Annotated[bool, typer.Option("--synthetic", help="offer the synthetic OTA as a source")] = False,
-    start: Annotated[
-        str | None, typer.Option(help="watch at once: ros1, ros2, recordings or synthetic", metavar="SOURCE")
-    ] = None,
-    speed: Annotated[float, typer.Option(help="of a recording, as a multiple of its own")] = 1.0,
-) -> None:
-    """The page: design a robot, bind its sensors and watch its health, in any browser."""
-    from robophm.cli.serve import Wishes, run
-
-    run(design, Wishes(host, port, token, store, journal, tuple(recordings or ()), synthetic, start, speed))
 
 
 @app.command()

@@ -32,8 +32,8 @@ from robophm.web.sources import Choice
 QUICK, FULL = 0.5, 2.0
 """Seconds between two looks at the figures, and at remaining life too, at least."""
 
-QUICK_SHARE, FULL_SHARE = 20.0, 20.0
-"""How many times as long as it takes, at least."""
+SHARE = 20.0
+"""How many times as long as a look takes there is between two, at least; of each of the two kinds."""
 
 MOST_TASKS = 500
 """That are remembered of a live robot."""
@@ -208,27 +208,27 @@ class Monitoring:
 
 
 class _Looking:
-    """Takes a report when it is time to: so that looking takes a twentieth of the time at most."""
+    """Takes a report when it is time to: so that looking takes a tenth of the time at most."""
 
     def __init__(self, run: Run, board: Board) -> None:
         self._run, self._board = run, board
-        self._next = {False: 0.0, True: 0.0}
+        self._due = {False: 0.0, True: 0.0}
 
     def __call__(self, monitor: Monitor) -> None:
         now = time.monotonic()
-        if now >= self._next[True]:
+        if now >= self._due[True]:
             self.at(monitor, full=True)
-        elif now >= self._next[False]:
+        elif now >= self._due[False]:
             self.at(monitor, full=False)
 
     def warm(self, monitor: Monitor) -> None:
-        """Take a first report, whose preparations do not count as what looking takes."""
+        """Take first reports, whose preparations do not count as what looking takes."""
         self.at(monitor, full=True)
-        self._next = {False: 0.0, True: 0.0}
+        self._due = {False: 0.0, True: 0.0}
 
     def at(self, monitor: Monitor, *, full: bool) -> None:
         """Take a report now."""
-        begun, run = time.monotonic(), self._run
+        begun, run = time.thread_time(), self._run
         ledger = monitor.exposure.settled(monitor.ledger)
         report = health_report(monitor.plant, monitor.exposure, ledger, remaining_life=full)
         run.ledger, run.report = ledger, report
@@ -237,11 +237,9 @@ class _Looking:
         run.looks += 1
         if report.time is not None:
             self._board.add_all(report.time, figures_of(report))
-        took = time.monotonic() - begun
-        least, share = (FULL, FULL_SHARE) if full else (QUICK, QUICK_SHARE)
-        self._next[full] = self._next[False] = time.monotonic() + max(QUICK, QUICK_SHARE * took)
-        if full:
-            self._next[True] = time.monotonic() + max(least, share * took)
+        took = time.thread_time() - begun  # not what others took of the processor meanwhile
+        least = FULL if full else QUICK
+        self._due[full] = time.monotonic() + max(least, SHARE * took)
 
 
 def figures_of(report: HealthReport) -> dict[str, float]:

@@ -15,7 +15,7 @@ export function Bars({ bars, names, title }: { bars: Bar[]; names: string[]; tit
   const room = 230;
   const top = names.length > 1 ? 26 : 6;
   return (
-    <svg className="bars" viewBox={`0 0 600 ${top + step * bars.length}`} role="img" aria-label={`${title}: ${bars.map((bar) => `${bar.name} ${bar.words}`).join("; ")}`}>
+    <svg className="bars" viewBox={`0 0 640 ${top + step * bars.length}`} role="img" aria-label={`${title}: ${bars.map((bar) => `${bar.name} ${bar.words}`).join("; ")}`}>
       {names.length > 1 &&
         names.map((name, i) => (
           <g key={name} transform={`translate(${left + i * 110} 4)`}>

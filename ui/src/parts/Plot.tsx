@@ -69,7 +69,7 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
         height,
         legend: { show: false },
         cursor: { drag: { x: true, y: false }, points: { size: 6 } },
-        scales: { x: { time: false }, y: log ? { distr: 3 } : { range: (_, low, high) => spread(low, high) } },
+        scales: { x: { time: false, range: (_, low, high) => (low < high ? [low, high] : [low - 30, high + 30]) }, y: log ? { distr: 3 } : { range: (_, low, high) => spread(low, high) } },
         axes: [
           { ...axis, values: (_, ticks) => ticks.map((tick) => (time ? times.format(tick * 1000) : numberText(tick, 6))), space: time ? 80 : 60 },
           { ...axis, size: 74, values: (_, ticks) => ticks.map((tick) => (tick == null ? "" : numberText(tick, log ? 2 : 7))) },
