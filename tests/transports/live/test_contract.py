@@ -16,6 +16,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 
 from robophm.core.errors import SourceError
@@ -111,7 +112,7 @@ def test_a_message_that_is_not_of_its_type(room: ModuleType, publish: Callable[.
         return
     own = publish("/c/own", "own_msgs/Whole", DEFINITION)
     kinds = own.types
-    parts = [kinds["own_msgs/msg/Part"](pair=[n, -n], name="é" * n) for n in range(3)]
+    parts = [kinds["own_msgs/msg/Part"](pair=np.array([n, -n], np.int16), name="é" * n) for n in range(3)]
     own.publish(kinds["own_msgs/msg/Whole"](level=1.5, parts=parts))
     with pytest.raises(SourceError, match="message on /c/own is no own_msgs"):
         own.publish(kinds["own_msgs/msg/Whole"](level="high", parts=parts))
