@@ -55,6 +55,13 @@ def test_intervals_of_a_gamma_process_hold():
 
 
 @pytest.mark.full
+def test_intervals_are_wide_where_noise_hides_all_wandering():
+    half, most, _ = held(partial(wiener, noise=0.3), "wiener", 400, secrets.randbits(32))
+    assert half > 0.45
+    assert most > 0.87
+
+
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("draw", "process"),
     [(partial(wiener, noise=0.0), "wiener"), (partial(wiener, noise=0.1), "wiener"), (gamma, "gamma")],

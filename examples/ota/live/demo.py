@@ -27,7 +27,7 @@ LOOPBACK = """<CycloneDDS><Domain id="77"><General><AllowMulticast>false</AllowM
 <Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>
 <Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>
 <Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"""
-"""What ROS_LOCALHOST_ONLY means to ROS, in the words of the reader, which knows nothing of ROS."""
+"""Loopback and nothing else, in the words of Cyclone DDS: the reader knows nothing of ROS."""
 
 
 def main() -> int:
@@ -81,8 +81,8 @@ def _ros(stack: ExitStack, folder: Path) -> tuple[dict[str, str], list[str]]:
         return environment, ["env", f"PATH={system['PATH']}", "rostopic", "echo", "-n", "1", "/diagnostics/status[0]"]
     environment.pop("ROS_MASTER_URI", None)
     print("ROS 2 over DDS; the reader is a plain reader of DDS")
-    environment |= {"ROS_VERSION": "2", "ROS_LOCALHOST_ONLY": "1", "ROS_DOMAIN_ID": "77"}
-    return environment, ["env", f"CYCLONEDDS_URI={LOOPBACK}", sys.executable, "reader.py"]
+    environment |= {"ROS_VERSION": "2", "ROS_LOCALHOST_ONLY": "1", "ROS_DOMAIN_ID": "77", "CYCLONEDDS_URI": LOOPBACK}
+    return environment, [sys.executable, "reader.py"]
 
 
 def _listens(port: int) -> bool:

@@ -28,8 +28,13 @@ FEWEST = 8
 MOST = 2000
 """Readings that are looked at; of more, means of neighbours."""
 
-_RATIOS = np.concatenate(([0.0], np.geomspace(1e-3, 1e4, 36)))
-"""Of the variance of the noise to that of wandering between two readings, on which the former is integrated out."""
+_RATIOS = np.geomspace(1e-4, 1e4, 41)
+"""Of the variance of the noise to that of wandering between two readings, over which is integrated."""
+
+_PRIOR = 1 / np.sqrt(1 + _RATIOS)
+"""Of each, by decades: all alike where noise is small, and falling where it is not, as a half-Cauchy deviation of
+wandering over noise does (Gelman, Bayesian Analysis 1, 2006). Were it flat there too, most of it would lie where wear
+does not wander at all, and intervals would be too narrow."""
 
 
 class Interval(NamedTuple):
@@ -147,7 +152,7 @@ def _wiener(t: Array, y: Array, threshold: float, falls: bool, rng: np.random.Ge
         squares = float(rest @ rest)
         weights[k] = -float(np.log(root[1]).sum()) - 0.5 * math.log(information) - 0.5 * (n - 1) * math.log(squares)
         parts.append((drift, information, squares, *_filtered(dt, y, tau)))
-    share = np.exp(weights - weights.max())
+    share = _PRIOR * np.exp(weights - weights.max())
     chosen = rng.choice(len(_RATIOS), draws, p=share / share.sum())
     table = np.array(parts)[chosen].T
     drift, information, squares, level, slope, variance = table

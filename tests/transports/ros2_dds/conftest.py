@@ -20,6 +20,10 @@ from robophm.core.signal import Sample
 from robophm.transports.source import LiveSource
 
 HERE = Path(__file__).parent
+LOOPBACK = (
+    '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General></Domain>'
+    "</CycloneDDS>"
+)
 TEMPERATURE, FLOAT64 = "sensor_msgs::msg::dds_::Temperature_", "std_msgs::msg::dds_::Float64_"
 
 
@@ -121,11 +125,12 @@ def domain() -> Iterator[int]:
             continue
         break
     with lock, pytest.MonkeyPatch.context() as patch:
-        for name in ("ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS", "CYCLONEDDS_URI", "AMENT_PREFIX_PATH", "ROS_VERSION",
+        for name in ("ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS", "AMENT_PREFIX_PATH", "ROS_VERSION",
                      "ROS_DISTRO", "ROS_MASTER_URI"):  # fmt: skip
             patch.delenv(name, raising=False)
         patch.setenv("ROS_DOMAIN_ID", str(number))
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        patch.setenv("CYCLONEDDS_URI", LOOPBACK)
         yield number
 
 

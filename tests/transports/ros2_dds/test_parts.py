@@ -45,22 +45,16 @@ def test_without_settings_it_is_domain_0_as_far_as_the_network_goes() -> None:
     assert not {"AllowMulticast", "Interfaces", "Peers", "Tag"} & settings.keys()
 
 
-def test_localhost_is_loopback_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_localhost_asks_this_machine_and_static_peers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "localhost")
     settings = told(place(7))
-    assert (settings["AllowMulticast"], settings["Interfaces"], settings["Peers"]) == (
-        "false",
-        "127.0.0.1",
-        "127.0.0.1",
-    )
+    assert (settings["AllowMulticast"], settings["Peers"]) == ("false", "localhost")
     monkeypatch.setenv("ROS_STATIC_PEERS", "192.0.2.7; robot&arm.local;")
-    settings = told(place(7))
-    assert "Interfaces" not in settings
-    assert settings["Peers"] == "127.0.0.1,192.0.2.7,robot&arm.local"
+    assert told(place(7))["Peers"] == "localhost,192.0.2.7,robot&arm.local"
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
     assert told(place(7))["Peers"] == "192.0.2.7,robot&arm.local"
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
-    assert told(place(7))["Peers"] == "127.0.0.1"
+    assert told(place(7))["Peers"] == "localhost"
 
 
 def test_off_and_ones_own_configuration(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -33,7 +33,7 @@ class Place:
 def place(domain: int | None = None) -> Place:
     """From ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS, ROS_LOCALHOST_ONLY and CYCLONEDDS_URI.
 
-    As rmw_cyclonedds maps them, but that LOCALHOST is loopback alone. Raises SourceError where a value is none.
+    As rmw_cyclonedds maps them, so that both find each other. Raises SourceError where a value is none.
     """
     if domain is None:
         domain = _domain(os.environ.get("ROS_DOMAIN_ID") or "0")
@@ -62,9 +62,7 @@ def _config(reach: str, peers: list[str]) -> str:
     if reach in ("LOCALHOST", "OFF"):
         general += "<AllowMulticast>false</AllowMulticast>"
     if reach == "LOCALHOST":
-        # a machine that is named as a peer is reached through its own interface
-        general += "" if peers else '<Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces>'
-        peers = ["127.0.0.1", *peers]
+        peers = ["localhost", *peers]
     if reach == "OFF":
         discovery += f"<ParticipantIndex>none</ParticipantIndex><Tag>ros_discovery_off_{os.getpid()}</Tag>"
     elif reach != "SYSTEM_DEFAULT":
