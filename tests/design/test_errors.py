@@ -311,7 +311,7 @@ FAULTS = {
     "name with a terminal code": (HEAD + 'components: {"a\\x9bb": {rate: 1 FIT}}\n', 3, "'a\\x9bb' is not a name"),
     "name of nothing": (HEAD + "components: {'': {rate: 1 FIT}}\n", 3, "at least 1 character"),
     "name without end": (HEAD + "components: {? " + "a" * 10**6 + " : {rate: 1 FIT}}\n", 3, "at most 200 characters"),
-    "half a character": (HEAD + 'components: {"\\ud800": {rate: 1 FIT}}\n', 3, "components: expected a valid string"),
+    "half a character": (HEAD + 'components: {"\\ud800": {rate: 1 FIT}}\n', 3, "is no text; expected whole characters"),
     "line break in a value": (part('rate: "1 x\\ny"'), 4, "components/A/rate: unknown unit 'x'"),
     "line break in a key": (TWO + '"a\\nb": 1\n', 6, "a b: unknown key 'a b'"),
     "python object": (part("rate: !!python/object/apply:os.system [exit]"), 4, "python/object/apply:os.system' is not"),

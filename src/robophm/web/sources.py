@@ -41,8 +41,8 @@ def choices(recordings: Iterable[Path], *, seed: int | None = None, live: bool =
         found.append(Choice("synthetic", "synthetic OTA", lambda speed: _synthetic(seed, speed),
                             lambda: _synthetic_tasks(seed), True))  # fmt: skip
     if live:
-        found.append(Choice("ros1", "ROS 1 (ROS_MASTER_URI)", lambda speed: _ros1(), lambda: (), False))
-        found.append(Choice("ros2", "ROS 2 (ROS_DOMAIN_ID)", lambda speed: _ros2(), lambda: (), False))
+        found.append(Choice("ros1", "ROS 1 (ROS_MASTER_URI)", lambda speed: _live("1"), lambda: (), False))
+        found.append(Choice("ros2", "ROS 2 (ROS_DOMAIN_ID)", lambda speed: _live("2"), lambda: (), False))
     return {one.name: one for one in found}
 
 
@@ -72,13 +72,7 @@ def _synthetic_tasks(seed: int) -> Told:
     return SyntheticOta(seed=seed).tasks()
 
 
-def _ros1() -> SignalSource:
-    from robophm.transports.ros1 import Ros1
+def _live(generation: str) -> SignalSource:
+    from robophm.transports.live import open_live
 
-    return Ros1()
-
-
-def _ros2() -> SignalSource:
-    from robophm.transports.ros2_dds import Ros2Dds
-
-    return Ros2Dds()
+    return open_live(generation).source
