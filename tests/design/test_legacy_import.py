@@ -219,7 +219,6 @@ def test_names_that_become_alike_stay_apart(made):
         "{a}",
         "a\\nname: b",
         "é",
-        "\\ud800",
         "\\x85",
         "\\u2028",
         "\\ufffe",
@@ -231,6 +230,11 @@ def test_no_name_breaks_the_design(made, name):
     found = made(f'"{name}": {{Failure Rate: 1.0e-6}}, B: {{"{name}": {{Failure Rate: 2.0e-6}}}}')
     assert [part.modes[0].rate for part in found.robot.all_components()] == [2e-6, 1e-6]
     assert "\x1b" not in found.text
+
+
+def test_half_a_character_is_refused(made):
+    with pytest.raises(DesignError, match="old.yaml:1: System: .* is no text; expected whole characters"):
+        made('"\\ud800": {Failure Rate: 1.0e-6}')
 
 
 @pytest.mark.parametrize(
