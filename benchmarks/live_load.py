@@ -111,7 +111,7 @@ def listen(seconds: float, journal: str) -> None:
 
     robot, clock = parse(design()), Clock()
     with Ros1(period=PERIOD) as source, Journal(journal, robot.signals) as kept:
-        threading.Timer(seconds, source.close).start()
+        threading.Timer(seconds, source.stop).start()
         begun = resource.getrusage(resource.RUSAGE_SELF)
         watch(robot, source, journal=kept, period=PERIOD, sinks=[clock])
         ended = resource.getrusage(resource.RUSAGE_SELF)

@@ -233,7 +233,7 @@ def test_no_name_breaks_the_design(made, name):
 
 
 def test_half_a_character_is_refused(made):
-    with pytest.raises(DesignError, match="old.yaml:1: System: .* is no text; expected whole characters"):
+    with pytest.raises(DesignError, match=r"old\.yaml:1: System: .* is no text; expected whole characters"):
         made('"\\ud800": {Failure Rate: 1.0e-6}')
 
 

@@ -80,8 +80,10 @@ def run(design: Path, asked: Watched) -> bool:
             if topics.left_out:
                 warn(f"{topics.left_out} parts have no topic of their own: there are too many")
 
+        ends = iter([source.stop])
+
         def stop(number: int, frame: FrameType | None) -> None:
-            source.close()
+            next(ends, source.close)()  # who asks again does not want to wait
 
         for number in (signal.SIGINT, signal.SIGTERM):
             stack.callback(signal.signal, number, signal.signal(number, stop))

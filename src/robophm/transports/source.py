@@ -116,6 +116,10 @@ class LiveSource(SignalSource):
         """
         return (heard for heard in self.listen(signals, ()) if isinstance(heard, Sample))
 
+    def stop(self) -> None:
+        """End ``listen`` once all that has come so far has been taken; from any thread, and from a signal."""
+        self.close()
+
 
 class TextSource(SignalSource):
     """A text file read line by line; a subclass says which signals it has and how its lines read."""

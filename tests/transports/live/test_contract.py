@@ -105,6 +105,17 @@ def test_values_and_stamps(source: LiveSource, publish: Callable[..., Any]) -> N
     assert source.notes["receipt time used for /c/warm"] == 1
 
 
+def test_what_has_come_is_taken_when_it_stops(source: LiveSource, publish: Callable[..., Any]) -> None:
+    warm = publish("/c/much", "sensor_msgs/Temperature")
+    samples = source.samples(["/c/much.temperature"])
+    within(8, lambda: warm.subscribers == 1)
+    for number in range(80):
+        warm.publish(temperature(warm, time.time_ns(), float(number)))
+    within(5, lambda: any(info.messages == 80 for info in source.topics()))
+    source.stop()
+    assert [sample.value for sample in samples if sample.signal != "clock"] == [float(number) for number in range(80)]
+
+
 def test_a_message_that_is_not_of_its_type(room: ModuleType, publish: Callable[..., Any]) -> None:
     if room.__name__.endswith("rclpy"):
         with pytest.raises(SourceError, match="rclpy has no 'own_msgs/msg/Whole'"):

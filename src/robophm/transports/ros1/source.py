@@ -110,6 +110,13 @@ class Ros1(LiveSource):
             raise
         return run.heard()
 
+    def stop(self) -> None:
+        """End ``listen`` once all that has come so far has been taken; from any thread, and from a signal."""
+        if self._run:
+            self._run.end()
+        else:
+            self.close()
+
     def close(self) -> None:
         """End ``samples``, unregister, let go of all connections and threads; twice does no harm."""
         self._closed = True
@@ -138,6 +145,10 @@ class _Run:
     def heard(self) -> Iterator[Sample | Told]:
         """Until the end."""
         return self._queue.taken(self.close)
+
+    def end(self) -> None:
+        """Give what has come, and no more."""
+        self._queue.end()
 
     def close(self) -> None:
         """Let go of all."""

@@ -104,6 +104,13 @@ class Ros2(LiveSource):
             raise run.listening.mistake or SourceError("the source is closed")
         return run.start()
 
+    def stop(self) -> None:
+        """End ``listen`` once all that has come so far has been taken; from any thread, and from a signal."""
+        if self._run:
+            self._run.end()
+        else:
+            self.close()
+
     def close(self) -> None:
         """End ``samples``, let go of all readers, names and threads; twice does no harm."""
         if self._run:
@@ -136,6 +143,10 @@ class _Run:
         """Listen until the end."""
         self.listening.start()
         return self._queue.taken(self.close)
+
+    def end(self) -> None:
+        """Give what has come, and no more."""
+        self._queue.end()
 
     def close(self) -> None:
         """Let go of all."""
