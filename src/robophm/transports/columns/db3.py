@@ -130,8 +130,9 @@ class Db3File(RowsFile):
         )
         try:
             yield from self._database.execute(query, (start, end))
-        except sqlite3.Error as error:
-            self.notes[f"{self.path.name}: the rest is lost: {error}"] += 1
+        except (sqlite3.Error, MemoryError) as error:  # the latter as when it is opened
+            why = str(error) or "database disk image is malformed"
+            self.notes[f"{self.path.name}: the rest is lost: {why}"] += 1
 
     def _connections(self) -> list[Connection]:
         from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition
