@@ -174,6 +174,20 @@ def test_a_topic_that_nobody_publishes_is_waited_for(system: System, tmp_path: P
     assert "nobody publishes yet '/motor'" in warned
 
 
+def test_it_ends_though_it_is_told_twice_and_the_master_is_gone(system: System, tmp_path: Path) -> None:
+    system.start_master()
+    system.talk(TALKER)
+    process = start(system, tmp_path, "--journal", "run.journal")
+    within(30, lambda: spoken(tmp_path / "run.journal") > 20)
+    system.stop_master()
+    for _ in range(3):
+        process.send_signal(signal.SIGTERM)
+        time.sleep(0.05)
+    said, warned = process.communicate(timeout=30)
+    assert process.returncode == 0, warned
+    assert "Health of R" in said
+
+
 def test_no_master(tmp_path: Path, ros: System) -> None:
     (tmp_path / "robot.yaml").write_text(DESIGN)
     done = subprocess.run(

@@ -131,7 +131,8 @@ class _Run:
         self, master: str, wanted: dict[str, list[str]], topics: Collection[str], notes: Notes, most: int, tick: float
     ) -> None:
         self._queue = Queue(notes, most)
-        self._closing = threading.Lock()
+        self._closing = threading.RLock()  # a signal may close while we are in it
+        self._closed = False
         self._node = Node(master=master, notes=notes)
         self._node.loop.tick = tick
         self._node.told_to_end = self._queue.end
@@ -154,5 +155,7 @@ class _Run:
         """Let go of all."""
         self._queue.close()
         with self._closing:  # who comes second returns when it is done
-            self.listening.close()
-            self._node.close()
+            if not self._closed:
+                self._closed = True
+                self.listening.close()
+                self._node.close()
