@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -62,9 +62,19 @@ def run(design: Path, asked: Watched) -> bool:
     speed = stated_speed(asked.speed)
     for warning in robot.warnings:
         warn(warning)
+    ends: list[Callable[[], None]] = []
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        if not ends:
+            raise KeyboardInterrupt
+        (ends.pop(0) if len(ends) > 1 else ends[0])()  # who asks again does not want to wait
+
     with ExitStack() as stack:
+        for number in (signal.SIGINT, signal.SIGTERM):  # heeded until all is let go of
+            stack.callback(signal.signal, number, signal.signal(number, stop))
         opened = open_live(asked.ros, period=asked.period)
         source = stack.enter_context(opened.source)
+        ends += [source.stop, source.close]
         print(opened.said, file=sys.stderr)
         published = {info.topic: (info.type, info.fields) for info in source.topics()}
         lacks = lacking(robot, published)
@@ -80,13 +90,6 @@ def run(design: Path, asked: Watched) -> bool:
             if topics.left_out:
                 warn(f"{topics.left_out} parts have no topic of their own: there are too many")
 
-        ends = iter([source.stop])
-
-        def stop(number: int, frame: FrameType | None) -> None:
-            next(ends, source.close)()  # who asks again does not want to wait
-
-        for number in (signal.SIGINT, signal.SIGTERM):
-            stack.callback(signal.signal, number, signal.signal(number, stop))
         out = console()
         to_terminal = out.is_terminal and not asked.as_json
         with Live(console=out, auto_refresh=False) if to_terminal else nullcontext() as live:
