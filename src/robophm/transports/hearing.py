@@ -10,12 +10,14 @@ from contextlib import suppress
 from dataclasses import dataclass
 from operator import attrgetter
 from queue import SimpleQueue
+from typing import Protocol
 
-from robophm.core.signal import CLOCK, SECOND, Sample
+from robophm.core.errors import SourceError
+from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
 from robophm.transports.notes import Notes
 from robophm.transports.reading import LARGE, Numbers, Reading
 from robophm.transports.recording import STAMP_LIMIT
-from robophm.transports.source import Told
+from robophm.transports.source import LiveSource, Told
 
 CLOCK_TOPIC = "/clock"
 """Where the time comes from under use_sim_time (wiki.ros.org/Clock, design.ros2.org/articles/clock_and_time)."""
@@ -168,6 +170,62 @@ class Queue:
         finally:
             if not self._over.is_set():  # otherwise somebody else is closing, which may take longer
                 close()
+
+
+class _Closable(Protocol):
+    def close(self) -> None: ...
+
+
+class Run:
+    """One call of ``listen``: what waits to be taken, and what is let go of when it is over, first to last."""
+
+    def __init__(self, queue: Queue, hearing: Hearing, *held: _Closable) -> None:
+        self.hearing = hearing
+        self._queue = queue
+        self._held = held
+        self._closing = threading.RLock()  # a signal may close while we are in it
+        self._closed = False
+
+    def heard(self) -> Iterator[Sample | Told]:
+        """Until the end."""
+        return self._queue.taken(self.close)
+
+    def end(self) -> None:
+        """Give what has come, and no more."""
+        self._queue.end()
+
+    def close(self) -> None:
+        """Let go of all."""
+        self._queue.close()
+        with self._closing:  # who comes second returns when it is done
+            if not self._closed:
+                self._closed = True
+                for one in self._held:
+                    one.close()
+
+
+class RosSource(LiveSource):
+    """What the live sources of both generations have in common: one run at a time, which is told to end."""
+
+    _run: Run | None = None
+
+    def stop(self) -> None:
+        """End ``listen`` once all that has come so far has been taken; from any thread, and from a signal."""
+        if self._run:
+            self._run.end()
+        else:
+            self.close()
+
+
+def by_topic(signals: Collection[str]) -> dict[str, list[str]]:
+    """The signals of each topic, those of the clock left out. Raises SourceError where one has no topic of ROS."""
+    wanted: dict[str, list[str]] = {}
+    for signal in sorted({*signals} - {CLOCK}):
+        topic, _ = split_signal(signal)
+        if not topic.startswith("/"):
+            raise SourceError(f"signal '{signal}' has no topic of ROS; expected it to begin with '/'")
+        wanted.setdefault(topic, []).append(signal)
+    return wanted
 
 
 def tick_of(period: float) -> float:

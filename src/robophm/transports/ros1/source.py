@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import threading
 import uuid
 from collections.abc import Collection, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import CLOCK, Sample, split_signal
-from robophm.transports.hearing import QUEUE, TICK, Count, Hearing, Queue, tick_of
+from robophm.core.signal import Sample
+from robophm.transports.hearing import QUEUE, TICK, Count, Hearing, Queue, RosSource, Run, by_topic, tick_of
 from robophm.transports.message_type import MessageType, numeric_fields
 from robophm.transports.notes import Notes, PeerError
 from robophm.transports.ros1.definition import ros2_name, type_of
@@ -20,7 +19,7 @@ from robophm.transports.ros1.master import published_topics, system_state
 from robophm.transports.ros1.node import Node
 from robophm.transports.ros1.tcpros import connect
 from robophm.transports.ros1.xmlrpc import call
-from robophm.transports.source import LiveSource, Told, TopicInfo
+from robophm.transports.source import Told, TopicInfo
 
 START_SECONDS = 8.0
 """Within which what is published when listening begins is connected, or is left for later."""
@@ -29,7 +28,7 @@ CALLER = "/robophm"
 """By which we ask before we have a node."""
 
 
-class Ros1(LiveSource):
+class Ros1(RosSource):
     """Live topics of ROS 1, of any type, through the master at ``master`` or ROS_MASTER_URI; a context manager.
 
     ``samples`` is endless: it goes on through a master, publishers and types that come and go, until ``close``, which
@@ -48,7 +47,6 @@ class Ros1(LiveSource):
         self._tick = tick_of(period)
         self._master = place(master).master
         self._closed = False
-        self._run: _Run | None = None
         self._types: dict[tuple[str, str], MessageType] = {}
         try:
             call(self._master, "getPid", CALLER)
@@ -91,71 +89,32 @@ class Ros1(LiveSource):
         What an earlier call gave ends. Raises SourceError where a signal is none, a topic that is published has no
         such field or its type cannot be read, or there is no master.
         """
-        wanted: dict[str, list[str]] = {}
-        for signal in sorted({*signals} - {CLOCK}):
-            topic, _ = split_signal(signal)
-            if not topic.startswith("/"):
-                raise SourceError(f"signal '{signal}' has no topic of ROS; expected it to begin with '/'")
-            wanted.setdefault(topic, []).append(signal)
+        wanted = by_topic(signals)
         if self._run:
             self._run.close()
         if self._closed:
             raise SourceError("the source is closed")
         self.notes = Notes()
-        self._run = run = _Run(self._master, wanted, topics, self.notes, self._queue, self._tick)
+        queue = Queue(self.notes, self._queue)
+        node = Node(master=self._master, notes=self.notes)
+        node.loop.tick = self._tick
+        node.told_to_end = queue.end
         try:
-            run.listening.start(START_SECONDS)
+            simulated = node.ask("getParam", "/use_sim_time") is True
+        except PeerError:  # it is not set
+            simulated = False
+        hearing = Hearing(self.notes, queue.put, topics, simulated=simulated)
+        listening = Listening(node, wanted, hearing)
+        self._run = run = Run(queue, hearing, listening, node)
+        try:
+            listening.start(START_SECONDS)
         except BaseException:
             run.close()
             raise
         return run.heard()
-
-    def stop(self) -> None:
-        """End ``listen`` once all that has come so far has been taken; from any thread, and from a signal."""
-        if self._run:
-            self._run.end()
-        else:
-            self.close()
 
     def close(self) -> None:
         """End ``samples``, unregister, let go of all connections and threads; twice does no harm."""
         self._closed = True
         if self._run:
             self._run.close()
-
-
-class _Run:
-    """One call of ``samples``."""
-
-    def __init__(
-        self, master: str, wanted: dict[str, list[str]], topics: Collection[str], notes: Notes, most: int, tick: float
-    ) -> None:
-        self._queue = Queue(notes, most)
-        self._closing = threading.RLock()  # a signal may close while we are in it
-        self._closed = False
-        self._node = Node(master=master, notes=notes)
-        self._node.loop.tick = tick
-        self._node.told_to_end = self._queue.end
-        try:
-            simulated = self._node.ask("getParam", "/use_sim_time") is True
-        except PeerError:  # it is not set
-            simulated = False
-        self.hearing = Hearing(notes, self._queue.put, topics, simulated=simulated)
-        self.listening = Listening(self._node, wanted, self.hearing)
-
-    def heard(self) -> Iterator[Sample | Told]:
-        """Until the end."""
-        return self._queue.taken(self.close)
-
-    def end(self) -> None:
-        """Give what has come, and no more."""
-        self._queue.end()
-
-    def close(self) -> None:
-        """Let go of all."""
-        self._queue.close()
-        with self._closing:  # who comes second returns when it is done
-            if not self._closed:
-                self._closed = True
-                self.listening.close()
-                self._node.close()

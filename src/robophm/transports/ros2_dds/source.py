@@ -8,18 +8,18 @@ from collections.abc import Collection, Iterator
 from typing import ClassVar
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import CLOCK, Sample, split_signal
-from robophm.transports.hearing import CLOCK_TOPIC, QUEUE, TICK, Hearing, Queue, tick_of
+from robophm.core.signal import Sample
+from robophm.transports.hearing import CLOCK_TOPIC, QUEUE, TICK, Hearing, Queue, RosSource, Run, by_topic, tick_of
 from robophm.transports.message_type import numeric_fields
 from robophm.transports.notes import Notes
 from robophm.transports.ros2_dds.cyclone import Offer
 from robophm.transports.ros2_dds.definition import name_of_dds
 from robophm.transports.ros2_dds.listening import Listening, definition_of, told_hash
 from robophm.transports.ros2_dds.node import Node
-from robophm.transports.source import LiveSource, Told, TopicInfo
+from robophm.transports.source import Told, TopicInfo
 
 
-class Ros2(LiveSource):
+class Ros2(RosSource):
     """Live topics of ROS 2, of any type whose definition is known, in a domain or ROS_DOMAIN_ID's; a context manager.
 
     ``samples`` is endless: it goes on through publishers and types that come and go, until ``close``, which may come
@@ -40,7 +40,6 @@ class Ros2(LiveSource):
         self._tick = tick_of(period)
         self._closed = False
         self._closing = threading.RLock()  # a signal may close while we are in it
-        self._run: _Run | None = None
         self._graph = self._node.join(domain)
         self._discovery = self._graph.discovery()
         self._fields: dict[tuple[str, str], tuple[str, ...]] = {}
@@ -85,12 +84,7 @@ class Ros2(LiveSource):
         What an earlier call gave ends. Raises SourceError where a signal is none, or a topic that is published has no
         such field or its type's definition is not known.
         """
-        wanted: dict[str, list[str]] = {}
-        for signal in sorted({*signals} - {CLOCK}):
-            topic, _ = split_signal(signal)
-            if not topic.startswith("/"):
-                raise SourceError(f"signal '{signal}' has no topic of ROS; expected it to begin with '/'")
-            wanted.setdefault(topic, []).append(signal)
+        wanted = by_topic(signals)
         if self._run:
             self._run.close()
         simulated = any(offer.topic == f"rt{CLOCK_TOPIC}" for offer in self._offers())
@@ -98,18 +92,13 @@ class Ros2(LiveSource):
         queue = Queue(self.notes, self._queue)
         hearing = Hearing(self.notes, queue.put, topics, simulated=simulated)
         node = self._node(domain=self._graph.place.domain, notes=self.notes)
-        self._run = run = _Run(node, wanted, queue, hearing, self._tick)
-        if run.listening.mistake or self._closed:
+        listening = Listening(node, wanted, hearing, self._tick)
+        self._run = run = Run(queue, hearing, listening, node)
+        if listening.mistake or self._closed:
             run.close()
-            raise run.listening.mistake or SourceError("the source is closed")
-        return run.start()
-
-    def stop(self) -> None:
-        """End ``listen`` once all that has come so far has been taken; from any thread, and from a signal."""
-        if self._run:
-            self._run.end()
-        else:
-            self.close()
+            raise listening.mistake or SourceError("the source is closed")
+        listening.start()
+        return run.heard()
 
     def close(self) -> None:
         """End ``samples``, let go of all readers, names and threads; twice does no harm."""
@@ -126,33 +115,3 @@ class Ros2Dds(Ros2):
     """Over DDS, from the cyclonedds wheel."""
 
     _node = Node
-
-
-class _Run:
-    """One call of ``samples``."""
-
-    def __init__(self, node: Node, wanted: dict[str, list[str]], queue: Queue, hearing: Hearing, tick: float) -> None:
-        self.hearing = hearing
-        self._queue = queue
-        self._closing = threading.RLock()  # a signal may close while we are in it
-        self._closed = False
-        self._node = node
-        self.listening = Listening(node, wanted, hearing, tick)
-
-    def start(self) -> Iterator[Sample | Told]:
-        """Listen until the end."""
-        self.listening.start()
-        return self._queue.taken(self.close)
-
-    def end(self) -> None:
-        """Give what has come, and no more."""
-        self._queue.end()
-
-    def close(self) -> None:
-        """Let go of all."""
-        self._queue.close()
-        with self._closing:  # who comes second returns when it is done
-            if not self._closed:
-                self._closed = True
-                self.listening.close()
-                self._node.close()
