@@ -26,8 +26,7 @@ from robophm.transports.health_topics import HealthTopics, Outlet
 from robophm.transports.journal import Journal
 from robophm.transports.live import open_live
 from robophm.transports.sink import JudgedTask, ReportSink
-from robophm.transports.tasks.listener import ACTIONS, topics_of
-from robophm.transports.tasks.texts import TEXT_TOPICS
+from robophm.transports.tasks.listener import known_topics, topics_of
 from robophm.watching import watch
 
 
@@ -155,9 +154,7 @@ def _task_text(task: JudgedTask) -> str:
 
 
 def _task_topics(asked: Watched) -> list[str]:
-    """As named; else the 2020 tool's and those of actions of navigation, in the namespace and outside it."""
+    """As named; else those that are known by their names, in the namespace and outside it."""
     if asked.tasks:
         return topics_of(asked.tasks)
-    roots = dict.fromkeys(("", asked.namespace.rstrip("/")))
-    texts = [f"{root}/{name}" for root in roots for name in TEXT_TOPICS]
-    return texts + topics_of(f"{root}{name}" for root in roots for name in ACTIONS)
+    return known_topics(*dict.fromkeys(("", asked.namespace.rstrip("/"))))

@@ -78,6 +78,10 @@ class SignalSource(ABC):
         """
         return None
 
+    def stop(self) -> None:
+        """End ``samples`` once all that has come so far has been taken; from any thread, and from a signal."""
+        self.close()
+
     def close(self) -> None:  # noqa: B027  most sources hold nothing open
         """Let go of files and connections; closing twice does no harm."""
 
@@ -115,10 +119,6 @@ class LiveSource(SignalSource):
         such field or its type cannot be read, or nothing can be heard at all.
         """
         return (heard for heard in self.listen(signals, ()) if isinstance(heard, Sample))
-
-    def stop(self) -> None:
-        """End ``listen`` once all that has come so far has been taken; from any thread, and from a signal."""
-        self.close()
 
 
 class TextSource(SignalSource):

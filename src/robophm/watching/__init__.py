@@ -15,7 +15,7 @@ from robophm.monitor import Monitor
 from robophm.replaying import REPORT_STEP, Course
 from robophm.stores.store import Progress, Store
 from robophm.transports.journal import Journal
-from robophm.transports.sink import ReportSink
+from robophm.transports.sink import JudgedTask, ReportSink
 from robophm.transports.source import LiveSource, SignalSource, Told
 from robophm.watching.ahead import LookAhead
 from robophm.watching.tasks import LiveTasks
@@ -30,6 +30,7 @@ def watch(
     sinks: Sequence[ReportSink] = (), task_topics: Collection[str] = (),
     speed: float | None = None, functions: Sequence[str] = (),
     on_start: Callable[[Monitor], None] | None = None, on_tick: Callable[[Monitor], None] | None = None,
+    on_task: Callable[[JudgedTask], None] | None = None,
 ) -> Monitor:  # fmt: skip
     """Listen until the source is closed, from where the store's ledger stands; the monitor as it is then.
 
@@ -90,8 +91,8 @@ def watch(
         for heard in _listen(source, robot.signals, task_topics):
             if isinstance(heard, Told):
                 if judged := tasks.hear(heard):
-                    for sink in sinks:
-                        sink.judged(judged)
+                    for tell in (*(sink.judged for sink in sinks), *([on_task] if on_task else [])):
+                        tell(judged)
                 continue
             if behind is not None and heard.time < behind:
                 raise SourceError(

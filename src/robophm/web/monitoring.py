@@ -21,10 +21,9 @@ from robophm.monitor import Monitor
 from robophm.stores.sqlite import SqliteStore
 from robophm.task_history import TaskRecord, judge_on_the_way
 from robophm.transports.journal import Journal
-from robophm.transports.sink import JudgedTask, ReportSink
+from robophm.transports.sink import JudgedTask
 from robophm.transports.source import LiveSource, SignalSource, Told, TopicInfo
-from robophm.transports.tasks.listener import ACTIONS, topics_of
-from robophm.transports.tasks.texts import TEXT_TOPICS
+from robophm.transports.tasks.listener import known_topics
 from robophm.watching import watch
 from robophm.web.series import Board
 from robophm.web.sources import Choice
@@ -41,7 +40,7 @@ MOST_TASKS = 500
 MOST_SUBJECTS = 60
 """Whose figures become series."""
 
-TASK_TOPICS = (*(f"/{name}" for name in TEXT_TOPICS), *topics_of(ACTIONS))
+TASK_TOPICS = known_topics("")
 """That tell of tasks, as `robophm watch` knows them by name."""
 
 State = Literal["idle", "running", "ended", "failed"]
@@ -101,19 +100,6 @@ class _Tapped(LiveSource):
         self._source.close()
 
 
-class _Judged(ReportSink):
-    """Keeps what is judged of the tasks that a live robot tells of, the latest of them."""
-
-    def __init__(self, run: Run) -> None:
-        self._run = run
-
-    def publish(self, report: HealthReport) -> None:
-        """Reports are taken at their own pace."""
-
-    def judged(self, task: JudgedTask) -> None:
-        self._run.judged.append(task)
-
-
 class Monitoring:
     """Watches one robot at a time; for any number of threads."""
 
@@ -156,7 +142,7 @@ class Monitoring:
         with self._lock:
             source, thread = self._source, self._thread
         if source:
-            source.close()
+            source.stop()
         if thread:
             thread.join(timeout=30)
 
@@ -189,10 +175,9 @@ class Monitoring:
                         run.tasks = judge_on_the_way(monitor, told)  # type: ignore[arg-type]
 
                 tapped = _Tapped(source, board, run)
-                live = isinstance(source, LiveSource)
                 monitor = watch(
                     run.robot, tapped, store=store, journal=journal, period=self._period, on_tick=look, on_start=begin,
-                    sinks=[_Judged(run)] if live else [], task_topics=TASK_TOPICS if live else (),
+                    task_topics=TASK_TOPICS if isinstance(source, LiveSource) else (), on_task=run.judged.append,
                 )  # fmt: skip
                 newest = monitor.ledger.newest or 0
                 monitor.marks = [mark for mark in monitor.marks if mark[0] <= newest]

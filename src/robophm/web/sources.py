@@ -1,4 +1,4 @@
-"""Where samples can come from: recordings named at the start, the synthetic robot, live ROS 1."""
+"""Where samples can come from: recordings named at the start, the synthetic robot, live ROS of either generation."""
 
 from __future__ import annotations
 

@@ -59,6 +59,12 @@ def tells_of_tasks(topic: str, type_: str) -> bool:
     return type_ == PATH or type_.endswith(_TYPES_OF_ACTIONS)
 
 
+def known_topics(*roots: str) -> list[str]:
+    """The topics that tell of tasks by their names, at each root: the 2020 tool's, and those of ACTIONS."""
+    texts = [f"{root}/{name}" for root in roots for name in TEXT_TOPICS]
+    return texts + topics_of(f"{root}{name}" for root in roots for name in ACTIONS)
+
+
 def topics_of(named: Iterable[str]) -> list[str]:
     """All topics that may be meant: those named so, and those of actions of that name."""
     return [topic for name in named for topic in (name, *(f"{name}/{part}" for part in _OF_ACTION))]
