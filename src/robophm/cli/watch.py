@@ -69,8 +69,9 @@ def run(design: Path, asked: Watched) -> bool:
         (ends.pop(0) if len(ends) > 1 else ends[0])()  # who asks again does not want to wait
 
     with ExitStack() as stack:
-        for number in (signal.SIGINT, signal.SIGTERM):  # heeded until all is let go of
-            stack.callback(signal.signal, number, signal.signal(number, stop))
+        for number in (signal.SIGINT, signal.SIGTERM):  # heeded until all is let go of; then there is nothing to end
+            signal.signal(number, stop)
+            stack.callback(signal.signal, number, signal.SIG_IGN)
         opened = open_live(asked.ros, period=asked.period)
         source = stack.enter_context(opened.source)
         ends += [source.stop, source.close]
