@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 from robophm.core.errors import DataError
 from robophm.design.file import parse
@@ -76,7 +77,11 @@ def test_mylar_inverse_power():
 
 
 def test_fatigue_power_weibull():
-    """The printed figures are of a search that stopped early: ours are likelier, and as near as that allows."""
+    """The printed figures are of a search over a, n and β that ends where the likelihood grows by less than 0.001.
+
+    Its a, of 4·10⁵ beside n of −1.4, is then still where it was, 1.3 % off; n and β are at their best for that a. So
+    all four printed figures follow within the gate once a is held; without that ours are likelier.
+    """
     case = CASES["modarres_fatigue_power_weibull"]
     data, expected = case["data"], case["expected"]
     lives = life_data(
@@ -84,16 +89,30 @@ def test_fatigue_power_weibull():
         stresses={"stress": [*data["failure_stresses"], *data["right_censored_stresses"]]},
     )  # fmt: skip
     found = fit_life_stress(lives, reference={"stress": float(data["use_stress"])})
-    assert found.log_likelihood == pytest.approx(expected["loglik"], rel=1e-3)
-    assert found.parameters["shape"].value == pytest.approx(expected["beta"], rel=1e-3)
-    assert -found.coefficients["stress"].value == pytest.approx(expected["n"], rel=2e-3)
-    assert found.life.mean() == pytest.approx(expected["mean_life_use"], rel=4e-3)
-    beta, n = expected["beta"], -expected["n"]
-    eta = expected["mean_life_use"] / math.gamma(1 + 1 / beta)
-    u = beta * (np.log(lives.low / eta) + n * np.log(lives.stresses["stress"] / 60))
-    printed = np.sum(np.where(lives.failed, math.log(beta) - np.log(lives.low) + u, 0) - np.exp(u))
-    assert printed == pytest.approx(expected["loglik"], abs=1e-4)
-    assert found.log_likelihood > printed
+
+    def log_likelihood(a, n, beta):
+        u = beta * np.log(lives.low / (a * lives.stresses["stress"] ** n))
+        return np.sum(np.where(lives.failed, math.log(beta) - np.log(lives.low) + u, 0) - np.exp(u))
+
+    held = expected["mean_life_use"] / (60 ** expected["n"] * math.gamma(1 + 1 / expected["beta"]))
+    best = minimize(lambda x: -log_likelihood(held, *x), [-1.0, 2.0], method="Nelder-Mead", options={"xatol": 1e-9})
+    n, beta = best.x
+    gate = case["tolerance"]["rel"]
+    assert n == pytest.approx(expected["n"], rel=gate / 10)
+    assert beta == pytest.approx(expected["beta"], rel=gate / 10)
+    assert -best.fun == pytest.approx(expected["loglik"], abs=1e-4)
+    assert held * 60**n * math.gamma(1 + 1 / beta) == pytest.approx(expected["mean_life_use"], rel=gate / 10)
+    # Over all three it goes on, and that is where ours is, by SurPyval.
+    best = minimize(
+        lambda x: -log_likelihood(math.exp(x[0]), *x[1:]), [13.0, n, beta], method="Nelder-Mead",
+        options={"xatol": 1e-10, "fatol": 1e-13, "maxiter": 5000},
+    )  # fmt: skip
+    assert -found.coefficients["stress"].value == pytest.approx(best.x[1], rel=1e-5)
+    assert found.parameters["shape"].value == pytest.approx(best.x[2], rel=1e-5)
+    assert found.log_likelihood == pytest.approx(-best.fun, abs=1e-8)
+    assert -best.fun > expected["loglik"] + 4e-5
+    assert found.log_likelihood == pytest.approx(expected["loglik"], rel=gate)
+    assert found.parameters["shape"].value == pytest.approx(expected["beta"], rel=gate)
 
 
 def test_insulating_oil():
