@@ -11,10 +11,9 @@ from robophm.cli.past import kept
 from robophm.core.errors import DataError
 from robophm.design.file import load, parse, read, replace_text
 from robophm.design.robot import CLOCK_UNITS, Robot
-from robophm.health.service import stretches
 from robophm.learning.evidence import with_evidence
 from robophm.learning.failure_log import Seen, read_failure_log
-from robophm.learning.learn import LearnedRate, learn
+from robophm.learning.learn import LearnedRate, learn, of_ledger
 from robophm.report.words import number_text
 
 TABLES = (".csv", ".tsv", ".yaml", ".yml")
@@ -38,7 +37,7 @@ def run(
     notes: list[str] = []
     for log in logs:
         if log.suffix.lower() in STORES:
-            seen += _of_store(log, robot)
+            seen += of_ledger(robot, kept(log, robot), log.stem)
         else:
             found = read_failure_log(log, robot)
             seen += found.seen
@@ -66,17 +65,6 @@ def put(to: Path, text: str) -> None:
         write(to, text)
 
 
-def _of_store(path: Path, robot: Robot) -> list[Seen]:
-    """What the ledger of a store tells: every life of every part, ended or not."""
-    found: dict[str, Seen] = {}
-    for one in stretches(robot, kept(path, robot)):
-        seen = found.setdefault(one.mode.path, Seen(one.mode, path.stem))
-        seen.failures += one.failed
-        seen.expected += one.parts * one.hazard
-        seen.exposure += one.parts * one.hours
-    return list(found.values())
-
-
 def _together(seen: Sequence[Seen]) -> list[Seen]:
     """One for each failure mode and robot."""
     found: dict[tuple[str, str], Seen] = {}
@@ -84,7 +72,7 @@ def _together(seen: Sequence[Seen]) -> list[Seen]:
         if (key := (one.mode.path, one.robot)) in found:
             there = found[key]
             found[key] = Seen(one.mode, one.robot, there.failures + one.failures, there.expected + one.expected,
-                              there.exposure + one.exposure)  # fmt: skip
+                              there.exposure + one.exposure, there.lives + one.lives)  # fmt: skip
         else:
             found[key] = one
     if not any(one.exposure > 0 or one.failures for one in found.values()):
