@@ -8,11 +8,10 @@ import pytest
 from robophm.core.errors import DataError
 from robophm.design.file import parse
 from robophm.learning.failure_log import read_failure_log
-from robophm.learning.learn import learn, of_ledger
+from robophm.learning.learn import learn
 from robophm.learning.rates import fleet, update
 from robophm.learning.scale import Lived, fit_scale, information
 from robophm.life import life_distribution
-from robophm.monitor import Monitor
 
 
 def life(name, mean=100.0, **shape):
@@ -146,9 +145,3 @@ def test_what_no_rate_can_be_learned_of(tmp_path):
     late = parse(PUMP % ("lognormal, log_deviation: 0.5, location: 50 h", ""))
     with pytest.raises(DataError, match="'pump': a part failed at an age at which it cannot"):
         learn(late, read_failure_log(log, late).seen)
-    summed = parse(PUMP % ("lognormal, log_deviation: 0.5", ", scaling: hazard"))
-    monitor = Monitor(summed)
-    monitor.ledger.age.add(np.array([5.0]))
-    monitor.ledger.effective.add(np.array([5.0]))
-    with pytest.raises(DataError, match="with scaling: hazard a ledger keeps a sum"):
-        of_ledger(summed, monitor.ledger, "r1")

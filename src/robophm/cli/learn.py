@@ -11,9 +11,11 @@ from robophm.cli.past import kept
 from robophm.core.errors import DataError
 from robophm.design.file import load, parse, read, replace_text
 from robophm.design.robot import CLOCK_UNITS, Robot
+from robophm.health.service import stretches
 from robophm.learning.evidence import with_evidence
 from robophm.learning.failure_log import Seen, read_failure_log
-from robophm.learning.learn import LearnedRate, learn, of_ledger
+from robophm.learning.learn import LearnedRate, learn
+from robophm.learning.scale import Lived
 from robophm.report.words import number_text
 
 TABLES = (".csv", ".tsv", ".yaml", ".yml")
@@ -37,7 +39,7 @@ def run(
     notes: list[str] = []
     for log in logs:
         if log.suffix.lower() in STORES:
-            seen += of_ledger(robot, kept(log, robot), log.stem)
+            seen += _of_store(log, robot)
         else:
             found = read_failure_log(log, robot)
             seen += found.seen
@@ -63,6 +65,25 @@ def put(to: Path, text: str) -> None:
         replace_text(to, text)
     else:
         write(to, text)
+
+
+def _of_store(path: Path, robot: Robot) -> list[Seen]:
+    """What the ledger of a store tells: every life of every part, ended or not."""
+    found: dict[str, Seen] = {}
+    for one in stretches(robot, kept(path, robot)):
+        seen = found.setdefault(one.mode.path, Seen(one.mode, path.stem))
+        seen.failures += one.failed
+        seen.expected += one.parts * one.hazard
+        seen.exposure += one.parts * one.hours
+        if one.mode.life.degree is None and one.end > one.start:
+            if one.mode.scaling == "hazard":
+                kind = type(one.mode.life).__name__.lower()
+                raise DataError(
+                    f"'{one.mode.path}': of a {kind} life with scaling: hazard a ledger keeps a sum, into which no "
+                    "other rate can be put; expected a log, or scaling: age"
+                )
+            seen.lives.append(Lived(one.start, one.end - one.start, float(one.failed), float(one.parts)))
+    return list(found.values())
 
 
 def _together(seen: Sequence[Seen]) -> list[Seen]:

@@ -12,11 +12,9 @@ from scipy.special import gammaln
 from robophm.core.errors import DataError, UnitError
 from robophm.core.units import quantity
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot, Uncertainty
-from robophm.health.ledger import Ledger
-from robophm.health.service import stretches
 from robophm.learning.failure_log import Seen
 from robophm.learning.rates import FleetPosterior, Posterior, fleet
-from robophm.learning.scale import Lived, at_rate, fit_scale, information
+from robophm.learning.scale import at_rate, fit_scale, information
 
 USUAL_PRIOR = 1.0
 """Failures that a stated rate counts as, where neither the design nor the user says more."""
@@ -69,25 +67,6 @@ def learn(robot: Robot, seen: Iterable[Seen], prior: str | None = None, of: str 
     if of is not None and of not in names:
         raise DataError(f"no robot '{of}' in what was seen; there are {', '.join(names[:12]) or 'none'}")
     return [_learned(mode, by_mode[mode.path], prior, of) for mode in robot.modes if mode.path in by_mode]
-
-
-def of_ledger(robot: Robot, ledger: Ledger, name: str) -> list[Seen]:
-    """What a robot's ledger tells: every life of every part, ended or not. Raises DataError."""
-    found: dict[str, Seen] = {}
-    for one in stretches(robot, ledger):
-        seen = found.setdefault(one.mode.path, Seen(one.mode, name))
-        seen.failures += one.failed
-        seen.expected += one.parts * one.hazard
-        seen.exposure += one.parts * one.hours
-        if one.mode.life.degree is None and one.end > one.start:
-            if one.mode.scaling == "hazard":
-                kind = type(one.mode.life).__name__.lower()
-                raise DataError(
-                    f"'{one.mode.path}': of a {kind} life with scaling: hazard a ledger keeps a sum, into which no "
-                    "other rate can be put; expected a log, or scaling: age"
-                )
-            seen.lives.append(Lived(one.start, one.end - one.start, float(one.failed), float(one.parts)))
-    return list(found.values())
 
 
 def _learned(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str | None) -> LearnedRate:

@@ -208,6 +208,8 @@ def fit_scale(
 def _alike(lived: Sequence[Lived]) -> tuple[Array, Array, Array, Array]:
     """Start, end, failures and parts of stretches, alike ones together."""
     rows = np.array([[one.start, one.start + one.length, one.failures, one.parts] for one in lived]).reshape(-1, 4)
+    if not len(rows):
+        return rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3]
     ends, which = np.unique(rows[:, :2], axis=0, return_inverse=True)
     if len(ends) > MOST_LIVES:
         raise DataError(f"{len(ends):,} different lives of one part; expected at most {MOST_LIVES:,}")
