@@ -85,12 +85,12 @@ def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
         visit = together({name: (plan.upkept.life, plan.standing) for name, plan in replaced.items()}, wishes.setup)
     by_age = {name: plan.upkept for name, plan in replaced.items()}
     only_failed = {name: replace(part, age=None) for name, part in by_age.items()}
-    cycles = [_cycle(parts, standing, horizon, wishes) for parts in (only_failed, by_age)]
+    without, aged = (_cycle(parts, standing, horizon, wishes) for parts in (only_failed, by_age))
     watched = None
     if any(plan.costs.watch for plan in replaced.values()):
         watched = return_on_watching(
             {name: replace(plan.upkept, watch=plan.costs.watch) for name, plan in replaced.items()}, horizon,
-            wishes.repetitions, wishes.seed, cycles[1], standing, wishes.hour_down,
+            wishes.repetitions, wishes.seed, aged, standing, wishes.hour_down,
         )  # fmt: skip
     stock = {
         name: spares(plan.upkept.life, lead, wishes.robots * plan.upkept.parts, wishes.level, plan.policy.age)
@@ -98,9 +98,9 @@ def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
     }
     first = _first(robot, outlook, plans) if outlook else None
     if wishes.as_json:
-        print_json(_json(robot, plans, visit, *cycles, watched, stock, first))
+        print_json(_json(robot, plans, visit, without, aged, watched, stock, first))
     else:
-        _print(robot, plans, visit, (*cycles, watched), stock, first, wishes, horizon, lead)
+        _print(robot, plans, visit, (without, aged, watched), stock, first, wishes, horizon, lead)
 
 
 def _hours(text: str, option: str) -> float:
@@ -120,8 +120,8 @@ def _plans(
     lives = {name: _life(robot, plant, one, outlook) for name, one in costs.items()}
     up: dict[str, float] = {}
     for name, one in costs.items():
-        life = lives[name][2].mean()
-        each = life / (life + one.costs.corrective_downtime) if life < math.inf else 1.0
+        mean = lives[name][2].mean()
+        each = mean / (mean + one.costs.corrective_downtime) if mean < math.inf else 1.0
         up |= dict.fromkeys(one.part.units, each ** (one.part.quantity / len(one.part.units)))
     standing = Standing(robot.diagram)
     plans = []

@@ -80,7 +80,7 @@ def _costs(row: Row, hour_down: float) -> Costs:
         raise row.error(f"{remaining:g}; expected 0 (as good as new) to 1 (as before the repair)", "remaining")
     if not preventive + downtimes[0] * hour_down > 0:
         raise row.error("a replacement that costs nothing is best done all the time; expected above 0", "preventive")
-    return Costs(preventive, corrective, *downtimes, repair, remaining)
+    return Costs(preventive, corrective, downtimes[0], downtimes[1], repair, remaining)
 
 
 def _watch(row: Row) -> Watch | None:

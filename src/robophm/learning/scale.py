@@ -133,9 +133,7 @@ def scaled(life: LifeDistribution) -> Callable[[Array, Array, Array], tuple[Arra
 
         def at(grid: Array, start: Array, end: Array) -> tuple[Array, Array]:
             ratio = np.exp(grid)[:, None]
-            return ratio * np.asarray(life.hazard(ratio * end)), np.asarray(
-                life.increment(ratio * start, ratio * (end - start))
-            )
+            return ratio * np.asarray(life.hazard(ratio * end)), _gathered(life, ratio * start, ratio * end)
 
         return at
 
@@ -147,10 +145,16 @@ def scaled(life: LifeDistribution) -> Callable[[Array, Array, Array], tuple[Arra
             except ModelError:  # no such life: its mean would lie before its location
                 gathered[k] = math.inf
                 continue
-            hazard[k], gathered[k] = there.hazard(end), there.increment(start, end - start)
+            hazard[k], gathered[k] = there.hazard(end), _gathered(there, start, end)
         return hazard, gathered
 
     return one_by_one
+
+
+def _gathered(life: LifeDistribution, start: Array, end: Array) -> Array:
+    if start.any():
+        return np.asarray(life.increment(start, end - start))
+    return np.asarray(life.cumulative_hazard(end)) - life.cumulative_hazard(0.0)
 
 
 def fit_scale(
@@ -162,10 +166,10 @@ def fit_scale(
     found, and its weight cut, as of other lives (``rates.update``). Raises DataError where a life cannot be.
     """
     failures = [sum(one.failures for one in some) for some in robots]
-    at, stretches = scaled(life), [_alike(some) for some in robots]
+    at, lives = scaled(life), _alike(robots)
 
     def likelihoods(grid: Array) -> Array:
-        return np.stack([_log_likelihood(at, grid, *one) for one in stretches])
+        return _log_likelihoods(at, grid, lives, len(robots))
 
     doubt = surprise(sum(failures), expected, prior)
     weight = min(1.0, doubt / SURPRISE)
@@ -205,29 +209,44 @@ def fit_scale(
     return ScaleFit(FleetPosterior(posterior(of_mean, sum(failures)), variation, p, robots_own), of_any, own)
 
 
-def _alike(lived: Sequence[Lived]) -> tuple[Array, Array, Array, Array]:
-    """Start, end, failures and parts of stretches, alike ones together."""
-    rows = np.array([[one.start, one.start + one.length, one.failures, one.parts] for one in lived]).reshape(-1, 4)
+class _Lives(NamedTuple):
+    """Of all robots, alike ones of one robot together, robot by robot; shapes (stretches,)."""
+
+    robot: npt.NDArray[np.intp]
+    start: Array
+    end: Array
+    failures: Array
+    parts: Array
+
+
+def _alike(robots: Sequence[Sequence[Lived]]) -> _Lives:
+    listed = [
+        (k, one.start, one.start + one.length, one.failures, one.parts) for k, some in enumerate(robots) for one in some
+    ]
+    rows = np.array(listed, dtype=float).reshape(-1, 5)
     if not len(rows):
-        return rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3]
-    ends, which = np.unique(rows[:, :2], axis=0, return_inverse=True)
+        return _Lives(rows[:, 0].astype(np.intp), *rows[:, 1:].T)
+    ends, which = np.unique(rows[:, :3], axis=0, return_inverse=True)
     if len(ends) > MOST_LIVES:
         raise DataError(f"{len(ends):,} different lives of one part; expected at most {MOST_LIVES:,}")
-    failures, parts = (np.bincount(which.ravel(), rows[:, k], len(ends)) for k in (2, 3))
-    return ends[:, 0], ends[:, 1], failures, parts
+    failures, parts = (np.asarray(np.bincount(which.ravel(), rows[:, k], len(ends)), dtype=float) for k in (3, 4))
+    return _Lives(ends[:, 0].astype(np.intp), ends[:, 1], ends[:, 2], failures, parts)
 
 
-def _log_likelihood(
-    at: Callable[[Array, Array, Array], tuple[Array, Array]],
-    grid: Array, start: Array, end: Array, failures: Array, parts: Array,
-) -> Array:  # fmt: skip
-    """At each point; shape of the grid."""
-    found: Array = np.zeros(len(grid))
-    for some in np.array_split(np.arange(len(start)), max(1, len(start) * len(grid) // 2_000_000)):
-        hazard, gathered = at(grid, start[some], end[some])
+def _log_likelihoods(
+    at: Callable[[Array, Array, Array], tuple[Array, Array]], grid: Array, lives: _Lives, robots: int
+) -> Array:
+    """Of each robot at each point; shape (robots, points)."""
+    found = np.zeros((robots, len(grid)))
+    for some in np.array_split(np.arange(len(lives.start)), 1 + len(lives.start) * len(grid) // 2_000_000):
+        if not len(some):
+            continue
+        failures, robot = lives.failures[some], lives.robot[some]
+        hazard, gathered = at(grid, lives.start[some], lives.end[some])
         with np.errstate(divide="ignore", invalid="ignore"):
-            log = np.where(failures[some] > 0, failures[some] * np.log(hazard), 0.0)
-            found = found + log.sum(axis=1) - (parts[some] * gathered).sum(axis=1)
+            log = np.where(failures > 0, failures * np.log(hazard), 0.0) - lives.parts[some] * gathered
+        first = np.flatnonzero(np.append(True, robot[1:] != robot[:-1]))
+        found[robot[first]] += np.add.reduceat(log, first, axis=1).T
     return np.where(np.isnan(found), -np.inf, found)
 
 
@@ -264,8 +283,8 @@ def _between(grid: Array, each: Array) -> tuple[float, float, float]:
         found = log_likelihood(min(max(float(x[0]), float(grid[0])), float(grid[-1])), inside)
         return 1e300 if found == -math.inf else -found
 
-    starts = (math.log(0.1), math.log(0.5), math.log(1.5))
-    best = min((minimize(miss, [first, start], method="Nelder-Mead") for start in starts), key=lambda one: one.fun)
+    start = min(np.linspace(narrowest, widest, 15), key=lambda log_spread: miss(np.array([first, log_spread])))
+    best = minimize(miss, [first, start], method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-6})
     gain = max(0.0, 2 * (-float(best.fun) - float(together.max())))
     p = float(chi2.sf(gain, 1)) / 2 if gain > 0 else 1.0
     mean = min(max(float(best.x[0]), float(grid[0])), float(grid[-1]))

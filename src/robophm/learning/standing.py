@@ -60,7 +60,7 @@ class Standing:
             moved[unit[here], np.arange(stop - start)] = change[here]
             stands[here] = self._down(names, np.cumsum(moved, axis=1) > 0)
             start = stop
-        return np.bincount(of, stands * lasts, repetitions)
+        return np.asarray(np.bincount(of, stands * lasts, repetitions), dtype=float)
 
     def stops(self, unit: str, up: Mapping[str, float]) -> float:
         """P(the robot stands still | a unit is down), each other one up with its probability, 1 where none is said."""
