@@ -84,8 +84,16 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
     (tmp_path / "km.csv").write_text("time [km],value\n" + "".join(f"{i},{i}\n" for i in range(9)))
     (tmp_path / "back.csv").write_text("time [h],value\n5,1\n3,2\n")
     (tmp_path / "load.csv").write_text("time [h],value,load\n" + "".join(f"{i},{i},1\n" for i in range(200)))
+    (tmp_path / "before.csv").write_text("time [h],value\n-5,1\n3,2\n")
+    (tmp_path / "cold.csv").write_text("time [h],value,ambient\n5,1,20\n6,2,\n")
+    (tmp_path / "wide.csv").write_text("time [h],value\n" + "".join(f"{i},{i}e300\n" for i in range(150)))
+    (tmp_path / "two.yaml").write_text(ROBOT.replace("battery: {", "battery: {quantity: 2, "))
     words = ("--part", "battery", "--threshold", 0.7)
     for some, said in (
+        (("before.csv", *words), ":2: time: -5 is negative; expected the age of the part"),
+        (("cold.csv", *words), ":3: ambient: is empty; expected a number"),
+        (("wide.csv", *words), "a value or the threshold is beyond 1e+60"),
+        (("load.csv", *words, "--load", 1), "load.csv: the load does not change in the baseline"),
         (("capacity.csv", "--part", "batery", "--threshold", 1), "no part 'batery'; did you mean 'battery'"),
         (("km.csv", *words), "unit 'km' does not measure what 'h' does"),
         (("back.csv", *words), ":3: time: is no later than the reading before"),
@@ -97,6 +105,7 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
         assert failed.returncode == 3
         assert said in failed.stderr
         assert failed.stderr.count("\n") == 1
+    assert "'battery' is 2 equal parts" in inside("wear", "two.yaml", "capacity.csv", *words).stderr
 
 
 LISTENS = """

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from robophm.core.errors import DataError
 from robophm.core.signal import SECOND
 from robophm.design.robot import Gauge, WearSignal
+from robophm.learning.wear import WIDEST
 
 Array = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]
@@ -165,7 +166,7 @@ class Reducer:
             if beside and gauge:
                 beside.add(*block.get(gauge.signal, nothing))
         times, values = block.get(wear.gauge.signal, nothing)
-        sound = np.isfinite(values) & (values >= wear.gauge.low) & (values <= wear.gauge.high)
+        sound = (np.abs(values) <= WIDEST) & (values >= wear.gauge.low) & (values <= wear.gauge.high)
         self._left_out(sound, "samples that are no number within their range")
         times, values = times[sound], values[sound]
         if self._load and wear.load:
