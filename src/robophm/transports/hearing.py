@@ -31,6 +31,9 @@ MOST_WHOLE = 200
 TICK = 0.5
 """Seconds between two clock samples, at most."""
 
+TOGETHER = 0.002
+"""Seconds in which what comes is taken together: it takes much less time than one by one."""
+
 _clock_of = attrgetter("clock.sec", "clock.nanosec")
 
 
@@ -62,26 +65,30 @@ class Hearing:
         """The latest clock sample."""
         self._latest = 0
 
-    def message(self, reading: Reading, raw: bytes, before: int | None) -> int | None:
-        """A message has come; ``before`` is the number in the sequence of the one before it, as is returned of this."""
-        return self.messages(reading, (raw,), before)
-
     def messages(self, reading: Reading, raws: Sequence[bytes], before: int | None) -> int | None:
-        """Messages of one publisher have come, one after the other."""
-        if self.simulated and reading.topic == CLOCK_TOPIC:
-            for raw in raws:
+        """Messages of one publisher have come, one after the other.
+
+        ``before`` is the number in the sequence of the one before them, as is returned of the last.
+        """
+        topic, whole = reading.topic, reading.topic in self.whole
+        for raw in raws:
+            if self.simulated and topic == CLOCK_TOPIC:
                 with suppress(Exception):  # it is counted below
                     self._set_clock(reading, raw)
-        for numbers in reading.read_all(raws, whole=reading.topic in self.whole):
-            before = self._heard(reading.topic, numbers, before)
+            try:
+                numbers = reading.read(raw, whole=whole)
+            except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
+                self._unreadable(topic)
+            else:
+                before = self._heard(topic, numbers, before)
         return before
 
-    def _heard(self, topic: str, numbers: Numbers | None, before: int | None) -> int | None:
-        if numbers is None:
-            self._notes.add(f"unreadable message on {topic}")
-            if topic in self.whole and (receipt := self._receipt()):
-                self._put([Told(receipt, topic, None)])
-            return before
+    def _unreadable(self, topic: str) -> None:
+        self._notes.add(f"unreadable message on {topic}")
+        if topic in self.whole and (receipt := self._receipt()):
+            self._put([Told(receipt, topic, None)])
+
+    def _heard(self, topic: str, numbers: Numbers, before: int | None) -> int | None:
         if numbers.sequence is not None and before is not None and numbers.sequence > before + 1:
             self._notes.add(f"sequence gap on {topic}", numbers.sequence - before - 1)
         if not (receipt := self._receipt()):
@@ -90,7 +97,9 @@ class Hearing:
         if receipt < self._latest:
             self._notes.add(f"receipt time goes backwards on {topic}")
         self._latest = receipt
-        count = self.counts.setdefault(topic, Count(0, receipt, receipt))
+        count = self.counts.get(topic)
+        if count is None:
+            count = self.counts[topic] = Count(0, receipt, receipt)
         count.messages += 1
         count.last = receipt
         at = numbers.stamp
@@ -129,27 +138,39 @@ class Hearing:
 
 
 class Queue:
-    """What waits to be taken, up to a number; what comes beyond it is dropped and counted."""
+    """What waits to be taken, up to a number; what comes beyond it is dropped and counted.
+
+    Threads that wake each other for every sample take longer for that than for the samples: what is put is handed on
+    all at once, when ``hand_on`` says so.
+    """
 
     def __init__(self, notes: Notes, most: int) -> None:
         self._notes = notes
         self._most = most
-        self._waiting: SimpleQueue[Sample | Told | None] = SimpleQueue()
-        self._whole_put = self._whole_taken = 0  # each by one thread alone
+        self._gathered: list[Sample | Told] = []
+        self._waiting: SimpleQueue[list[Sample | Told] | None] = SimpleQueue()
+        self._put = self._taken = 0  # each by one thread alone
+        self._whole_put = self._whole_taken = 0
         self._over = threading.Event()
 
     def put(self, heard: Sequence[Sample | Told]) -> None:
-        """All of one message, or nothing."""
-        whole = sum(isinstance(one, Told) for one in heard)
-        if self._waiting.qsize() + len(heard) > self._most or (
+        """All of one message, or nothing; to be taken once it is handed on."""
+        whole = isinstance(heard[-1], Told) if heard else False
+        if self._put - self._taken + len(heard) > self._most or (
             whole and self._whole_put - self._whole_taken >= MOST_WHOLE
         ):
             for one in heard:
                 self._notes.add(f"queue full, dropped {one.signal if isinstance(one, Sample) else one.topic}")
             return
+        self._put += len(heard)
         self._whole_put += whole
-        for one in heard:
-            self._waiting.put(one)
+        self._gathered += heard
+
+    def hand_on(self) -> None:
+        """Let what has been put be taken; from the thread that puts."""
+        if self._gathered:
+            self._waiting.put(self._gathered)
+            self._gathered = []
 
     def end(self) -> None:
         """Let whoever takes have what is there, and no more."""
@@ -163,10 +184,14 @@ class Queue:
     def taken(self, close: Callable[[], None]) -> Iterator[Sample | Told]:
         """Until the end, or the taker has enough, which calls ``close``."""
         try:
-            while (heard := self._waiting.get()) is not None and not self._over.is_set():
-                if isinstance(heard, Told):
-                    self._whole_taken += 1
-                yield heard
+            while (some := self._waiting.get()) is not None:
+                for heard in some:
+                    if self._over.is_set():
+                        return
+                    self._taken += 1
+                    if isinstance(heard, Told):
+                        self._whole_taken += 1
+                    yield heard
         finally:
             if not self._over.is_set():  # otherwise somebody else is closing, which may take longer
                 close()

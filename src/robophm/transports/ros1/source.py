@@ -98,6 +98,7 @@ class Ros1(RosSource):
         queue = Queue(self.notes, self._queue)
         node = Node(master=self._master, notes=self.notes)
         node.loop.tick = self._tick
+        node.loop.served = queue.hand_on
         node.told_to_end = queue.end
         try:
             simulated = node.ask("getParam", "/use_sim_time") is True

@@ -5,11 +5,11 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 from robophm.core.errors import SourceError
-from robophm.transports.hearing import CLOCK_TOPIC, TICK, Hearing
+from robophm.transports.hearing import CLOCK_TOPIC, TICK, TOGETHER, Hearing
 from robophm.transports.notes import TypeRefusedError
 from robophm.transports.reading import Reading
 from robophm.transports.ros2_dds.cyclone import AT_ONCE, HISTORY, Offer, Reader
@@ -44,6 +44,8 @@ class Listening(threading.Thread):
         super().__init__(name=f"ros2 {node.name}", daemon=True)
         self.mistake: SourceError | None = None
         """The first signal that a topic does not have, or type that cannot be read."""
+        self.served: Callable[[], None] = lambda: None
+        """Called whenever all that has come has been heard."""
         self._node = node
         self._notes = node.notes
         self._hearing = hearing
@@ -73,10 +75,13 @@ class Listening(threading.Thread):
 
     def run(self) -> None:
         """Until ``close``."""
-        latest = 0.0
+        latest = awake = 0.0
         while not self._over.is_set():
             try:
+                if (pause := awake + TOGETHER - time.monotonic()) > 0:
+                    time.sleep(pause)
                 self._waiting.wait(self._every - time.time() % self._every)
+                awake = time.monotonic()
                 if self._discovery.look():
                     self._match()
                 for ear in self._ears.values():
@@ -84,6 +89,7 @@ class Listening(threading.Thread):
                 if (begun := time.time() // self._every) != latest:
                     latest = begun
                     self._tick()
+                self.served()
             except Exception:
                 # a fault of ours must not end the listening; it is counted and logged
                 self._notes.add("internal error")

@@ -93,6 +93,7 @@ class Ros2(RosSource):
         hearing = Hearing(self.notes, queue.put, topics, simulated=simulated)
         node = self._node(domain=self._graph.place.domain, notes=self.notes)
         listening = Listening(node, wanted, hearing, self._tick)
+        listening.served = queue.hand_on
         self._run = run = Run(queue, hearing, listening, node)
         if listening.mistake or self._closed:
             run.close()
