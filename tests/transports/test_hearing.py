@@ -16,7 +16,7 @@ from robophm.transports.health_topics.definitions import definition, typestore
 from robophm.transports.hearing import Hearing, Queue
 from robophm.transports.notes import Notes
 from robophm.transports.reading import Reading
-from robophm.transports.source import Told
+from robophm.transports.source import Gap, Told
 from robophm.transports.tasks import TaskTopics
 
 MESSAGES = 10_000
@@ -116,5 +116,5 @@ def test_a_queue_hands_on_whole_messages_in_order_and_counts_what_does_not_fit()
     queue.put(messages[2])  # what was taken left room
     queue.hand_on()
     queue.end()
-    assert list(taken) == [Sample(3, "/u.c", 3.0), *messages[2]]
+    assert list(taken) == [Gap("/t", "queue full"), Sample(3, "/u.c", 3.0), *messages[2]]
     assert notes == {"queue full, dropped /t.a": 1, "queue full, dropped /t.b": 1}

@@ -17,7 +17,7 @@ from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
 from robophm.transports.notes import Notes
 from robophm.transports.reading import LARGE, Numbers, Reading
 from robophm.transports.recording import STAMP_LIMIT
-from robophm.transports.source import LiveSource, Told
+from robophm.transports.source import Gap, LiveItem, LiveSource, Told
 
 CLOCK_TOPIC = "/clock"
 """Where the time comes from under use_sim_time (wiki.ros.org/Clock, design.ros2.org/articles/clock_and_time)."""
@@ -50,7 +50,7 @@ class Hearing:
     """Gives messages their time; puts samples, those of the clock, and whole messages in order. All in one thread."""
 
     def __init__(
-        self, notes: Notes, put: Callable[[Sequence[Sample | Told]], None], whole: Collection[str], *, simulated: bool
+        self, notes: Notes, put: Callable[[Sequence[LiveItem]], None], whole: Collection[str], *, simulated: bool
     ) -> None:
         self.simulated = simulated
         """Receipt is the time of /clock."""
@@ -90,7 +90,7 @@ class Hearing:
 
     def _heard(self, topic: str, numbers: Numbers, before: int | None) -> int | None:
         if numbers.sequence is not None and before is not None and numbers.sequence > before + 1:
-            self._notes.add(f"sequence gap on {topic}", numbers.sequence - before - 1)
+            self.missing(topic, "sequence gap", numbers.sequence - before - 1)
         if not (receipt := self._receipt()):
             self._notes.add(f"before the first time of {CLOCK_TOPIC}, dropped {topic}")
             return numbers.sequence
@@ -109,13 +109,18 @@ class Hearing:
             at = receipt
         for signal in numbers.absent:
             self._notes.add(f"no element for {signal}")
-        heard: list[Sample | Told] = [Sample(at, signal, value) for signal, value in numbers.values]
+        heard: list[LiveItem] = [Sample(at, signal, value) for signal, value in numbers.values]
         if topic in self.whole:
             if numbers.message is None:
                 self._notes.add(f"message on {topic} longer than {LARGE} bytes")
             heard.append(Told(receipt, topic, numbers.message))
         self._put(heard)
         return numbers.sequence
+
+    def missing(self, topic: str, why: str, count: int = 1) -> None:
+        """Count messages that did not come, or what may have cost some; what is heard has a gap here."""
+        self._notes.add(f"{why} on {topic}", count)
+        self._put([Gap(topic, why)])
 
     def tell(self) -> None:
         """A clock sample: silence is heard too."""
@@ -147,24 +152,39 @@ class Queue:
     def __init__(self, notes: Notes, most: int) -> None:
         self._notes = notes
         self._most = most
-        self._gathered: list[Sample | Told] = []
-        self._waiting: SimpleQueue[list[Sample | Told] | None] = SimpleQueue()
+        self._gathered: list[LiveItem] = []
+        self._gaps: set[Gap] = set()
+        """Since there was room last."""
+        self._waiting: SimpleQueue[list[LiveItem] | None] = SimpleQueue()
         self._put = self._taken = 0  # each by one thread alone
         self._whole_put = self._whole_taken = 0
         self._over = threading.Event()
 
-    def put(self, heard: Sequence[Sample | Told]) -> None:
+    def put(self, heard: Sequence[LiveItem]) -> None:
         """All of one message, or nothing; to be taken once it is handed on."""
-        whole = isinstance(heard[-1], Told) if heard else False
+        whole = bool(heard) and isinstance(heard[-1], Told)
         if self._put - self._taken + len(heard) > self._most or (
             whole and self._whole_put - self._whole_taken >= MOST_WHOLE
         ):
             for one in heard:
-                self._notes.add(f"queue full, dropped {one.signal if isinstance(one, Sample) else one.topic}")
+                self._drop(one)
             return
+        if self._gaps:
+            self._put += len(self._gaps)
+            self._gathered += sorted(self._gaps)
+            self._gaps.clear()
         self._put += len(heard)
         self._whole_put += whole
         self._gathered += heard
+
+    def _drop(self, one: LiveItem) -> None:
+        if isinstance(one, Gap):
+            self._gaps.add(one)
+            return
+        topic, what = (one.signal.partition(".")[0], one.signal) if isinstance(one, Sample) else (one.topic, one.topic)
+        self._notes.add(f"queue full, dropped {what}")
+        if topic != CLOCK:
+            self._gaps.add(Gap(topic, "queue full"))
 
     def hand_on(self) -> None:
         """Let what has been put be taken; from the thread that puts."""
@@ -181,7 +201,7 @@ class Queue:
         self._over.set()
         self._waiting.put(None)
 
-    def taken(self, close: Callable[[], None]) -> Iterator[Sample | Told]:
+    def taken(self, close: Callable[[], None]) -> Iterator[LiveItem]:
         """Until the end, or the taker has enough, which calls ``close``."""
         try:
             while (some := self._waiting.get()) is not None:
@@ -211,7 +231,7 @@ class Run:
         self._closing = threading.RLock()  # a signal may close while we are in it
         self._closed = False
 
-    def heard(self) -> Iterator[Sample | Told]:
+    def heard(self) -> Iterator[LiveItem]:
         """Until the end."""
         return self._queue.taken(self.close)
 

@@ -6,9 +6,12 @@
     # signal /ota/battery.voltage
     1709553600000000000 25.9 /ota/battery.voltage
     1709553601000000000 nan clock
+    # gap connection lost on /ota/battery
+    # gap not listening
 
 Every line is time [ns], value as Python's repr, signal. A line without its end was torn by a crash and does
-not count. The signals that the run listened to are named, since one that never spoke is part of the run too.
+not count. The signals that the run listened to are named, since one that never spoke is part of the run too. A gap is
+where a live source did not hear something, or may not have: of a topic, or of all where a later run begins.
 """
 
 from __future__ import annotations
@@ -25,6 +28,7 @@ from robophm.transports.source import TextSource, existing
 
 _TITLE = "# robophm journal 1\n"
 _SIGNAL = "# signal "
+_GAP = "# gap "
 
 
 class Journal:
@@ -42,9 +46,11 @@ class Journal:
         self._unflushed = 0
         self._known = {CLOCK}
         if self.path.exists() and self.path.stat().st_size:
-            self._known |= JournalRecording(self.path).signals
+            before = JournalRecording(self.path)
+            self._known |= before.signals
             _cut_torn_line(self.path)
-            title = ""
+            spoken = any(not line.startswith(b"#") for _, line in before._lines())
+            title = f"{_GAP}not listening\n" if spoken else ""
         else:
             title = _TITLE
         self._file = self.path.open("a", encoding="utf-8", newline="\n")
@@ -76,6 +82,10 @@ class Journal:
         if signal == CLOCK or self._unflushed >= self._flush_every:
             self._file.flush()
             self._unflushed = 0
+
+    def gap(self, topic: str, why: str) -> None:
+        """Say that something of a topic was not heard here, or may not have been."""
+        self._file.write(f"{_GAP}{why} on {topic}\n")
 
     @property
     def position(self) -> int:
@@ -134,6 +144,8 @@ class JournalRecording(TextSource):
                 self.notes["torn last line ignored"] += 1
             elif not line.startswith(b"#"):
                 yield self._sample(number, line)
+            elif line.startswith(_GAP.encode()):
+                self.notes["gap in what was heard"] += 1
 
     def _sample(self, number: int, line: bytes) -> Sample:
         try:

@@ -83,7 +83,7 @@ class Listening:
         key = stream.reading.topic, stream.uri
         del self._streams[key]
         if not self._closed:
-            self._notes.add(f"connection lost on {stream.reading.topic}")
+            self._hearing.missing(stream.reading.topic, "connection lost")
             if stream.messages:
                 self._failures.pop(key, None)
             self._failed(key)

@@ -122,7 +122,7 @@ class Listening(threading.Thread):
     def _count(self, ear: Ear, number: int | None, *, alone: bool) -> None:
         """Say what is missing before a message, where the transport numbers those of the only publisher."""
         if number is not None and alone and ear.number is not None and number > ear.number + 1:
-            self._notes.add(f"sequence gap on {ear.reading.topic}", number - ear.number - 1)
+            self._hearing.missing(ear.reading.topic, "sequence gap", number - ear.number - 1)
         ear.number = number if alone else None
 
     def _tick(self) -> None:
@@ -130,9 +130,9 @@ class Listening(threading.Thread):
         for ear in self._ears.values():
             topic = ear.reading.topic
             if lost := ear.reader.lost():
-                self._notes.add(f"lost on the way on {topic}", lost)
+                self._hearing.missing(topic, "lost on the way", lost)
             if full := ear.reader.overrun():
-                self._notes.add(f"came too fast, some may be lost on {topic}", full)
+                self._hearing.missing(topic, "came too fast, some may be lost", full)
             if refused := ear.reader.refused():
                 self._notes.add(f"incompatible publisher on {topic}", refused)
         refused_before, self._refused_before = self._refused_before, self._graph.refused()
@@ -166,7 +166,7 @@ class Listening(threading.Thread):
             self._types[topic] = {*now.values()}
             return
         if gone := len(before.keys() - now.keys()):
-            self._notes.add(f"connection lost on {topic}", gone)
+            self._hearing.missing(topic, "connection lost", gone)
         if come := now.keys() - before.keys():
             self._notes.add(f"connected again to {topic}", len(come))
             if changed := len({now[key] for key in come} - self._types[topic]):
