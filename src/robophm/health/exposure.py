@@ -7,8 +7,9 @@ holds, until it is stale; every interval is split exactly where something change
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -17,7 +18,8 @@ from robophm.core.signal import HOUR, Sample
 from robophm.design.robot import Channel, MeasuredClock, Robot, Stress
 from robophm.health.clock import Clock
 from robophm.health.ledger import RECENT, Ledger, Step
-from robophm.health.stretch import Array, Columns, Flags, Grid, Observed, Stretch
+from robophm.health.stretch import Flags, Grid, Observed, Stretch
+from robophm.health.window import Array, Columns, Window
 
 Witness = Callable[[Sequence[int], Array, Array, Mapping[str, Array]], None]
 """Is told what some failure modes went through: which, by index; of each interval how far their clock went (a calendar
@@ -62,7 +64,7 @@ class Exposure:
 
         ``duty`` is the share at which each mode ages meanwhile, where a task is known not to need its part.
         """
-        self.integrate_columns(ledger, columns_of(samples), [until], duty)
+        self.integrate_columns(ledger, Window(samples).columns(), [until], duty)
 
     def integrate_columns(
         self, ledger: Ledger, columns: Columns, ends: Sequence[int], duty: Array | None = None
@@ -122,10 +124,10 @@ class Exposure:
     def settled(self, ledger: Ledger) -> Ledger:
         """A copy of the ledger with its open window integrated too, up to the newest sample."""
         ahead = ledger.copy()
-        samples, ahead.pending = sorted(ahead.pending), []
+        columns, ahead.pending = ahead.pending.columns(), Window()
         newest = ahead.newest
-        if newest is not None and (ahead.integrated_to is None or newest > ahead.integrated_to or samples):
-            self.integrate(ahead, samples, newest)
+        if newest is not None and (ahead.integrated_to is None or newest > ahead.integrated_to or columns):
+            self.integrate_columns(ahead, columns, [newest])
         return ahead
 
     def current_factor(self, ledger: Ledger) -> Array:
@@ -196,17 +198,6 @@ class Exposure:
             if now is None or key not in ledger.last or now >= ledger.last[key][0] + age
         }
         return sorted(old)
-
-
-def columns_of(samples: Iterable[Sample]) -> Columns:
-    """What each signal said, of samples in order of time."""
-    own: dict[str, tuple[list[int], list[float]]] = {}
-    for time, signal, value in samples:
-        if (both := own.get(signal)) is None:
-            both = own[signal] = [], []
-        both[0].append(time)
-        both[1].append(value)
-    return {signal: (np.array(times, dtype=np.int64), np.array(values)) for signal, (times, values) in own.items()}
 
 
 def channel_key(channel: Channel) -> str:
@@ -285,11 +276,11 @@ class _Group:
     stresses: tuple[tuple[Stress, tuple[_Input, ...]], ...]
     members: list[int]
 
-    @property
+    @cached_property
     def channel_keys(self) -> tuple[str, ...]:
         return tuple(one.key for _, inputs in self.stresses for one in inputs)
 
-    @property
+    @cached_property
     def law(self) -> tuple[object, ...]:
         """Equal where two groups have the same factor for the same inputs."""
         return tuple((stress.law, *(one.name for one in inputs)) for stress, inputs in self.stresses)

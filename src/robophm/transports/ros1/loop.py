@@ -142,8 +142,9 @@ class Loop(threading.Thread):
     def post(self, action: Callable[[], None]) -> None:
         """Do this in the loop, soon; from any thread."""
         self._posted.append(action)
-        with suppress(OSError):  # full: it is awake; closed: nothing is done any more
-            self._mouth.send(b".")
+        if len(self._posted) == 1:  # otherwise it has been woken
+            with suppress(OSError):  # full: it is awake; closed: nothing is done any more
+                self._mouth.send(b".")
 
     def add(self, peer: Peer) -> None:
         """Serve a peer, from within the loop."""
