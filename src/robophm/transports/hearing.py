@@ -159,6 +159,7 @@ class Queue:
         self._put = self._taken = 0  # each by one thread alone
         self._whole_put = self._whole_taken = 0
         self._over = threading.Event()
+        self._handing = threading.RLock()  # a signal may end it while we are in it
 
     def put(self, heard: Sequence[LiveItem]) -> None:
         """All of one message, or nothing; to be taken once it is handed on."""
@@ -169,13 +170,14 @@ class Queue:
             for one in heard:
                 self._drop(one)
             return
-        if self._gaps:
-            self._put += len(self._gaps)
-            self._gathered += sorted(self._gaps)
-            self._gaps.clear()
-        self._put += len(heard)
-        self._whole_put += whole
-        self._gathered += heard
+        with self._handing:
+            if self._gaps:
+                self._put += len(self._gaps)
+                self._gathered += sorted(self._gaps)
+                self._gaps.clear()
+            self._put += len(heard)
+            self._whole_put += whole
+            self._gathered += heard
 
     def _drop(self, one: LiveItem) -> None:
         if isinstance(one, Gap):
@@ -187,13 +189,15 @@ class Queue:
             self._gaps.add(Gap(topic, "queue full"))
 
     def hand_on(self) -> None:
-        """Let what has been put be taken; from the thread that puts."""
-        if self._gathered:
-            self._waiting.put(self._gathered)
-            self._gathered = []
+        """Let what has been put be taken."""
+        with self._handing:
+            if self._gathered:
+                self._waiting.put(self._gathered)
+                self._gathered = []
 
     def end(self) -> None:
         """Let whoever takes have what is there, and no more."""
+        self.hand_on()
         self._waiting.put(None)
 
     def close(self) -> None:

@@ -132,11 +132,12 @@ class Supervised:
         if self.watcher is None or self.watcher.poll() is not None:
             self._buried()
             words = ["robot.yaml", "--ros", "1", "--store", "past.db", "--journal", "run.journal", "--period", "60"]
-            self.watcher = subprocess.Popen(
-                [sys.executable, "-m", "robophm", "watch", *words, "--json", "--every", "1000"],
-                cwd=self.folder, env=os.environ | self.system.environment | {"PATH": os.environ["PATH"]}, text=True,
-                stdout=subprocess.DEVNULL, stderr=(self.folder / "watcher.txt").open("w"),
-            )  # fmt: skip
+            with (self.folder / "watcher.txt").open("w") as said:
+                self.watcher = subprocess.Popen(
+                    [sys.executable, "-m", "robophm", "watch", *words, "--json", "--every", "1000"],
+                    cwd=self.folder, env=os.environ | self.system.environment | {"PATH": os.environ["PATH"]},
+                    text=True, stdout=subprocess.DEVNULL, stderr=said,
+                )  # fmt: skip
 
     def _buried(self) -> None:
         if self.watcher is not None and self.watcher.returncode != -signal.SIGKILL:

@@ -85,6 +85,7 @@ class Peer:
         if not data:
             self.close()
             return
+        self.loop.behind |= len(data) == _READ
         before = len(self.received)
         self.received += data
         try:
@@ -117,6 +118,8 @@ class Loop(threading.Thread):
         self.notes = notes
         self.tick = TICK
         self.ticks: list[Callable[[], None]] = []
+        self.behind = False
+        """There is more to receive of somebody than was received at once."""
         self.served: Callable[[], None] = lambda: None
         """Called whenever all have been served that had something to say."""
         self.peers: set[Peer] = set()
@@ -175,8 +178,9 @@ class Loop(threading.Thread):
         """Until ``close``."""
         latest = awake = 0.0
         while not self._stopped:
-            if (pause := awake + TOGETHER - time.monotonic()) > 0:
+            if not self.behind and (pause := awake + TOGETHER - time.monotonic()) > 0:
                 time.sleep(pause)
+            self.behind = False
             ready = self._selector.select(self.tick - time.time() % self.tick)
             awake = time.monotonic()
             for key, mask in ready:
