@@ -119,6 +119,11 @@ class Stretch:
         self.off = _NEVER if ledger.off is None else ledger.off
         """When it was off last before this stretch."""
 
+    @cached_property
+    def _edges(self) -> Times:
+        """The bounds, each once."""
+        return ascending(self.bounds)
+
     def hold(self, key: str, times: Times, values: Array, max_age: int) -> Held:
         """What a signal said, with what it said last before; kept under a key, also for the next stretch."""
         if key in self.ledger.last:
@@ -164,7 +169,7 @@ class Stretch:
 
     def _of_many(self, keys: tuple[str, ...]) -> Grid:
         grids = [self.grid((key,)) for key in dict.fromkeys(keys)]
-        edges = ascending(self.bounds)
+        edges = self._edges
         if grids:
             edges = grids[0].edges
             if not all(np.array_equal(edges, grid.edges) for grid in grids[1:]):
@@ -185,7 +190,7 @@ class Stretch:
         lost = gone[:-1] < times[1:]
         gone = np.concatenate((gone[:-1][lost], gone[-1:])) if lost.any() else gone[-1:]
         gone = gone[(gone > self.start) & (gone < self.end)]
-        extra = ascending(np.concatenate((self.bounds, gone)))
+        extra = ascending(np.concatenate((self.bounds, gone))) if len(gone) else self._edges
         inside = slice(times.searchsorted(self.start, side="right"), times.searchsorted(self.end))
         times, values = times[inside], values[inside]
         place = times.searchsorted(extra)

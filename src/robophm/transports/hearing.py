@@ -84,7 +84,7 @@ class Hearing:
         return before
 
     def _unreadable(self, topic: str) -> None:
-        self._notes.add(f"unreadable message on {topic}")
+        self.missing(topic, "unreadable message")
         if topic in self.whole and (receipt := self._receipt()):
             self._put([Told(receipt, topic, None)])
 

@@ -27,6 +27,9 @@ from robophm.core.signal import CLOCK, Sample, split_signal
 from robophm.transports.source import TextSource, existing
 
 _TITLE = "# robophm journal 1\n"
+_BUFFERED = 1 << 18
+"""Bytes of lines that may wait to go to the operating system: no more is asked of it than is said below."""
+
 _SIGNAL = "# signal "
 _GAP = "# gap "
 
@@ -40,7 +43,7 @@ class Journal:
     Raises SourceError where the file is there and is no journal, or a signal is no signal.
     """
 
-    def __init__(self, path: str | Path, signals: Collection[str] = (), flush_every: int = 100) -> None:
+    def __init__(self, path: str | Path, signals: Collection[str] = (), flush_every: int = 2000) -> None:
         self.path = Path(path)
         self._flush_every = flush_every
         self._unflushed = 0
@@ -53,7 +56,7 @@ class Journal:
             title = f"{_GAP}not listening\n" if spoken else ""
         else:
             title = _TITLE
-        self._file = self.path.open("a", encoding="utf-8", newline="\n")
+        self._file = self.path.open("a", _BUFFERED, encoding="utf-8", newline="\n")
         self._file.write(title)
         try:
             for signal in sorted(signals):

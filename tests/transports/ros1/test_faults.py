@@ -31,7 +31,8 @@ from robophm.stores.sqlite import SqliteStore
 from robophm.transports.ros1 import Node, Publisher
 from robophm.transports.ros1.xmlrpc import call
 
-from .conftest import PRELUDE, System, within
+from ..listener import within
+from .conftest import PRELUDE, System
 
 PACE = 60
 """Simulated seconds in a second."""
