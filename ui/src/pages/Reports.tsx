@@ -1,5 +1,5 @@
 import { type ReactNode, useState } from "react";
-import { get, type Shapes, upload } from "../lib/api";
+import { file, get, type Shapes, upload } from "../lib/api";
 import { offer } from "../lib/exports";
 import { go, replaceText, sayError, useDesign } from "../lib/store";
 import { FileButton } from "../parts/Field";
@@ -8,11 +8,21 @@ export function Reports(): ReactNode {
   const design = useDesign();
   const [legacy, setLegacy] = useState<{ name: string; found: Shapes["Imported"] } | null>(null);
   const [wrong, setWrong] = useState("");
+  const [printing, setPrinting] = useState(false);
   if (!design) return null;
-  const look = (file: File): void =>
-    void upload("/api/imports/legacy", file, { name: file.name })
+  async function print(): Promise<void> {
+    setPrinting(true);
+    try {
+      offer("health.pdf", "application/pdf", await file("/api/report.pdf"));
+    } catch (error) {
+      sayError(error);
+    }
+    setPrinting(false);
+  }
+  const look = (one: File): void =>
+    void upload("/api/imports/legacy", one, { name: one.name })
       .then((found) => {
-        setLegacy({ name: file.name, found });
+        setLegacy({ name: one.name, found });
         setWrong("");
       })
       .catch((error: Error) => {
@@ -36,6 +46,9 @@ export function Reports(): ReactNode {
               <a className="button" href="./api/report?download=true" download="health.html">
                 Download it
               </a>
+              <button disabled={printing} onClick={() => void print()}>
+                {printing ? "Printing…" : "Download as PDF"}
+              </button>
             </div>
           ) : (
             <p className="state warn">The design is not complete: there is nothing to report yet.</p>
@@ -50,7 +63,7 @@ export function Reports(): ReactNode {
             <a className="button" href="./api/design/download" download={design.file}>
               Download the design
             </a>
-            <FileButton label="Open a design file" accept=".yaml,.yml" take={(file) => void file.text().then((text) => replaceText(text, `Open ${file.name}`)).then((done) => done && go("design")).catch(sayError)} />
+            <FileButton label="Open a design file" accept=".yaml,.yml" take={(one) => void one.text().then((text) => replaceText(text, `Open ${one.name}`)).then((done) => done && go("design")).catch(sayError)} />
             <button onClick={() => void get("/api/library/schema").then((schema) => offer("robot.schema.json", "application/json", JSON.stringify(schema, null, 1))).catch(sayError)}>JSON Schema</button>
           </div>
         </section>
