@@ -189,7 +189,7 @@ function stem(part: string): string {
   return part.replace(/\[\d+\]$/, "");
 }
 
-export default function Canvas(props: Props): ReactNode {
+export function Canvas(props: Props): ReactNode {
   return (
     <ReactFlowProvider>
       <Flow {...props} />

@@ -1,15 +1,14 @@
-import { lazy, type ReactNode, Suspense, useCallback, useEffect, useMemo, useState } from "react";
+import { type ReactNode, useCallback, useEffect, useMemo, useState } from "react";
 import { editWithUndo, edit, go, route, say, useDesign, useShared } from "../../lib/store";
 import type { Operation } from "../../lib/api";
 import { findPart, freeName, levelOf, levelPlace, type Part, treeOf } from "../../lib/tree";
 import { lastStep } from "../../lib/words";
+import { Canvas } from "./Canvas";
 import { GroupDialog } from "./GroupDialog";
 import { Inspector } from "./Inspector";
 import { RenameDialog } from "./RenameDialog";
 import { Tree } from "./Tree";
 import "./design.css";
-
-const Canvas = lazy(() => import("./Canvas"));
 
 /** Tree, canvas, inspector. What is chosen in one is chosen in all; "" is the robot. */
 export function Design(): ReactNode {
@@ -22,15 +21,17 @@ export function Design(): ReactNode {
 
   const choose = useCallback((paths: string[]) => setChosen(paths.length ? paths : [""]), []);
 
+  const known = design !== null;
   useEffect(() => {
     setChosen([rest]);
-  }, [rest]);
+    const part = design ? findPart(design, rest) : undefined;
+    if (part) setLevel(part.kind === "component" ? levelOf(part.path) : part.path);
+    // when somebody goes to a part, not whenever the design changes
+    // eslint-disable-next-line react-hooks/exhaustive-deps
+  }, [rest, known]);
 
   const first = chosen[0] ?? "";
   const part = design ? findPart(design, first) : undefined;
-  useEffect(() => {
-    if (part) setLevel(part.kind === "component" ? levelOf(part.path) : part.kind === "module" && chosen.length === 1 && rest === part.path ? part.path : levelOf(part.path));
-  }, [rest]);
   const shownLevel = design && findPart(design, level)?.kind !== "component" && findPart(design, level) ? level : "";
 
   if (!design || !tree) return null;
@@ -112,9 +113,7 @@ export function Design(): ReactNode {
             Delete
           </button>
         </div>
-        <Suspense fallback={<p className="quiet">Loading…</p>}>
-          <Canvas level={shownLevel} chosen={chosen} choose={choose} open={setLevel} />
-        </Suspense>
+        <Canvas level={shownLevel} chosen={chosen} choose={choose} open={setLevel} />
       </section>
       <section className="side right" aria-label="Inspector">
         {part ? (
