@@ -6,6 +6,7 @@ import { lastStep } from "../../lib/words";
 import { Canvas } from "./Canvas";
 import { GroupDialog } from "./GroupDialog";
 import { Inspector } from "./Inspector";
+import { MoveDialog } from "./MoveDialog";
 import { RenameDialog } from "./RenameDialog";
 import { Tree } from "./Tree";
 import "./design.css";
@@ -16,7 +17,7 @@ export function Design(): ReactNode {
   const { rest } = useShared(route);
   const [chosen, setChosen] = useState<string[]>([rest]);
   const [level, setLevel] = useState("");
-  const [dialog, setDialog] = useState<"" | "group" | "rename">("");
+  const [dialog, setDialog] = useState<"" | "group" | "rename" | "move">("");
   const tree = useMemo(() => design && treeOf(design), [design]);
 
   const choose = useCallback((paths: string[]) => setChosen(paths.length ? paths : [""]), []);
@@ -65,12 +66,24 @@ export function Design(): ReactNode {
     else setDialog("group");
   }
 
+  function startMove(): void {
+    if (!parts.length) say("Choose a part first.");
+    else if (new Set(parts.map((one) => levelOf(one.path))).size > 1) say("These parts are of different levels; move those of one level.", "error");
+    else setDialog("move");
+  }
+
+  function moved(paths: string[]): void {
+    choose(paths);
+    setLevel(levelOf(paths[0]!));
+  }
+
   function keys(event: React.KeyboardEvent): void {
     const target = event.target as HTMLElement;
     if (/^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName) || target.closest("dialog")) return;
     if (event.key === "Delete") remove();
     else if (event.key === "F2" && parts.length === 1) setDialog("rename");
     else if (event.ctrlKey && event.key.toLowerCase() === "g") startGroup();
+    else if (!event.ctrlKey && event.key.toLowerCase() === "m") startMove();
     else return;
     event.preventDefault();
   }
@@ -106,6 +119,9 @@ export function Design(): ReactNode {
           >
             Ungroup
           </button>
+          <button disabled={!parts.length} onClick={startMove} title="M, or drag a box">
+            Move…
+          </button>
           <button disabled={parts.length !== 1} onClick={() => setDialog("rename")} title="F2">
             Rename
           </button>
@@ -125,6 +141,7 @@ export function Design(): ReactNode {
         )}
       </section>
       {dialog === "group" && <GroupDialog members={parts} level={levelOf(parts[0]!.path)} close={() => setDialog("")} />}
+      {dialog === "move" && parts.length > 0 && <MoveDialog parts={parts} close={() => setDialog("")} moved={moved} />}
       {dialog === "rename" && parts[0] && (
         <RenameDialog
           part={parts[0]}
@@ -149,7 +166,7 @@ function Crumbs({ level, robot, show }: { level: string; robot: string; show: (l
           {i === all.length - 1 ? (
             <strong>{path ? lastStep(path) : robot}</strong>
           ) : (
-            <button className="plain" onClick={() => show(path)}>
+            <button className="plain" data-level={path} onClick={() => show(path)}>
               {path ? lastStep(path) : robot}
             </button>
           )}

@@ -146,6 +146,7 @@ export function Tree({ root, chosen, choose, open, design }: { root: Part; chose
               onDoubleClick={() => open(part)}
               style={{ top: HEIGHT * i, paddingLeft: 6 + 14 * row.depth }}
               title={part.path}
+              data-level={part.kind === "component" ? levelOf(part.path) : part.path}
             >
               <span
                 className="twist"
