@@ -3,6 +3,7 @@ import { file, get, type Shapes, upload } from "../lib/api";
 import { offer } from "../lib/exports";
 import { go, replaceText, sayError, useDesign } from "../lib/store";
 import { FileButton } from "../parts/Field";
+import { Preview } from "../parts/Table";
 
 export function Reports(): ReactNode {
   const design = useDesign();
@@ -103,28 +104,7 @@ export function Reports(): ReactNode {
                   {one}
                 </p>
               ))}
-              <div className="scroll" tabIndex={0} role="region" aria-label="What the file says">
-                <table>
-                  <thead>
-                    <tr>
-                      {legacy.found.columns.map((one) => (
-                        <th key={one} scope="col">
-                          {one}
-                        </th>
-                      ))}
-                    </tr>
-                  </thead>
-                  <tbody>
-                    {legacy.found.rows.map((row, i) => (
-                      <tr key={i}>
-                        {row.map((one, n) => (
-                          <td key={n}>{one}</td>
-                        ))}
-                      </tr>
-                    ))}
-                  </tbody>
-                </table>
-              </div>
+              <Preview label="What the file says" columns={legacy.found.columns} rows={legacy.found.rows} />
               <button className="primary" onClick={() => void replaceText(legacy.found.text, `Import ${legacy.name}`).then((done) => done && go("design"))}>
                 Make it the design
               </button>
