@@ -32,7 +32,7 @@ MOST_LIVES = 50_000
 
 _WIDEST = 16.0  # of ln θ: ten million times off
 _COARSE, _FINE = 321, 401
-_APART = 4.0  # of ln θ of a robot from the fleet's: fifty times
+_APART = 7.0  # of ln θ of a robot from the fleet's: a thousand times
 _FAR = 40.0  # below the greatest of a log posterior, where nothing is left of it
 
 
@@ -252,10 +252,10 @@ def _log_likelihoods(
 
 
 def _normal(x: Array, centre: Array, spread: float) -> Array:
-    """Of ln θ around each centre, adding up to 1 over the grid; shape (points, centres)."""
+    """Of ln θ around each centre, what is at each point of a grid; shape (points, centres)."""
+    step = float(x[1] - x[0])
     density: Array = np.exp(-0.5 * ((x[:, None] - centre[None, :]) / spread) ** 2)
-    total: Array = density.sum(axis=0)
-    return density / total
+    return density * (step / (spread * math.sqrt(2 * math.pi)))
 
 
 def _marginal(grid: Array, each: Array, spread: float) -> Array:
