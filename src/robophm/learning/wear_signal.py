@@ -24,7 +24,7 @@ from robophm.learning.wear import WIDEST
 Array = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]
 
-MOST_STRETCHES = 1_000_000
+MOST_STRETCHES = 200_000
 """Of one signal."""
 
 FEW = 0.25
@@ -143,7 +143,7 @@ class _Beside:
         if not len(self._times):
             return np.full(len(times), np.nan)
         index = np.searchsorted(self._times, times, side="right") - 1
-        old = (index < 0) | (times - self._times[index] > self._gauge.max_age)
+        old = (index < 0) | (times - self._times[index] >= self._gauge.max_age)
         return np.where(old, np.nan, self._values[index])
 
 
