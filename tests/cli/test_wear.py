@@ -140,7 +140,7 @@ def listening(tmp_path):
     return tmp_path / "run.journal"
 
 
-def test_from_recordings_all_wear_counts_for_the_robot(inside, listening):
+def test_from_recordings_all_wear_counts_for_the_robot(inside, listening, tmp_path):
     done = inside("wear", "robot.yaml", "run.journal", "--baseline", 40, "--json")
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)
@@ -156,6 +156,11 @@ def test_from_recordings_all_wear_counts_for_the_robot(inside, listening):
     assert "bearing, mean of /t.bearing above /t.air: 120 readings over 0.33" in text
     assert "h, 2023-11-14 22:" in text  # when it had changed
     assert "motor" not in text
+    worn = (tmp_path / "robot.yaml").read_text().replace("threshold: 40", "threshold: 31")
+    (tmp_path / "worn.yaml").write_text(worn)
+    reached = inside("wear", "worn.yaml", "run.journal", "--baseline", 40, "--part", "bearing")
+    assert reached.returncode == 1
+    assert "Has reached 31" in reached.stdout
 
 
 def test_one_signal_that_says_too_little_does_not_hide_the_others(inside, listening):

@@ -72,8 +72,8 @@ class _Found:
         return [float(self.readings.times[i]) for i in self.alarms]
 
 
-def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> None:
-    """Fit, look for a change, fuse with the hazards of all else, print."""
+def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
+    """Fit, look for a change, fuse with the hazards of all else, print; whether a threshold is reached."""
     robot = load(path)
     if any(signal.suffix.lower() in TABLES for signal in signals):
         found, monitor = [_of_table(robot, signals, wishes)], Monitor(robot)
@@ -87,6 +87,7 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> None:
         print_json(_json(robot, found, lives))
     else:
         _print(found, lives, wishes)
+    return any(one.wear.remaining.median == 0 for one in found)
 
 
 def _of_table(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> _Found:
@@ -216,7 +217,10 @@ def _print_one(found: _Found, wishes: Wishes) -> None:
     never = float(np.mean(np.isinf(found.wear.passage)))
     or_never = f"; never with {number_text(100 * never, 2)} %" if never > 0.005 else ""
     threshold = found.wear.threshold * (-1 if found.wear.turned else 1)
-    say(f"Reaches {threshold:g} in {median} {unit}, 90 % between {low} and {high}{or_never}")
+    if found.wear.remaining.median == 0:
+        say(f"Has reached {threshold:g}", "bold red")
+    else:
+        say(f"Reaches {threshold:g} in {median} {unit}, 90 % between {low} and {high}{or_never}")
     at = "none"
     if found.alarms:
         at = f"at {number_text(found.alarmed[0])} {unit}"
