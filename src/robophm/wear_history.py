@@ -103,8 +103,11 @@ def wear_history(
         said: Counter[str] = reducer.notes
         reduced = reducer.stretches.readings(reducer.wear.reading, said)
         if len(reduced.times):
-            rows, at = on_a_clock(reduced, [(when, float(ages[k])) for when, ages in looks], said)
-            found[mode.path] = Readings(at, reduced.values[rows], None, dated=False, when=reduced.times[rows])
+            here = on_a_clock(reduced, reducer.wear.every, [(when, float(ages[k])) for when, ages in looks], said)
+            found[mode.path] = Readings(
+                here.ages, reduced.values[here.rows], None, dated=False, when=reduced.times[here.rows],
+                width=0.0 if reducer.wear.reading in ("highest", "lowest") else here.width,
+            )  # fmt: skip
         notes.update({f"{mode.path}: {what}": count for what, count in said.items()})
     return WearHistory(found, monitor, notes + monitor.ledger.counts)
 

@@ -160,8 +160,9 @@ def _judged(mode: FailureMode, source: str, readings: Readings, threshold: float
         if threshold == begun:
             raise DataError(f"the signal begins at its threshold, {threshold:g}; expected one that it has yet to reach")
         found = wear(
-            readings.times, values, threshold, process=wishes.process, falls=threshold < begun, seed=wishes.seed
-        )
+            readings.times, values, threshold, process=wishes.process, falls=threshold < begun,
+            width=readings.width, seed=wishes.seed,
+        )  # fmt: skip
         detector = design(values[:baseline], wishes.between_false_alarms, wishes.shift)
     except DataError as error:
         raise DataError(f"{source}: {error}") from None
