@@ -1,6 +1,15 @@
 """The report: one page that needs nothing else; the same inputs give the same bytes."""
 
+import hashlib
+import json
 import re
+import sqlite3
+import sys
+from importlib.metadata import version
+
+import pytest
+
+import robophm
 
 
 def test_the_same_design_and_past_give_the_same_bytes(inside, design, recording, tmp_path):
@@ -24,3 +33,64 @@ def test_a_page_that_is_there_is_replaced_only_on_purpose(inside, design, tmp_pa
     assert (tmp_path / "health.html").read_text() == "mine"
     assert inside("report", design, "--force").returncode in (0, 1)
     assert inside("report", design, "--output", "health.pdf").returncode == 3
+
+
+def test_it_says_which_design_and_which_data_it_is_made_of(inside, run, design, recording, tmp_path):
+    assert inside("replay", design, recording, "--store", "past.db", "--report", "replayed.html").returncode in (0, 1)
+    for options in (("--output", "design.html"), ("--store", "past.db", "--output", "lived.html")):
+        assert inside("report", design, *options).returncode in (0, 1)
+    replayed, alone, lived = (hashes(tmp_path / f"{name}.html") for name in ("replayed", "design", "lived"))
+    with sqlite3.connect(tmp_path / "past.db") as store:
+        ledger = json.loads(store.execute("SELECT state FROM ledger").fetchone()[0])
+        reports = [json.loads(body) for (body,) in store.execute("SELECT body FROM report ORDER BY time")]
+    content = json.dumps([ledger, reports], sort_keys=True, separators=(",", ":"))
+    assert lived == replayed == [robophm.load(design).design_hash, hashlib.sha256(content.encode()).hexdigest()]
+    assert alone == lived[:1]
+    text = (tmp_path / "lived.html").read_text()
+    assert f"numpy {version('numpy')}" in text
+    assert "none: as designed" in (tmp_path / "design.html").read_text()
+
+
+def hashes(page):
+    return re.findall(r"\b[0-9a-f]{64}\b", page.read_text())
+
+
+def test_a_pdf_is_the_same_bytes_in_another_process(inside, run, tmp_path):
+    pytest.importorskip("weasyprint", exc_type=Exception, reason="no WeasyPrint, or no Pango")
+    design = tmp_path / "robot.yaml"
+    design.write_text("schema_version: 1\nname: R\ncomponents: {motor: {rate: 8 FPMH}, fan: {rate: 2 FPMH}}\n")
+    assert inside("report", design, "--pdf").returncode in (0, 1)
+    other = run("report", design, "--pdf", "--output", "other.pdf")
+    assert other.returncode in (0, 1), other.stderr
+    made = (tmp_path / "health.pdf").read_bytes()
+    assert made[:5] == b"%PDF-"
+    assert made == (tmp_path / "other.pdf").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("weasyprint", "advice"),
+    [
+        (
+            "raise ModuleNotFoundError(\"No module named 'weasyprint'\", name='weasyprint')",
+            "pip install 'robophm[pdf]'",
+        ),
+        (
+            "raise OSError(\"cannot load library 'libpango-1.0-0': none. See the docs\")",
+            "apt-get install libpango-1.0-0",
+        ),
+    ],
+)
+def test_where_a_pdf_cannot_be_made_one_line_says_what_to_install(
+    inside, design, tmp_path, weasyprint, advice, monkeypatch
+):
+    """In the place of WeasyPrint what raises as it does where it, or Pango, is not installed."""
+    (tmp_path / "lacking").mkdir()
+    (tmp_path / "lacking" / "weasyprint.py").write_text(f"print('much advice')\n{weasyprint}\n")
+    monkeypatch.syspath_prepend(tmp_path / "lacking")
+    monkeypatch.delitem(sys.modules, "weasyprint", raising=False)
+    done = inside("report", design, "--pdf")
+    assert done.returncode == 3
+    assert advice in done.stderr
+    assert done.stdout == ""
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "health.pdf").exists()

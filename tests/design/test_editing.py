@@ -162,6 +162,84 @@ def test_standby_and_load_sharing():
     assert found["diagram"]["series"][0]["load_sharing"]["of"] == ["a", "b"]
 
 
+def test_a_part_that_moves_to_another_level_is_named_there_by_all():
+    text = edited(lambda d: editing.move(d, ["components", "left"], ["modules", "power"]))
+    found = document_of(text)
+    assert found["diagram"]["series"] == ["power", "right", {"k_of_n": {"k": 2, "of": ["a", "b", "c"]}}]
+    assert found["modules"]["power"]["diagram"]["series"][1] == "left"
+    assert found["modules"]["power"]["components"]["left"]["depends_on"] == "pack"
+    assert found["functions"]["drive"]["series"] == ["power", "power/left"]
+    assert found["common_causes"]["twins"]["of"] == ["power/left", "right"]
+    back = edited(lambda d: editing.move(d, ["modules", "power", "components", "left"], []), text)
+    assert document_of(back)["components"]["left"]["depends_on"] == "power/pack"
+    assert document_of(back)["functions"] == document_of(DESIGN)["functions"]
+    commented = edited(lambda d: editing.move(d, ["components", "b"], ["modules", "power"]))
+    assert "      b: {rate: 1 FPMH} # the second" in commented
+
+
+def test_a_part_that_a_level_draws_from_elsewhere_is_not_drawn_twice_when_it_comes():
+    found = document_of(edited(lambda d: editing.move(d, ["components", "lidar"], ["modules", "power"])))
+    assert found["modules"]["power"]["diagram"] == {"parallel": ["pack[1]", "pack[2]", "/power/lidar"]}
+    assert found["functions"]["see"] == "power/lidar"
+    assert found["components"]["right"]["depends_on"] == ["power/pack", "power/lidar"]
+
+
+def test_a_module_moves_with_all_that_is_in_it():
+    def change(document):
+        editing.put(document, ["modules", "base"], {"components": {"frame": {"rate": "1 FPMH"}}})
+        editing.move(document, ["modules", "power"], ["modules", "base"])
+
+    found = document_of(edited(change))
+    assert found["modules"]["base"]["modules"]["power"]["diagram"]["parallel"] == ["pack[1]", "pack[2]", "/lidar"]
+    assert found["diagram"]["series"][0] == {"parallel": ["left", "right"]}
+    assert found["functions"]["drive"]["series"] == ["base/power", "left"]
+    assert found["components"]["left"]["depends_on"] == "base/power/pack"
+
+
+A_B_C = {"k_of_n": {"k": 2, "of": ["a", "b", "c"]}}
+B_C = {"k_of_n": {"k": 2, "of": ["b", "c"]}}
+BOTH = {"parallel": ["left", "right"]}
+
+
+@pytest.mark.parametrize(
+    ("members", "beside", "before", "expected"),
+    [
+        (["a"], ["left"], False, ["power", {"parallel": ["left", "a", "right"]}, B_C]),
+        (["a"], ["left", "right"], False, ["power", {"parallel": ["left", "right", "a"]}, B_C]),
+        (["left"], ["right"], False, ["power", {"parallel": ["right", "left"]}, A_B_C]),
+        (["left"], [], False, ["power", "right", A_B_C, "left"]),
+        (["left"], ["power"], True, ["left", "power", "right", A_B_C]),
+        (["left", "right"], ["power"], True, [BOTH, "power", A_B_C]),
+        (["a", "b"], [], False, ["power", BOTH, "c", "a", "b"]),
+        (["left", "right"], ["a"], False, ["power", {"k_of_n": {"k": 2, "of": ["a", BOTH, "b", "c"]}}]),
+        (["lidar"], ["power"], False, ["power", "lidar", BOTH, A_B_C]),
+    ],
+)  # fmt: skip
+def test_parts_are_drawn_where_they_are_put(members, beside, before, expected):
+    text = edited(lambda d: editing.place(d, [], members, beside, before=before))
+    assert document_of(text)["diagram"]["series"] == expected
+
+
+def test_parts_in_series_are_put_in_order_and_a_group_is_left_whole():
+    plain = "schema_version: 1\nname: R\ncomponents: {a: {rate: 1 FIT}, b: {rate: 1 FIT}, c: {rate: 1 FIT}}\n"
+    assert document_of(edited(lambda d: editing.place(d, [], ["c"], ["a"]), plain))["diagram"]["series"] == list("acb")
+    spare = edited(lambda d: editing.group(d, [], ["a", "b"], "standby"), plain)
+    found = document_of(edited(lambda d: editing.place(d, [], ["c"], ["b"]), spare))
+    assert found["diagram"]["standby"] == {"of": ["a", "b", "c"], "active": 1}
+
+
+def test_a_network_is_made_of_parts_beside_each_other():
+    plain = "schema_version: 1\nname: R\ncomponents: {a: {rate: 1 FIT}, b: {rate: 1 FIT}, in: {rate: 1 FIT}}\n"
+    found = document_of(edited(lambda d: editing.group(d, [], ["a", "b"], "network"), plain))
+    assert found["diagram"]["series"][0] == {
+        "network": {"from": "in 2", "to": "out", "links": [["in 2", "a", "out"], ["in 2", "b", "out"]]}
+    }
+    one = math.exp(-1e-6)  # of 1 FIT for 1000 h
+    assert at_1000_hours(edited(lambda d: editing.group(d, [], ["a", "b"], "network"), plain)) == pytest.approx(
+        (1 - (1 - one) ** 2) * one, rel=1e-14
+    )
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -176,6 +254,12 @@ def test_standby_and_load_sharing():
         (lambda d: editing.put(d, ["diagram", "series", "99"], "a"), "no place in a list of 3"),
         (lambda d: editing.put(d, [], {}), "as text"),
         (lambda d: editing.wire(d, ["modules", "pow"], None), "did you mean 'power'"),
+        (lambda d: editing.move(d, ["components", "horn"], ["modules", "power"]), "nothing here to move"),
+        (lambda d: editing.move(d, ["modules", "power"], ["modules", "power"]), "into itself"),
+        (lambda d: editing.move(d, ["components", "a"], ["components", "b"]), "is no level"),
+        (lambda d: editing.place(d, [], ["horn"]), "no 'horn'"),
+        (lambda d: editing.place(d, [], ["a"], ["a"]), "beside other parts"),
+        (lambda d: editing.place(d, [], ["a"], ["lidar"]), "drawn in no group"),
     ],
 )
 def test_what_cannot_be_done_is_said(change, message):

@@ -90,7 +90,18 @@ def test_it_says_what_the_report_says(page):
         "Assumptions",
     ):
         assert part in text
-    assert report.design_hash[:16] in text
+    assert report.design_hash in text
+    bound = text.split("Sensors and data")[1].split("Assumptions")[0]
+    cells = (
+        "/ota/mobility/temperature.temperature",
+        "temperature",
+        "Drive/motor",
+        "degC",
+        "-40 … 125",
+        "5 s",
+        "nominal",
+    )
+    assert "".join(cells) in bound.replace("\n", "")
     assert len(history) > 20
 
 

@@ -269,3 +269,10 @@ def test_a_ring_keeps_the_latest_and_its_extremes():
         inside = (many.times / many.times[-1] * 100).astype(int).clip(max=99) == column
         kept = few.values[np.isin(few.times, many.times[inside])]
         assert {kept.min(), kept.max()} == {many.values[inside].min(), many.values[inside].max()}
+
+
+def test_the_report_on_paper(shared_small):
+    pytest.importorskip("weasyprint", exc_type=Exception, reason="no WeasyPrint, or no Pango")
+    answer = shared_small.client.get("/api/report.pdf")
+    assert (answer.status_code, answer.headers["content-type"]) == (200, "application/pdf")
+    assert answer.content[:5] == b"%PDF-"

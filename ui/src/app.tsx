@@ -1,4 +1,4 @@
-import { Component, type ComponentType, lazy, type ReactNode, Suspense, useEffect, useState } from "react";
+import { Component, type ComponentType, type ReactNode, useEffect, useState } from "react";
 import { connected, pulse } from "./lib/live";
 import { go, redo, route, save, undo, unreachable, useDesign, useShared } from "./lib/store";
 import { Help } from "./parts/Help";
@@ -17,8 +17,23 @@ interface Page {
   flush?: boolean;
 }
 
-const later = (load: () => Promise<Record<string, ComponentType>>, name: string): ComponentType =>
-  lazy(async () => ({ default: (await load())[name]! }));
+/** A page that is loaded when it is first asked for; at once, beside the design, where the address asks.
+ * Not React's lazy, which shows its fallback for 300 ms at least. */
+function later(load: () => Promise<Record<string, ComponentType>>, name: string): ComponentType {
+  let loaded: ComponentType | undefined;
+  const begin = async (): Promise<void> => void (loaded = (await load())[name]);
+  let under = route.get().page === name.toLowerCase() ? begin() : undefined;
+  under?.catch(() => (under = undefined));
+  return function Later(): ReactNode {
+    const [state, setState] = useState<{ wrong?: Error }>({});
+    useEffect(() => {
+      if (!loaded) (under ?? begin()).then(() => setState({}), (wrong: Error) => setState({ wrong }));
+    }, []);
+    if (state.wrong) throw state.wrong;
+    const Loaded = loaded;
+    return Loaded ? <Loaded /> : <p className="quiet">Loading…</p>;
+  };
+}
 
 export const PAGES: Page[] = [
   { id: "overview", name: "Overview", icon: "pulse", show: Overview },
@@ -142,7 +157,7 @@ export function App(): ReactNode {
           </div>
         )}
         <Fence of={shown.id} key={shown.id}>
-          <Suspense fallback={<p className="quiet">Loading…</p>}>{design ? <Show /> : <p className="quiet">Loading the design…</p>}</Suspense>
+          {design ? <Show /> : <p className="quiet">Loading the design…</p>}
         </Fence>
       </main>
       <Toasts />

@@ -75,7 +75,7 @@ def run(output: Path, seed: int) -> None:
                 report = replay(robot, source, store=store, on_tick=look)
         else:
             report = replay(robot, source, store=store)
-        history = list(store.history(robot.name))
+        history, ledger = list(store.history(robot.name)), store.ledger(robot.name)
         messages = {info.topic: info.messages for info in source.topics()}
         samples = sum(messages[split_signal(signal)[0]] for signal in robot.signals)
     took = time.monotonic() - begun
@@ -89,7 +89,7 @@ def run(output: Path, seed: int) -> None:
         f"λ sensor-based over the day  {sparkline(rates, 60)}  {rate_text(min(rates))} … {rate_text(max(rates))}",
         markup=False,
     )
-    write(page, health_page(robot, report, history))
+    write(page, health_page(robot, report, history, ledger))
     out.print(f"\nReport: {page.resolve()}", markup=False, soft_wrap=True)
     show_page(output / "robophm-demo.yaml", seed)
 

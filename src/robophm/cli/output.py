@@ -200,7 +200,7 @@ def may_make(path: Path | None, *inputs: Path, force: bool, suffixes: Sequence[s
         raise RobophmError(f"{path}: exists; expected a new name, or --force to replace it")
 
 
-def write(path: Path, text: str) -> None:
+def write(path: Path, text: str | bytes) -> None:
     """Write a file whole or not at all. Raises RobophmError."""
     from robophm.core.files import write_atomically
 

@@ -40,13 +40,16 @@ def serve(
 def report(
     design: Design,
     store: Annotated[Path | None, typer.Option("--store", help="the robot's past, as kept by replay")] = None,
-    output: Annotated[Path, typer.Option(help="the page, HTML")] = Path("health.html"),
+    output: Annotated[
+        Path | None, typer.Option(help="the page; health.html, or health.pdf", show_default=False)
+    ] = None,
+    pdf: Annotated[bool, typer.Option("--pdf", help="as a PDF; needs robophm[pdf]")] = False,
     force: Annotated[bool, typer.Option("--force", help="also where that file exists")] = False,
 ) -> None:
     """Write a robot's health on one page that needs nothing else, not even JavaScript."""
     from robophm.cli.report import run
 
-    if run(design, store, output, force=force):
+    if run(design, store, output or Path("health.pdf" if pdf else "health.html"), pdf=pdf, force=force):
         raise typer.Exit(BREACHED)
 
 

@@ -37,9 +37,9 @@ def run(
         elif done:
             warn(f"{len(done)} of {len(drives)} recordings are already in {store}; they are not counted again")
         health = replay_drives(robot, drives, store=kept, on_tick=tick)
-        history = list(kept.history(robot.name)) if kept and report else []
+        past = (list(kept.history(robot.name)), kept.ledger(robot.name)) if kept and report else ()
     if report:
-        write(report, health_page(robot, health, history))
+        write(report, health_page(robot, health, *past))
     if as_json:
         print_json(health.to_json())
     else:

@@ -9,11 +9,14 @@ from robophm.cli.past import kept
 from robophm.design.file import load
 from robophm.monitor import Monitor
 from robophm.report.health_page import health_page
+from robophm.report.pdf import Printer
 
 
-def run(design: Path, store: Path | None, output: Path, *, force: bool) -> bool:
+def run(design: Path, store: Path | None, output: Path, *, pdf: bool, force: bool) -> bool:
     """Write the page; whether a threshold is breached. The same design and past give the same bytes."""
-    may_make(output, design, *([store] if store else []), force=force, suffixes=(".html",))
+    suffix = ".pdf" if pdf else ".html"
+    may_make(output, design, *([store] if store else []), force=force, suffixes=(suffix,))
+    printer = Printer() if pdf else None  # which may be missing, and says so before the work
     robot = load(design)
     for warning in robot.warnings:
         warn(warning)
@@ -24,7 +27,9 @@ def run(design: Path, store: Path | None, output: Path, *, force: bool) -> bool:
 
         with SqliteStore(store) as past:
             history = list(past.history(robot.name))
+    data = ledger.to_json() if ledger else None
     health = Monitor(robot, ledger).report()
-    write(output, health_page(robot, health, history))
+    html = health_page(robot, health, history, data)
+    write(output, printer.pdf(html) if printer else html)
     console().print(f"Report: {output}", markup=False, soft_wrap=True)
     return bool(health.breaches)

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, MutableMapping, MutableSequence, Sequence
 from copy import deepcopy
+from itertools import count
 from typing import Any, Literal
 
 from robophm.core.errors import nearest
 from robophm.design.fault import Fault, Path
-from robophm.design.references import leaves, place_of, rewrite_all
+from robophm.design.references import leaves, place_of, rewrite, rewrite_all, seen_from
 
-Kind = Literal["series", "parallel", "k_of_n", "standby", "load_sharing"]
+Kind = Literal["series", "parallel", "k_of_n", "standby", "load_sharing", "network"]
 PARTS = ("modules", "components")
 """The keys of a level under which its parts stand."""
 
@@ -105,8 +106,115 @@ def group(document: Any, path: Sequence[str], members: Sequence[str], kind: Kind
     taken = [blocks[i] for i in inside]
     for i in reversed(inside):
         del blocks[i]
-    blocks.insert(inside[0], _grouped(taken, kind, k, tuple(path)))
+    blocks.insert(inside[0], _grouped(taken, kind, k, tuple(path), {*_names(level)}))
     level["diagram"] = _tidy(diagram)
+
+
+def move(document: Any, path: Sequence[str], to: Sequence[str]) -> None:
+    """Take a part to another level, in series with what that draws; whoever names it goes on to. Raises Fault.
+
+    ``to`` is the place of a module, or () for the robot.
+    """
+    if len(path) < 2 or path[-2] not in PARTS:
+        raise Fault(tuple(path), "is no part; expected a module or a component")
+    around, source, target = _at(document, path[:-1]), _at(document, path[:-2]), _level(document, to)
+    was, now, name = place_of(path), place_of((*to, *path[-2:])), path[-1]
+    if not _has(around, name):
+        raise Fault(tuple(path), "there is nothing here to move")
+    if f"{place_of(to)}/".startswith(f"{was}/"):
+        raise Fault(tuple(path), "a module cannot be moved into itself")
+    if source is target:
+        return
+    if name in _names(target):
+        raise Fault((*to, path[-2], name), f"'{name}' is there already; names of one level must differ")
+    _undraw(source, {name, f"/{was}"})
+    rewrite_all(document, lambda said: now + said[len(was) :] if (said + "/").startswith(was + "/") else said)
+    comment = around.ca.items.get(name) if hasattr(around, "ca") else None
+    value = around.pop(name)
+    if not around:
+        del source[path[-2]]
+    if isinstance(value, MutableMapping) and "depends_on" in value:
+        value["depends_on"] = rewrite(
+            value["depends_on"], lambda said: seen_from(place_of(to), place_of(path[:-2]), said)
+        )
+    held = target.setdefault(path[-2], type(around)())
+    held[name] = value
+    if comment is not None:
+        held.ca.items[name] = comment
+    if f"/{now}" not in leaves(target.get("diagram")):
+        _draw(target, name)
+
+
+def place(
+    document: Any, path: Sequence[str], members: Sequence[str], beside: Sequence[str] = (), *, before: bool = False
+) -> None:
+    """Draw parts of a level elsewhere: behind or before others in the smallest group that holds these. Raises Fault.
+
+    Beside nothing is at the end of the outermost series. Groups of which all members are taken go along whole.
+    """
+    level = _level(document, path)
+    wanted, diagram = set(members), level.get("diagram")
+    unknown = sorted((wanted | set(beside)) - set(_names(level)))
+    if unknown or not wanted or wanted & set(beside):
+        what = f"there is no '{unknown[0]}' here" if unknown else "parts are placed beside other parts"
+        raise Fault(tuple(path), what)
+    if diagram is None:
+        diagram = {"series": list(_names(level))}
+    elif not (isinstance(diagram, MutableMapping) and isinstance(diagram.get("series"), MutableSequence)):
+        diagram = {"series": [diagram]}
+    row, at = _beside(diagram, set(beside), before, tuple(path))
+    taken = [deepcopy(block) for block in _whole(diagram, wanted)]
+    taken += [name for name in members if name not in {_stem(leaf) for block in taken for leaf in leaves(block)}]
+    if any(row is one for one in _dependent(diagram)) and not all(isinstance(block, str) for block in taken):
+        raise Fault(tuple(path), "standby and load sharing are of parts and modules, not of groups")
+    row.insert(at, _HERE)
+    diagram = rewrite(diagram, lambda name: None if _stem(name) in wanted else name)
+    for blocks in _rows(diagram if isinstance(diagram, MutableMapping) else (diagram := {"series": [diagram]})):
+        if _HERE in blocks:
+            i = blocks.index(_HERE)
+            blocks[i : i + 1] = taken
+    level["diagram"] = _tidy(diagram)
+
+
+_HERE = "\0"  # where something will be drawn; no part has this name
+
+
+def _stem(name: str) -> str:
+    """Of 'motor[2]' the part."""
+    return name.partition("[")[0]
+
+
+def _beside(diagram: Any, beside: set[str], before: bool, path: Path) -> tuple[MutableSequence[Any], int]:
+    """The list of the smallest group that holds these, and where in it."""
+    if not beside:
+        return diagram["series"], len(diagram["series"])
+    for blocks in _rows(diagram):
+        holding = [i for i, block in enumerate(blocks) if beside & set(map(_stem, leaves(block)))]
+        if beside <= {_stem(name) for i in holding for name in leaves(blocks[i])}:
+            return blocks, holding[0] if before else holding[-1] + 1
+    raise Fault((*path, "diagram"), f"{', '.join(sorted(beside))} are drawn in no group of this level")
+
+
+def _whole(block: Any, wanted: set[str]) -> Iterator[Any]:
+    """The largest blocks that are of these parts alone."""
+    held = set(map(_stem, leaves(block)))
+    if held and held <= wanted:
+        yield block
+    elif isinstance(block, MutableMapping):
+        for inner in _own_lists(block):
+            for one in inner:
+                yield from _whole(one, wanted)
+
+
+def _undraw(level: Any, names: set[str]) -> None:
+    """Take a part, or what is in it, out of a level's own diagram."""
+    if (diagram := level.get("diagram")) is None:
+        return
+    left = rewrite(diagram, lambda said: None if any(f"{_stem(said)}/".startswith(f"{n}/") for n in names) else said)
+    if left is None:
+        del level["diagram"]
+    elif left is not diagram:
+        level["diagram"] = left
 
 
 def ungroup(document: Any, path: Sequence[str], members: Sequence[str]) -> None:
@@ -144,16 +252,38 @@ def _names(level: Any) -> Iterator[str]:
         yield from level.get(key) or ()
 
 
-def _lists(block: Any) -> Iterator[MutableSequence[Any]]:
-    """The lists of blocks in a diagram, inner before outer."""
+def _own_lists(block: Any) -> Iterator[MutableSequence[Any]]:
+    """The list of a group's members."""
+    for kind in ("series", "parallel", "k_of_n", "standby", "load_sharing"):
+        inner = block.get(kind)
+        inner = inner.get("of") if isinstance(inner, MutableMapping) else inner
+        if isinstance(inner, MutableSequence):
+            yield inner
+
+
+def _rows(block: Any) -> Iterator[MutableSequence[Any]]:
+    """The lists of members in a diagram, inner before outer."""
     if isinstance(block, MutableMapping):
-        for kind in ("series", "parallel", "k_of_n"):
-            inner = block.get(kind)
-            inner = inner.get("of") if kind == "k_of_n" and isinstance(inner, MutableMapping) else inner
-            if isinstance(inner, MutableSequence):
-                for one in inner:
-                    yield from _lists(one)
+        for inner in _own_lists(block):
+            for one in inner:
+                yield from _rows(one)
+            yield inner
+
+
+def _dependent(block: Any) -> Iterator[MutableSequence[Any]]:
+    """Those of standby and load sharing."""
+    if isinstance(block, MutableMapping):
+        for inner in _own_lists(block):
+            for one in inner:
+                yield from _dependent(one)
+            if "standby" in block or "load_sharing" in block:
                 yield inner
+
+
+def _lists(block: Any) -> Iterator[MutableSequence[Any]]:
+    """The lists in which groups can stand, inner before outer."""
+    dependent = list(_dependent(block))
+    yield from (row for row in _rows(block) if not any(row is one for one in dependent))
 
 
 def _members(block: Any) -> list[Any]:
@@ -161,16 +291,26 @@ def _members(block: Any) -> list[Any]:
     return list(inner["of"] if isinstance(inner, MutableMapping) else inner)
 
 
-def _grouped(taken: list[Any], kind: Kind, k: int | None, path: Path) -> Any:
+def _grouped(taken: list[Any], kind: Kind, k: int | None, path: Path, names: set[str]) -> Any:
     if kind in ("series", "parallel"):
         return {kind: taken}
     if kind == "k_of_n":
         return {"k_of_n": {"k": k or max(len(taken) - 1, 1), "of": taken}}
     if not all(isinstance(one, str) for one in taken):
         raise Fault(path, f"{kind.replace('_', ' ')} is of parts and modules, not of groups; put them into a module")
+    if kind == "network":
+        start, end = (_free(word, names) for word in _ENDS)
+        return {"network": {"from": start, "to": end, "links": [[start, one, end] for one in taken]}}
     if kind == "standby":
         return {"standby": {"of": taken, "active": k or 1}}
     return {"load_sharing": {"of": taken, "k": k or 1, "exponent": 1.0}}
+
+
+_ENDS = ("in", "out")  # of a new network
+
+
+def _free(word: str, names: set[str]) -> str:
+    return next(name for n in count(1) if (name := word if n == 1 else f"{word} {n}") not in names)
 
 
 def _tidy(block: Any) -> Any:

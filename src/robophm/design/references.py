@@ -123,10 +123,18 @@ def _renamed(name: str, level: str, new: Rewriting) -> str | None:
     found = new(path)
     if found is None or found == path:
         return None if found is None else name
-    inside = f"{level}/" if level else ""
+    above = new(level) if level else ""  # the level itself may have another path: what is in it stays
+    inside = f"{above}/" if above else ""
     if not whole and found.startswith(inside):
         return found[len(inside) :] + bracket + rest
-    return f"/{found}{bracket}{rest}" if whole else name  # the level itself has the new name: what is in it stays
+    return f"/{found}{bracket}{rest}"
+
+
+def seen_from(level: str, was: str, name: str) -> str:
+    """A name that was written at the level ``was``, as another level has to write it."""
+    path = name[1:] if name.startswith("/") else f"{was}/{name}" if was else name
+    inside = f"{level}/" if level else ""
+    return path[len(inside) :] if path.startswith(inside) else f"/{path}"
 
 
 def _collapsed(block: Any, inside: Any, new: Rewriting) -> Any:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, datetime
-from importlib.metadata import version
 from itertools import chain
 from typing import Any
 
@@ -14,6 +13,7 @@ from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.health.report import HealthReport
 from robophm.health.subject import Figures, Subject
+from robophm.report.basis import made_of, sensors
 from robophm.report.curve import Line, curve_svg
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
@@ -30,12 +30,21 @@ VIEWS = {"nominal": "nominal", "sensor_based": "sensor-based"}
 """The two views and what they are called."""
 
 
-def health_page(robot: Robot, report: HealthReport, history: Iterable[Mapping[str, Any]] = ()) -> Html:
-    """The whole page as HTML. ``history`` holds earlier reports as JSON, oldest first, for the curves."""
-    return page(f"Health of {report.robot}", _sections(robot, report, list(history)))
+def health_page(
+    robot: Robot,
+    report: HealthReport,
+    history: Iterable[Mapping[str, Any]] = (),
+    ledger: Mapping[str, Any] | None = None,
+) -> Html:
+    """The whole page as HTML. ``history`` holds earlier reports as JSON, oldest first, for the curves; ``ledger``, as
+    JSON too, is what the report was made of.
+    """
+    return page(f"Health of {report.robot}", _sections(robot, report, list(history), ledger))
 
 
-def _sections(robot: Robot, report: HealthReport, history: list[Mapping[str, Any]]) -> Iterable[Html | str]:
+def _sections(
+    robot: Robot, report: HealthReport, history: list[Mapping[str, Any]], ledger: Mapping[str, Any] | None
+) -> Iterable[Html | str]:
     yield _summary(report)
     yield _tiles(report)
     label = _labels(robot, report)
@@ -52,8 +61,11 @@ def _sections(robot: Robot, report: HealthReport, history: list[Mapping[str, Any
     life = report.system.sensor_based.remaining_life
     yield section("What matters most", *matters(robot, report.outlooks, life.median if life else 0.0))
     yield section("What to replace first", *replace_first(robot, report.outlooks, report.task))
-    yield section("Sensors and data", *(report.notes or ("Every sample was taken, and every signal was there.",)))
-    yield section("Assumptions", *_assumptions(robot, report))
+    whole = "Every sample was taken, and every signal was there."
+    told = report.notes or (whole if report.time is not None else "Nothing has been observed yet.",)
+    yield section("Sensors and data", *sensors(robot), *told)
+    yield section("Assumptions", *_assumptions(robot))
+    yield section("What this report is made of", made_of(robot, ledger, history))
 
 
 def _summary(report: HealthReport) -> str:
@@ -194,7 +206,7 @@ def _contributors(report: HealthReport) -> Html:
     return table_html(columns, rows, "The ten highest hazard rates, all equal parts together", "lrrrr")
 
 
-def _assumptions(robot: Robot, report: HealthReport) -> Iterable[str]:
+def _assumptions(robot: Robot) -> Iterable[str]:
     usage = robot.usage
     yield (
         "Nominal: every part at its design stress. Sensor-based: exposure from the signals, the future as the last "
@@ -202,4 +214,3 @@ def _assumptions(robot: Robot, report: HealthReport) -> Iterable[str]:
         "without repair."
     )
     yield "R is survival since new. Hazard rate, remaining life and task completion are given that the robot works now."
-    yield f"Design {report.design_hash[:16]}, robophm {version('robophm')}."

@@ -50,6 +50,7 @@ class Gate(NamedTuple):
     y: float
     width: float
     text: str
+    of: Fork
 
 
 class Wire(NamedTuple):
@@ -135,7 +136,7 @@ class _Layout:
             to.wire((x, min(enters)), (x, max(enters)))
             to.wire((right, min(leaves)), (right, max(leaves)))
             to.wire((right, middle), (right + lead, middle))
-            to.gates.append(Gate(right + lead, middle, gate, text))
+            to.gates.append(Gate(right + lead, middle, gate, text, fork))
 
         return _Piece(inside + gate + 3 * m.stub + 2 * m.bar, height, axis, axis, draw)
 

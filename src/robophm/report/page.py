@@ -51,6 +51,7 @@ tbody tr:nth-child(even){background:var(--shade)}
 .number{text-align:right;white-space:nowrap}
 @media screen and (max-width:700px){.diagram svg{max-width:none}}
 @media print{@page{margin:14mm}main{max-width:none;padding:0}body{font-size:10.5pt}
+ table{font-size:8.5pt}th,td{padding:3px 6px}thead th{white-space:normal}tbody th{overflow-wrap:anywhere}
  thead{display:table-header-group}
  h2{break-after:avoid}figure,.tile,tr{break-inside:avoid}.scroll{overflow:visible}
  .tiles,.side{grid-template-columns:1fr 1fr}

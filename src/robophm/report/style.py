@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -49,3 +50,8 @@ def palette(selector: str) -> str:
         f"{selector}{{{light};color-scheme:light dark}}"
         f"@media screen and (prefers-color-scheme:dark){{{selector}{{{dark}}}}}"
     )
+
+
+def on_paper() -> Mapping[str, str]:
+    """The colours by the names of their variables, as they are printed."""
+    return _LIGHT

@@ -54,7 +54,10 @@ def drawing(prepared: Prepared, path: str, width: float, unit: Unit, *, whole: b
             )
             for box in drawn.boxes
         ],
-        gates=[Gate(x=gate.x, y=gate.y, width=gate.width, text=gate.text) for gate in drawn.gates],
+        gates=[
+            Gate(x=gate.x, y=gate.y, width=gate.width, text=gate.text, parts=[str(name) for name in names(gate.of)])
+            for gate in drawn.gates
+        ],
         wires=[Line(points=[*wire.points], dashed=wire.dashed) for wire in drawn.wires],
         ends=[*drawn.ends],
         notes=list(chain(dependence(prepared.robot, path))),

@@ -117,7 +117,7 @@ class Group(Shape):
     op: Literal["group"]
     path: Place
     members: Annotated[list[Name], Field(max_length=10_000)]
-    kind: Literal["series", "parallel", "k_of_n", "standby", "load_sharing"]
+    kind: Literal["series", "parallel", "k_of_n", "standby", "load_sharing", "network"]
     k: Annotated[int, Field(ge=1, le=100_000)] | None = None
 
 
@@ -129,7 +129,29 @@ class Ungroup(Shape):
     members: Annotated[list[Name], Field(max_length=10_000)]
 
 
-Operation = Annotated[Put | PutText | Delete | Rename | Wire | Group | Ungroup, Field(discriminator="op")]
+class Move(Shape):
+    """Take a part to another level; whoever names it names it there."""
+
+    op: Literal["move"]
+    path: Place
+    to: Place
+    """Of a module; empty: the robot."""
+
+
+class PlaceParts(Shape):
+    """Draw parts of a level elsewhere in its diagram."""
+
+    op: Literal["place"]
+    path: Place
+    members: Annotated[list[Name], Field(max_length=10_000)]
+    beside: Annotated[list[Name], Field(max_length=10_000)] = []
+    """In the smallest group that holds these; none: at the end of the outermost series."""
+    before: bool = False
+
+
+Operation = Annotated[
+    Put | PutText | Delete | Rename | Wire | Group | Ungroup | Move | PlaceParts, Field(discriminator="op")
+]
 
 
 class Edits(Shape):
@@ -214,6 +236,8 @@ class Gate(Shape):
     y: float
     width: float
     text: str
+    parts: list[str]
+    """That are drawn in the branches."""
 
 
 class Line(Shape):

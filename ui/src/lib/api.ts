@@ -38,7 +38,7 @@ function address(path: string, query: Query): string {
   return `.${filled}${said ? `?${said}` : ""}`;
 }
 
-async function ask(method: Method, path: string, query: Query, body?: unknown, signal?: AbortSignal): Promise<unknown> {
+async function answer(method: Method, path: string, query: Query, body?: unknown, signal?: AbortSignal): Promise<Response> {
   const raw = body instanceof Blob;
   let response: Response;
   try {
@@ -52,16 +52,27 @@ async function ask(method: Method, path: string, query: Query, body?: unknown, s
     if (signal?.aborted) throw error;
     throw new Refused(0, "the service does not answer; is robophm serve still running?");
   }
+  if (response.ok) return response;
+  const why = (await said(response)) as { message?: string; place?: string[]; current?: DesignState };
+  throw new Refused(response.status, why.message ?? `refused (${response.status})`, why.place, why.current);
+}
+
+async function said(response: Response): Promise<unknown> {
   const text = await response.text();
-  let said: unknown;
   try {
-    said = JSON.parse(text);
+    return JSON.parse(text);
   } catch {
     throw new Refused(response.status, `the service answered what is no JSON (${response.status})`);
   }
-  if (response.ok) return said;
-  const why = said as { message?: string; place?: string[]; current?: DesignState };
-  throw new Refused(response.status, why.message ?? `refused (${response.status})`, why.place, why.current);
+}
+
+async function ask(method: Method, path: string, query: Query, body?: unknown, signal?: AbortSignal): Promise<unknown> {
+  return said(await answer(method, path, query, body, signal));
+}
+
+/** What is no JSON: a file as it is. */
+export async function file(path: With<"get">): Promise<Blob> {
+  return (await answer("get", path, {})).blob();
 }
 
 export function get<P extends With<"get">>(path: P, query: Query = {}, signal?: AbortSignal): Promise<Json<Of<P, "get">>> {

@@ -1,6 +1,6 @@
 // Live values over one WebSocket: see the service's streaming module for how a frame is made.
 import { useEffect, useSyncExternalStore } from "react";
-import { design, refresh, Shared } from "./store";
+import { design, refresh, Shared, unreachable } from "./store";
 
 export interface Points {
   times: number[];
@@ -43,7 +43,7 @@ class Live {
       connected.set("open");
       this.series.clear();
       this.tell();
-      void refresh();
+      void refresh().then(() => (unreachable.get() ? refresh() : undefined)); // one that was under way may have failed
     };
     socket.onmessage = (event: MessageEvent<ArrayBuffer>) => this.take(event.data);
     socket.onclose = () => {

@@ -83,13 +83,18 @@ export const useUnit = (): RateUnit => useShared(preferences).unit;
 export const design = new Shared<DesignState | null>(null);
 export const unreachable = new Shared<string>("");
 
-export async function refresh(): Promise<void> {
-  try {
-    design.set(await get("/api/design"));
-    unreachable.set("");
-  } catch (error) {
-    unreachable.set(error instanceof Error ? error.message : String(error));
-  }
+let asking: Promise<void> | null = null;
+
+/** Ask for the design; whoever asks while that is under way waits for the same answer. */
+export function refresh(): Promise<void> {
+  asking ??= get("/api/design")
+    .then((found) => {
+      design.set(found);
+      unreachable.set("");
+    })
+    .catch((error: unknown) => unreachable.set(error instanceof Error ? error.message : String(error)))
+    .finally(() => (asking = null));
+  return asking;
 }
 
 /** Edits take turns: each is made of the revision that the one before gave. */

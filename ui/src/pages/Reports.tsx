@@ -1,18 +1,29 @@
 import { type ReactNode, useState } from "react";
-import { get, type Shapes, upload } from "../lib/api";
+import { file, get, type Shapes, upload } from "../lib/api";
 import { offer } from "../lib/exports";
 import { go, replaceText, sayError, useDesign } from "../lib/store";
 import { FileButton } from "../parts/Field";
+import { Preview } from "../parts/Table";
 
 export function Reports(): ReactNode {
   const design = useDesign();
   const [legacy, setLegacy] = useState<{ name: string; found: Shapes["Imported"] } | null>(null);
   const [wrong, setWrong] = useState("");
+  const [printing, setPrinting] = useState(false);
   if (!design) return null;
-  const look = (file: File): void =>
-    void upload("/api/imports/legacy", file, { name: file.name })
+  async function print(): Promise<void> {
+    setPrinting(true);
+    try {
+      offer("health.pdf", "application/pdf", await file("/api/report.pdf"));
+    } catch (error) {
+      sayError(error);
+    }
+    setPrinting(false);
+  }
+  const look = (one: File): void =>
+    void upload("/api/imports/legacy", one, { name: one.name })
       .then((found) => {
-        setLegacy({ name: file.name, found });
+        setLegacy({ name: one.name, found });
         setWrong("");
       })
       .catch((error: Error) => {
@@ -36,6 +47,9 @@ export function Reports(): ReactNode {
               <a className="button" href="./api/report?download=true" download="health.html">
                 Download it
               </a>
+              <button disabled={printing} onClick={() => void print()}>
+                {printing ? "Printing…" : "Download as PDF"}
+              </button>
             </div>
           ) : (
             <p className="state warn">The design is not complete: there is nothing to report yet.</p>
@@ -50,7 +64,7 @@ export function Reports(): ReactNode {
             <a className="button" href="./api/design/download" download={design.file}>
               Download the design
             </a>
-            <FileButton label="Open a design file" accept=".yaml,.yml" take={(file) => void file.text().then((text) => replaceText(text, `Open ${file.name}`)).then((done) => done && go("design")).catch(sayError)} />
+            <FileButton label="Open a design file" accept=".yaml,.yml" take={(one) => void one.text().then((text) => replaceText(text, `Open ${one.name}`)).then((done) => done && go("design")).catch(sayError)} />
             <button onClick={() => void get("/api/library/schema").then((schema) => offer("robot.schema.json", "application/json", JSON.stringify(schema, null, 1))).catch(sayError)}>JSON Schema</button>
           </div>
         </section>
@@ -90,28 +104,7 @@ export function Reports(): ReactNode {
                   {one}
                 </p>
               ))}
-              <div className="scroll" tabIndex={0} role="region" aria-label="What the file says">
-                <table>
-                  <thead>
-                    <tr>
-                      {legacy.found.columns.map((one) => (
-                        <th key={one} scope="col">
-                          {one}
-                        </th>
-                      ))}
-                    </tr>
-                  </thead>
-                  <tbody>
-                    {legacy.found.rows.map((row, i) => (
-                      <tr key={i}>
-                        {row.map((one, n) => (
-                          <td key={n}>{one}</td>
-                        ))}
-                      </tr>
-                    ))}
-                  </tbody>
-                </table>
-              </div>
+              <Preview label="What the file says" columns={legacy.found.columns} rows={legacy.found.rows} />
               <button className="primary" onClick={() => void replaceText(legacy.found.text, `Import ${legacy.name}`).then((done) => done && go("design"))}>
                 Make it the design
               </button>

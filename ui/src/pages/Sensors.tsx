@@ -4,6 +4,7 @@ import { useHealth } from "../lib/health";
 import { editWithUndo, route, sayError, useDesign, useShared } from "../lib/store";
 import { everyPart, isValues, treeOf } from "../lib/tree";
 import { numberText, secondsText } from "../lib/words";
+import { Table } from "../parts/Table";
 import { Watching } from "../parts/Watching";
 import { BindForm, type Start } from "./sensors/BindForm";
 
@@ -121,41 +122,25 @@ export function Sensors(): ReactNode {
         <h2>Bound</h2>
         {!bindings.length && <p>Nothing is bound: sensor-based figures are the nominal ones. Choose a field above.</p>}
         {bindings.length > 0 && (
-          <div className="scroll" tabIndex={0} role="region" aria-label="Bound signals">
-            <table>
-              <thead>
-                <tr>
-                  <th scope="col">Of</th>
-                  <th scope="col">Drives</th>
-                  <th scope="col">Signal</th>
-                  <th scope="col" className="number">Last value</th>
-                  <th scope="col">Heard</th>
-                  <th scope="col">
-                    <span className="hidden">Unbind</span>
-                  </th>
+          <Table label="Bound signals" columns={["Of", "Drives", "Signal", ["Last value", "number"], "Heard", ["Unbind", "spoken"]]}>
+            {bindings.map((one) => {
+              const heard = health?.sensors.find((sensor) => one.signals.includes(sensor.signal));
+              return (
+                <tr key={one.place.join("/")}>
+                  <th scope="row">{one.at || design.name}</th>
+                  <td>{one.kind}</td>
+                  <td>{one.words}</td>
+                  <td className="number">{heard?.value == null ? "–" : `${numberText(heard.value)} ${heard.unit ?? ""}`}</td>
+                  <td>{health?.monitoring === "idle" ? "not watching" : heard?.stale ? <span className="state stale">STALE, {secondsText(heard.age)}</span> : secondsText(heard?.age)}</td>
+                  <td>
+                    <button aria-label={`Unbind ${one.kind} of ${one.at || design.name}`} onClick={() => void editWithUndo([{ op: "delete", path: one.place }], `Unbound ${one.kind} of ${one.at || design.name}`)}>
+                      Unbind
+                    </button>
+                  </td>
                 </tr>
-              </thead>
-              <tbody>
-                {bindings.map((one) => {
-                  const heard = health?.sensors.find((sensor) => one.signals.includes(sensor.signal));
-                  return (
-                    <tr key={one.place.join("/")}>
-                      <th scope="row">{one.at || design.name}</th>
-                      <td>{one.kind}</td>
-                      <td>{one.words}</td>
-                      <td className="number">{heard?.value == null ? "–" : `${numberText(heard.value)} ${heard.unit ?? ""}`}</td>
-                      <td>{health?.monitoring === "idle" ? "not watching" : heard?.stale ? <span className="state stale">STALE, {secondsText(heard.age)}</span> : secondsText(heard?.age)}</td>
-                      <td>
-                        <button aria-label={`Unbind ${one.kind} of ${one.at || design.name}`} onClick={() => void editWithUndo([{ op: "delete", path: one.place }], `Unbound ${one.kind} of ${one.at || design.name}`)}>
-                          Unbind
-                        </button>
-                      </td>
-                    </tr>
-                  );
-                })}
-              </tbody>
-            </table>
-          </div>
+              );
+            })}
+          </Table>
         )}
       </section>
     </>

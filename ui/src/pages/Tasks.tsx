@@ -4,6 +4,7 @@ import { pulse } from "../lib/live";
 import { say, sayError, useDesign, useShared } from "../lib/store";
 import { chanceWords, durationText, momentText, numberText, oddsText, percentText } from "../lib/words";
 import { FileButton, Text } from "../parts/Field";
+import { Table } from "../parts/Table";
 import { Watching } from "../parts/Watching";
 import { Prognosis } from "./tasks/Prognosis";
 
@@ -157,39 +158,26 @@ function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
   return (
     <div style={{ marginTop: 12 }} aria-live="polite">
       {answer.breached && <p className="state error">Less likely than the design wants: {percentText(answer.threshold)}</p>}
-      <div className="scroll" tabIndex={0} role="region" aria-label="Answer">
-        <table>
-          <thead>
-            <tr>
-              <th scope="col">Task</th>
-              <th scope="col" className="number">Distance</th>
-              <th scope="col" className="number">Time</th>
-              <th scope="col" className="number">PoTC nominal</th>
-              <th scope="col" className="number">PoTC sensor-based</th>
-            </tr>
-          </thead>
-          <tbody>
-            {answer.tasks.slice(0, 50).map((one, i) => (
-              <tr key={i}>
-                <th scope="row">{one.name || `task ${i + 1}`}</th>
-                <td className="number">{numberText(one.distance)} m</td>
-                <td className="number">{durationText(one.duration)}</td>
-                <td className="number"><Chance of={one.chance.nominal} /></td>
-                <td className="number"><Chance of={one.chance.sensor_based} /></td>
-              </tr>
-            ))}
-            {answer.tasks.length > 1 && (
-              <tr>
-                <th scope="row">all of them</th>
-                <td className="number">{numberText(answer.tasks.reduce((sum, one) => sum + one.distance, 0))} m</td>
-                <td className="number">{durationText(answer.tasks.reduce((sum, one) => sum + one.duration, 0))}</td>
-                <td className="number"><Chance of={answer.together.nominal} /></td>
-                <td className="number"><Chance of={answer.together.sensor_based} /></td>
-              </tr>
-            )}
-          </tbody>
-        </table>
-      </div>
+      <Table label="Answer" columns={["Task", ["Distance", "number"], ["Time", "number"], ["PoTC nominal", "number"], ["PoTC sensor-based", "number"]]}>
+        {answer.tasks.slice(0, 50).map((one, i) => (
+          <tr key={i}>
+            <th scope="row">{one.name || `task ${i + 1}`}</th>
+            <td className="number">{numberText(one.distance)} m</td>
+            <td className="number">{durationText(one.duration)}</td>
+            <td className="number"><Chance of={one.chance.nominal} /></td>
+            <td className="number"><Chance of={one.chance.sensor_based} /></td>
+          </tr>
+        ))}
+        {answer.tasks.length > 1 && (
+          <tr>
+            <th scope="row">all of them</th>
+            <td className="number">{numberText(answer.tasks.reduce((sum, one) => sum + one.distance, 0))} m</td>
+            <td className="number">{durationText(answer.tasks.reduce((sum, one) => sum + one.duration, 0))}</td>
+            <td className="number"><Chance of={answer.together.nominal} /></td>
+            <td className="number"><Chance of={answer.together.sensor_based} /></td>
+          </tr>
+        )}
+      </Table>
       <p className="small quiet">
         Decided by (share of the failures that would vanish):{" "}
         {answer.deciding.slice(0, 5).map((one) => `${one.path} ${one.share == null ? "–" : `${numberText(100 * one.share, 3)} %`}`).join(", ")}
@@ -210,44 +198,31 @@ function ArrivedTable({ tasks, add }: { tasks: Shapes["ArrivedTask"][]; add: (ta
       "–"
     );
   return (
-    <div className="scroll" tabIndex={0} role="region" aria-label="Arrived tasks">
-      <table>
-        <thead>
-          <tr>
-            <th scope="col">Arrived, UTC</th>
-            <th scope="col" className="number">Predicted way and time</th>
-            <th scope="col" className="number">Predicted PoTC</th>
-            <th scope="col" className="number">Actual way and time</th>
-            <th scope="col" className="number">Actual PoTC</th>
-            <th scope="col">
-              <span className="hidden">Add</span>
-            </th>
-          </tr>
-        </thead>
-        <tbody>
-          {tasks.slice(0, 100).map((one, i) => (
-            <tr key={i}>
-              <th scope="row" className="moment">{momentText(one.arrived ?? one.start).replace(" UTC", "")}</th>
-              <td className="number">{one.predicted ? `${numberText(one.predicted.distance)} m, ${durationText(one.predicted.duration)}` : "–"}</td>
-              <td className="number">{both(one.predicted)}</td>
-              <td className="number">{one.actual ? `${numberText(one.actual.distance)} m, ${durationText(one.actual.duration)}` : one.end == null ? "under way" : "–"}</td>
-              <td className="number">{both(one.actual)}</td>
-              <td>
-                <button
-                  disabled={!one.predicted}
-                  onClick={() => {
-                    const planned = one.predicted!;
-                    add({ name: `as of ${momentText(one.arrived ?? one.start)}`, legs: [{ distance: `${planned.distance} m`, duration: `${planned.duration} h`, functions: [], stresses: {} }] });
-                    say("Added to the list for prognostic analysis");
-                  }}
-                >
-                  Add to the list
-                </button>
-              </td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </div>
+    <Table
+      label="Arrived tasks"
+      columns={["Arrived, UTC", ["Predicted way and time", "number"], ["Predicted PoTC", "number"], ["Actual way and time", "number"], ["Actual PoTC", "number"], ["Add", "spoken"]]}
+    >
+      {tasks.slice(0, 100).map((one, i) => (
+        <tr key={i}>
+          <th scope="row" className="moment">{momentText(one.arrived ?? one.start).replace(" UTC", "")}</th>
+          <td className="number">{one.predicted ? `${numberText(one.predicted.distance)} m, ${durationText(one.predicted.duration)}` : "–"}</td>
+          <td className="number">{both(one.predicted)}</td>
+          <td className="number">{one.actual ? `${numberText(one.actual.distance)} m, ${durationText(one.actual.duration)}` : one.end == null ? "under way" : "–"}</td>
+          <td className="number">{both(one.actual)}</td>
+          <td>
+            <button
+              disabled={!one.predicted}
+              onClick={() => {
+                const planned = one.predicted!;
+                add({ name: `as of ${momentText(one.arrived ?? one.start)}`, legs: [{ distance: `${planned.distance} m`, duration: `${planned.duration} h`, functions: [], stresses: {} }] });
+                say("Added to the list for prognostic analysis");
+              }}
+            >
+              Add to the list
+            </button>
+          </td>
+        </tr>
+      ))}
+    </Table>
   );
 }

@@ -21,3 +21,29 @@ export function Dialog({ title, close, children, className }: { title: string; c
     </dialog>
   );
 }
+
+/** A dialog that asks for something, and does it unless something is wrong. */
+export function Asking({ title, close, verb, wrong, done, children }: { title: string; close: () => void; verb: string; wrong?: boolean; done: () => void; children: ReactNode }): ReactNode {
+  return (
+    <Dialog title={title} close={close}>
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          if (wrong) return;
+          close();
+          done();
+        }}
+      >
+        {children}
+        <div className="row">
+          <button className="primary" type="submit" disabled={wrong}>
+            {verb}
+          </button>
+          <button type="button" onClick={close}>
+            Leave it
+          </button>
+        </div>
+      </form>
+    </Dialog>
+  );
+}

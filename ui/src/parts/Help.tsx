@@ -7,8 +7,10 @@ const KEYS: [string, string][] = [
   ["Ctrl+K or /", "find a page, a part or a command"],
   ["F2", "rename the chosen part (Design)"],
   ["Ctrl+G", "put the chosen parts into a group (Design)"],
+  ["M", "move the chosen parts to another level or group; on the canvas, drag them (Design)"],
   ["Delete", "delete the chosen parts; a message offers to undo it (Design)"],
   ["arrow keys, Space", "move in the tree, choose several parts (Design)"],
+  ["Tab, Enter, Space", "on the canvas: go through boxes and links, choose one, several; Enter again opens a module (Design)"],
   ["?", "this"],
 ];
 

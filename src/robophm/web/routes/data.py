@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import json
 import tempfile
+import threading
 from pathlib import Path as File
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Body, Query
-from fastapi.responses import HTMLResponse, PlainTextResponse
+from fastapi.responses import HTMLResponse, PlainTextResponse, Response
 
 from robophm.core.errors import DesignError, nearest
 from robophm.health.report import health_report
 from robophm.report.health_page import health_page
+from robophm.report.pdf import Printer
 from robophm.report.words import rate_text
 from robophm.stores.sqlite import SqliteStore
 from robophm.web.guard import REPORT_POLICY
 from robophm.web.metrics import metrics_text
 from robophm.web.routes.design import REFUSED
-from robophm.web.service import Served
+from robophm.web.service import Served, Service
 from robophm.web.shapes import DesignText, Imported, Shape
 
 router = APIRouter(tags=["data"])
@@ -26,6 +28,16 @@ router = APIRouter(tags=["data"])
 MOST_UPLOADED = 20_000_000
 Upload = Annotated[bytes, Body(media_type="application/octet-stream", max_length=MOST_UPLOADED)]
 FileName = Annotated[str, Query(min_length=1, max_length=200)]
+
+
+_PRINTING = threading.Lock()
+"""A PDF takes seconds and a hundred megabytes: one at a time."""
+
+
+class PdfResponse(Response):
+    """A PDF."""
+
+    media_type = "application/pdf"
 
 
 class Example(Shape):
@@ -151,6 +163,23 @@ def _plain(name: str) -> str:
 @router.get("/api/report", response_class=HTMLResponse, responses=REFUSED)
 def get_report(service: Served, download: bool = False) -> HTMLResponse:
     """The robot's health on one page that needs nothing else."""
+    headers = {"content-security-policy": REPORT_POLICY}
+    if download:
+        headers["content-disposition"] = 'attachment; filename="health.html"'
+    return HTMLResponse(_report(service), headers=headers)
+
+
+@router.get("/api/report.pdf", response_class=PdfResponse, responses=REFUSED)
+def get_report_as_pdf(service: Served) -> PdfResponse:
+    """The same on paper; refused where what makes a PDF is not installed."""
+    printer = Printer()
+    with _PRINTING:
+        return PdfResponse(
+            printer.pdf(_report(service)), headers={"content-disposition": 'attachment; filename="health.pdf"'}
+        )
+
+
+def _report(service: Service) -> str:
     prepared = service.prepared()
     exposure, ledger = service.past(prepared)
     report = health_report(prepared.plant, exposure, exposure.settled(ledger), task=prepared.robot.task)
@@ -158,10 +187,7 @@ def get_report(service: Served, download: bool = False) -> HTMLResponse:
     if (store := service.settings.store) and store.exists():
         with SqliteStore(store) as kept:
             history = list(kept.history(prepared.robot.name))
-    headers = {"content-security-policy": REPORT_POLICY}
-    if download:
-        headers["content-disposition"] = 'attachment; filename="health.html"'
-    return HTMLResponse(health_page(prepared.robot, report, history), headers=headers)
+    return health_page(prepared.robot, report, history, ledger.to_json())
 
 
 @router.get("/api/grafana")

@@ -21,9 +21,11 @@ from robophm.web.shapes import (
     Drawing,
     Edits,
     Group,
+    Move,
     OfRevision,
     Operation,
     PastState,
+    PlaceParts,
     Put,
     PutText,
     Rename,
@@ -150,6 +152,10 @@ def apply(document: Any, operation: Operation) -> None:
             editing.wire(document, operation.path, operation.diagram)
         case Group():
             editing.group(document, operation.path, operation.members, operation.kind, operation.k)
+        case Move():
+            editing.move(document, operation.path, operation.to)
+        case PlaceParts():
+            editing.place(document, operation.path, operation.members, operation.beside, before=operation.before)
         case Ungroup():
             editing.ungroup(document, operation.path, operation.members)
 

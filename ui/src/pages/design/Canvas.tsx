@@ -1,71 +1,11 @@
-import { type Edge, type Node, type NodeProps, ReactFlow, Background, Controls, type NodeTypes, useReactFlow, ReactFlowProvider } from "@xyflow/react";
+import { ReactFlowProvider } from "@xyflow/react";
 import "@xyflow/react/dist/style.css";
-import { type ReactNode, useEffect, useMemo, useRef, useState } from "react";
-import { get, type Shapes } from "../../lib/api";
-import { useDesign, useUnit } from "../../lib/store";
-import { Icon } from "../../parts/Icon";
-
-type Box = Shapes["Box"];
-type BoxNode = Node<{ box: Box; chosen: boolean; open: (path: string) => void }, "box">;
-type GateNode = Node<{ gate: Shapes["Gate"] }, "gate">;
-type WiresNode = Node<{ drawing: Shapes["Drawing"] }, "wires">;
-
-const NO_EDGES: Edge[] = [];
-const GATE = 34;
-
-function BoxView({ data }: NodeProps<BoxNode>): ReactNode {
-  const { box } = data;
-  return (
-    <div
-      className={`box ${box.kind} ${data.chosen ? "chosen" : ""} ${box.spare ? "spare" : ""}`}
-      style={{ width: box.width, height: box.height }}
-      onDoubleClick={() => box.kind === "module" && box.part && data.open(box.part)}
-      title={[box.part, box.detail, box.places > 1 && `drawn in ${box.places} places, one part`, box.single_point && "its failure alone fails the robot"].filter(Boolean).join("\n")}
-    >
-      <span className="title">
-        {box.title}
-        {box.places > 1 && <span className="badge">one part</span>}
-      </span>
-      <span className="detail">
-        <span>{box.detail}</span>
-        <span>{box.badge}</span>
-      </span>
-      {box.single_point && box.kind === "component" && (
-        <span className="single" title="single point of failure">
-          <Icon name="warn" />
-        </span>
-      )}
-    </div>
-  );
-}
-
-function GateView({ data }: NodeProps<GateNode>): ReactNode {
-  return (
-    <div className="gate" style={{ width: data.gate.width, height: GATE }}>
-      {data.gate.text}
-    </div>
-  );
-}
-
-function WiresView({ data }: NodeProps<WiresNode>): ReactNode {
-  const { width, height, wires, ends } = data.drawing;
-  const path = (dashed: boolean): string =>
-    wires
-      .filter((one) => one.dashed === dashed)
-      .map((one) => `M${one.points.map(([x, y]) => `${x} ${y}`).join("L")}`)
-      .join("");
-  return (
-    <svg width={width} height={height} className="wires" aria-hidden="true">
-      <path d={path(false)} />
-      <path d={path(true)} strokeDasharray="5 5" />
-      {ends.map(([x, y], i) => (
-        <circle key={i} cx={x} cy={y} r={4} />
-      ))}
-    </svg>
-  );
-}
-
-const TYPES: NodeTypes = { box: BoxView, gate: GateView, wires: WiresView };
+import { type ReactNode, useMemo, useState } from "react";
+import { networksOf, nodesOf } from "../../lib/network";
+import { useDesign } from "../../lib/store";
+import { findPart } from "../../lib/tree";
+import { Blocks } from "./canvas/Blocks";
+import { NetworkView } from "./canvas/NetworkView";
 
 interface Props {
   level: string;
@@ -74,125 +14,29 @@ interface Props {
   open: (level: string) => void;
 }
 
-function Flow({ level, chosen, choose, open }: Props): ReactNode {
+/** A level as its block diagram, or one of its networks as nodes and links. */
+export function Canvas(props: Props): ReactNode {
   const design = useDesign();
-  const unit = useUnit();
-  const flow = useReactFlow();
-  const [drawing, setDrawing] = useState<Shapes["Drawing"] | null>(null);
-  const [wrong, setWrong] = useState("");
-  const [whole, setWhole] = useState(false);
-  const host = useRef<HTMLDivElement>(null);
-  const [width, setWidth] = useState(0);
-
-  useEffect(() => {
-    if (!host.current) return;
-    const observer = new ResizeObserver(([entry]) => setWidth(Math.max(450, Math.round((entry?.contentRect.width ?? 1000) / 50) * 50 - 50)));
-    observer.observe(host.current);
-    return () => observer.disconnect();
-  }, []);
-
-  useEffect(() => {
-    const asked = new AbortController();
-    if (!design?.valid) {
-      setWrong("The diagram is drawn as soon as the design is complete.");
-      return;
-    }
-    if (!width) return;
-    get("/api/design/drawing", { path: level, width: whole ? Math.max(width, 1200) : width, unit, whole }, asked.signal)
-      .then((found) => {
-        setDrawing(found);
-        setWrong("");
-      })
-      .catch((error: unknown) => !asked.signal.aborted && setWrong(error instanceof Error ? error.message : String(error)));
-    return () => asked.abort();
-  }, [level, unit, whole, width, design?.state, design?.valid]);
-
-  useEffect(() => {
-    if (drawing) requestAnimationFrame(() => void flow.fitView({ padding: 0.06, maxZoom: 1.15 }));
-  }, [drawing?.path, drawing?.width, drawing?.height, flow]);
-
-  const nodes = useMemo<Node[]>(() => {
-    if (!drawing) return [];
-    const common = { draggable: false, connectable: false, deletable: false };
-    const found: Node[] = [
-      { ...common, id: "wires", type: "wires", position: { x: 0, y: 0 }, data: { drawing }, selectable: false, focusable: false, zIndex: 0, style: { pointerEvents: "none" } },
-    ];
-    drawing.boxes.forEach((box, i) =>
-      found.push({
-        ...common,
-        id: `${i} ${box.part ?? ""}`,
-        type: "box",
-        position: { x: box.x, y: box.y },
-        data: { box, chosen: !!box.part && chosen.includes(stem(box.part)), open },
-        selectable: !!box.part,
-        focusable: !!box.part,
-        ariaLabel: [box.title, box.detail, box.badge, box.single_point ? "single point of failure" : ""].filter(Boolean).join(", "),
-        zIndex: 1,
-      }),
-    );
-    drawing.gates.forEach((gate, i) =>
-      found.push({ ...common, id: `gate ${i}`, type: "gate", position: { x: gate.x, y: gate.y - GATE / 2 }, data: { gate }, selectable: false, focusable: false, zIndex: 1 }),
-    );
-    return found;
-  }, [drawing, chosen, open]);
-
+  const part = design ? findPart(design, props.level) : undefined;
+  const networks = useMemo(() => networksOf(part?.values.diagram), [part]);
+  const [asked, setAsked] = useState<{ level: string; network: number } | null>(null); // of which level a network, -1: the blocks
+  const alone = networks.length === 1 && networks[0]!.place.length === 2; // the level is a network, and nothing else
+  const wanted = asked?.level === props.level ? asked.network : alone ? 0 : -1;
+  const shown = part ? networks[wanted] : undefined;
   return (
-    <div className="canvas" ref={host}>
-      {wrong ? (
-        <div className="empty" role="status">
-          <p>{wrong}</p>
+    <>
+      {networks.length > 0 && (
+        <div className="row views" role="group" aria-label="Drawn as">
+          {["Blocks", ...networks.map(({ network }) => `Network ${nodesOf(network).slice(0, 3).join(", ")}…`)].map((name, i) => (
+            <button key={i} aria-pressed={shown ? wanted === i - 1 : i === 0} onClick={() => setAsked({ level: props.level, network: i - 1 })}>
+              {name}
+            </button>
+          ))}
         </div>
-      ) : (
-        <ReactFlow
-          nodes={nodes}
-          edges={NO_EDGES}
-          nodeTypes={TYPES}
-          minZoom={0.05}
-          maxZoom={3}
-          nodesDraggable={false}
-          nodesConnectable={false}
-          selectionOnDrag={false}
-          deleteKeyCode={null}
-          onlyRenderVisibleElements={nodes.length > 200}
-          proOptions={{ hideAttribution: true }}
-          onNodeClick={(event, node) => {
-            const part = (node.data as { box?: Box }).box?.part;
-            if (!part) return;
-            const path = stem(part);
-            const add = event.ctrlKey || event.metaKey || event.shiftKey;
-            choose(!add ? [path] : chosen.includes(path) ? chosen.filter((one) => one !== path) : [...chosen.filter(Boolean), path]);
-          }}
-          onSelectionEnd={() => {
-            const picked = flow.getNodes().filter((node) => node.selected).map((node) => (node.data as { box?: Box }).box?.part).filter((one): one is string => !!one);
-            if (picked.length) choose([...new Set(picked.map(stem))]);
-          }}
-          onPaneClick={() => choose([level])}
-        >
-          <Background gap={22} size={1} color="var(--edge)" />
-          <Controls showInteractive={false} />
-        </ReactFlow>
       )}
-      <div className="below small quiet">
-        <label className="check" style={{ margin: 0 }}>
-          <input type="checkbox" checked={whole} onChange={(event) => setWhole(event.target.checked)} /> down to the parts
-        </label>
-        <span>▲ single point of failure. Double-click a module to open it; Shift+drag or Ctrl+click chooses several.</span>
-        {drawing?.notes.map((note) => (
-          <span key={note}>{note}</span>
-        ))}
-      </div>
-    </div>
-  );
-}
-
-function stem(part: string): string {
-  return part.replace(/\[\d+\]$/, "");
-}
-
-export default function Canvas(props: Props): ReactNode {
-  return (
-    <ReactFlowProvider>
-      <Flow {...props} />
-    </ReactFlowProvider>
+      <ReactFlowProvider key={shown ? "network" : "blocks"}>
+        {part && shown ? <NetworkView key={props.level} level={part} place={shown.place} network={shown.network} chosen={props.chosen} choose={props.choose} /> : <Blocks {...props} />}
+      </ReactFlowProvider>
+    </>
   );
 }

@@ -1,15 +1,15 @@
-import { lazy, type ReactNode, Suspense, useCallback, useEffect, useMemo, useState } from "react";
+import { type ReactNode, useCallback, useEffect, useMemo, useState } from "react";
 import { editWithUndo, edit, go, route, say, useDesign, useShared } from "../../lib/store";
 import type { Operation } from "../../lib/api";
 import { findPart, freeName, levelOf, levelPlace, type Part, treeOf } from "../../lib/tree";
 import { lastStep } from "../../lib/words";
+import { Canvas } from "./Canvas";
 import { GroupDialog } from "./GroupDialog";
 import { Inspector } from "./Inspector";
+import { MoveDialog } from "./MoveDialog";
 import { RenameDialog } from "./RenameDialog";
 import { Tree } from "./Tree";
 import "./design.css";
-
-const Canvas = lazy(() => import("./Canvas"));
 
 /** Tree, canvas, inspector. What is chosen in one is chosen in all; "" is the robot. */
 export function Design(): ReactNode {
@@ -17,20 +17,22 @@ export function Design(): ReactNode {
   const { rest } = useShared(route);
   const [chosen, setChosen] = useState<string[]>([rest]);
   const [level, setLevel] = useState("");
-  const [dialog, setDialog] = useState<"" | "group" | "rename">("");
+  const [dialog, setDialog] = useState<"" | "group" | "rename" | "move">("");
   const tree = useMemo(() => design && treeOf(design), [design]);
 
   const choose = useCallback((paths: string[]) => setChosen(paths.length ? paths : [""]), []);
 
+  const known = design !== null;
   useEffect(() => {
     setChosen([rest]);
-  }, [rest]);
+    const part = design ? findPart(design, rest) : undefined;
+    if (part) setLevel(part.kind === "component" ? levelOf(part.path) : part.path);
+    // when somebody goes to a part, not whenever the design changes
+    // eslint-disable-next-line react-hooks/exhaustive-deps
+  }, [rest, known]);
 
   const first = chosen[0] ?? "";
   const part = design ? findPart(design, first) : undefined;
-  useEffect(() => {
-    if (part) setLevel(part.kind === "component" ? levelOf(part.path) : part.kind === "module" && chosen.length === 1 && rest === part.path ? part.path : levelOf(part.path));
-  }, [rest]);
   const shownLevel = design && findPart(design, level)?.kind !== "component" && findPart(design, level) ? level : "";
 
   if (!design || !tree) return null;
@@ -64,12 +66,24 @@ export function Design(): ReactNode {
     else setDialog("group");
   }
 
+  function startMove(): void {
+    if (!parts.length) say("Choose a part first.");
+    else if (new Set(parts.map((one) => levelOf(one.path))).size > 1) say("These parts are of different levels; move those of one level.", "error");
+    else setDialog("move");
+  }
+
+  function moved(paths: string[]): void {
+    choose(paths);
+    setLevel(levelOf(paths[0]!));
+  }
+
   function keys(event: React.KeyboardEvent): void {
     const target = event.target as HTMLElement;
     if (/^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName) || target.closest("dialog")) return;
     if (event.key === "Delete") remove();
     else if (event.key === "F2" && parts.length === 1) setDialog("rename");
     else if (event.ctrlKey && event.key.toLowerCase() === "g") startGroup();
+    else if (!event.ctrlKey && event.key.toLowerCase() === "m") startMove();
     else return;
     event.preventDefault();
   }
@@ -105,6 +119,9 @@ export function Design(): ReactNode {
           >
             Ungroup
           </button>
+          <button disabled={!parts.length} onClick={startMove} title="M, or drag a box">
+            Move…
+          </button>
           <button disabled={parts.length !== 1} onClick={() => setDialog("rename")} title="F2">
             Rename
           </button>
@@ -112,9 +129,7 @@ export function Design(): ReactNode {
             Delete
           </button>
         </div>
-        <Suspense fallback={<p className="quiet">Loading…</p>}>
-          <Canvas level={shownLevel} chosen={chosen} choose={choose} open={setLevel} />
-        </Suspense>
+        <Canvas level={shownLevel} chosen={chosen} choose={choose} open={setLevel} />
       </section>
       <section className="side right" aria-label="Inspector">
         {part ? (
@@ -126,6 +141,7 @@ export function Design(): ReactNode {
         )}
       </section>
       {dialog === "group" && <GroupDialog members={parts} level={levelOf(parts[0]!.path)} close={() => setDialog("")} />}
+      {dialog === "move" && parts.length > 0 && <MoveDialog parts={parts} close={() => setDialog("")} moved={moved} />}
       {dialog === "rename" && parts[0] && (
         <RenameDialog
           part={parts[0]}
@@ -150,7 +166,7 @@ function Crumbs({ level, robot, show }: { level: string; robot: string; show: (l
           {i === all.length - 1 ? (
             <strong>{path ? lastStep(path) : robot}</strong>
           ) : (
-            <button className="plain" onClick={() => show(path)}>
+            <button className="plain" data-level={path} onClick={() => show(path)}>
               {path ? lastStep(path) : robot}
             </button>
           )}

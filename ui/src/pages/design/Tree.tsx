@@ -1,4 +1,4 @@
-import { type ReactNode, useEffect, useMemo, useRef, useState } from "react";
+import { type ReactNode, type RefObject, useEffect, useMemo, useRef, useState } from "react";
 import type { DesignState } from "../../lib/api";
 import { useUnit } from "../../lib/store";
 import { everyPart, levelOf, type Part, partOfPlace } from "../../lib/tree";
@@ -7,14 +7,42 @@ import { rateText } from "../../lib/words";
 interface Row {
   part: Part;
   depth: number;
+  /** Which of how many at its place: what is out of sight is not there to be counted. */
+  position: number;
+  of: number;
 }
 
-const MOST = 3000;
+const HEIGHT = 30; // of a row, as in design.css
+const FEW = 200; // rows that are all there; of more those in sight
+const AROUND = 20; // rows above and below what is in sight
 
-function rows(part: Part, open: Set<string>, depth = 0): Row[] {
-  const found: Row[] = [{ part, depth }];
-  if (open.has(part.path)) for (const one of part.parts) found.push(...rows(one, open, depth + 1));
-  return found;
+function* rows(part: Part, open: Set<string>, depth = 0, position = 1, of = 1): Generator<Row> {
+  yield { part, depth, position, of };
+  if (!open.has(part.path)) return;
+  let number = 0;
+  for (const one of part.parts) yield* rows(one, open, depth + 1, ++number, part.parts.length);
+}
+
+/** Which rows of a list are to be there: all of few, else those in sight. */
+function useSight(list: RefObject<HTMLElement | null>, count: number): [number, number] {
+  const [sight, setSight] = useState<[number, number]>([0, FEW]);
+  useEffect(() => {
+    const scroller = list.current;
+    if (!scroller) return;
+    const look = (): void => {
+      const first = Math.max(0, Math.floor(scroller.scrollTop / HEIGHT) - AROUND);
+      const last = Math.ceil((scroller.scrollTop + scroller.clientHeight) / HEIGHT) + AROUND;
+      setSight((old) => (old[0] === first && old[1] === last ? old : [first, last]));
+    };
+    const observer = new ResizeObserver(look);
+    observer.observe(scroller);
+    scroller.addEventListener("scroll", look, { passive: true });
+    return () => {
+      observer.disconnect();
+      scroller.removeEventListener("scroll", look);
+    };
+  }, [list]);
+  return count <= FEW ? [0, count] : sight;
 }
 
 /** All that the canvas does can be done from here with the keyboard: choose (Space: several), open, group, rename, delete. */
@@ -38,11 +66,23 @@ export function Tree({ root, chosen, choose, open, design }: { root: Part; chose
 
   const wrong = useMemo(() => new Map(design.problems.map((one) => [partOfPlace(one.place), one])), [design]);
   const words = text.toLowerCase();
-  const shown = useMemo(
-    () => (words ? [...everyPart(root)].filter((one) => one.path.toLowerCase().includes(words)).map((part) => ({ part, depth: 0 })) : rows(root, opened)).slice(0, MOST),
-    [root, opened, words],
-  );
+  const shown = useMemo<Row[]>(() => {
+    if (!words) return [...rows(root, opened)];
+    const found = [...everyPart(root)].filter((one) => one.path.toLowerCase().includes(words));
+    return found.map((part, i) => ({ part, depth: 0, position: i + 1, of: found.length }));
+  }, [root, opened, words]);
   const at = shown.findIndex((row) => row.part.path === focus);
+  const [first, last] = useSight(list, shown.length);
+  const there = shown.map((_, i) => i).slice(first, last);
+  if (at >= 0 && (at < first || at >= last)) there.push(at); // whoever comes by keyboard comes to it
+
+  useEffect(() => {
+    const scroller = list.current;
+    if (!scroller || at < 0) return;
+    const top = at * HEIGHT;
+    if (top < scroller.scrollTop) scroller.scrollTop = top;
+    else if (top + HEIGHT > scroller.scrollTop + scroller.clientHeight) scroller.scrollTop = top + HEIGHT - scroller.clientHeight;
+  }, [at]);
 
   function toggle(part: Part, on: boolean): void {
     setOpened((old) => {
@@ -84,7 +124,9 @@ export function Tree({ root, chosen, choose, open, design }: { root: Part; chose
     <>
       <input type="search" aria-label="Find in the tree" placeholder="Find a part" value={text} onChange={(event) => setText(event.target.value)} />
       <ul role="tree" aria-multiselectable="true" aria-label="Parts" ref={list} className="tree">
-        {shown.map((row, i) => {
+        <li role="none" style={{ height: HEIGHT * shown.length }} />
+        {there.map((i) => {
+          const row = shown[i]!;
           const { part } = row;
           const figures = design.levels[part.path];
           const problem = wrong.get(part.path);
@@ -95,13 +137,16 @@ export function Tree({ root, chosen, choose, open, design }: { root: Part; chose
               role="treeitem"
               aria-selected={chosen.includes(part.path)}
               aria-level={row.depth + 1}
+              aria-posinset={row.position}
+              aria-setsize={row.of}
               aria-expanded={part.parts.length && !words ? opened.has(part.path) : undefined}
               tabIndex={focused ? 0 : -1}
               onKeyDown={(event) => key(event, row)}
               onClick={(event) => pick(part, event.ctrlKey || event.metaKey || event.shiftKey)}
               onDoubleClick={() => open(part)}
-              style={{ paddingLeft: 6 + 14 * row.depth }}
+              style={{ top: HEIGHT * i, paddingLeft: 6 + 14 * row.depth }}
               title={part.path}
+              data-level={part.kind === "component" ? levelOf(part.path) : part.path}
             >
               <span
                 className="twist"
@@ -121,7 +166,6 @@ export function Tree({ root, chosen, choose, open, design }: { root: Part; chose
           );
         })}
       </ul>
-      {shown.length === MOST && <p className="small quiet">More than {MOST} parts: search for the others.</p>}
     </>
   );
 }

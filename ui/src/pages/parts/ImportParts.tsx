@@ -2,6 +2,7 @@ import { type ReactNode, useState } from "react";
 import { type Shapes, upload } from "../../lib/api";
 import { go, replaceText, sayError } from "../../lib/store";
 import { FileButton, Select } from "../../parts/Field";
+import { Preview } from "../../parts/Table";
 import { LevelSelect } from "./LevelSelect";
 
 /** A parts list, looked at before anything is changed. */
@@ -55,31 +56,13 @@ export function ImportParts(): ReactNode {
               ))}
             </div>
           </div>
-          <div className="card scroll" tabIndex={0} role="region" aria-label="What becomes of the list">
-            <table>
-              <caption>
-                {found.rows.length} rows {found.findings.join("; ")}
-              </caption>
-              <thead>
-                <tr>
-                  {found.columns.map((one) => (
-                    <th scope="col" key={one}>
-                      {one}
-                    </th>
-                  ))}
-                </tr>
-              </thead>
-              <tbody>
-                {found.rows.slice(0, 500).map((row, i) => (
-                  <tr key={i}>
-                    {row.map((one, n) => (
-                      <td key={n}>{one}</td>
-                    ))}
-                  </tr>
-                ))}
-              </tbody>
-            </table>
-          </div>
+          <Preview
+            className="card scroll"
+            label="What becomes of the list"
+            caption={`${found.rows.length} rows ${found.findings.join("; ")}`}
+            columns={found.columns}
+            rows={found.rows}
+          />
           <div className="row">
             <button
               className="primary"

@@ -6,6 +6,7 @@ import { everyPart, findPart, freeName, isValues, type Part, treeOf } from "../.
 import { rateText } from "../../lib/words";
 import { Dialog } from "../../parts/Dialog";
 import { Area } from "../../parts/Field";
+import { Table } from "../../parts/Table";
 import { LevelSelect } from "./LevelSelect";
 
 const MOST = 500;
@@ -33,40 +34,26 @@ export function PartsTable(): ReactNode {
       </div>
       {!parts.length && <p>No parts yet. Add them in Design, from the library, or import a list.</p>}
       {parts.length > 0 && (
-        <div className="scroll card" tabIndex={0} role="region" aria-label="Parts">
-          <table>
-            <thead>
-              <tr>
-                <th scope="col">Part</th>
-                <th scope="col">Quantity</th>
-                <th scope="col">Rate of one, or its model</th>
-                <th scope="col" className="number">λ of all, new</th>
-                <th scope="col">Life</th>
-                <th scope="col">Source</th>
-              </tr>
-            </thead>
-            <tbody>
-              {shown.slice(0, MOST).map((part) => (
-                <tr key={part.path}>
-                  <th scope="row">
-                    <button className="plain" onClick={() => go("design", part.path)} title="Open in Design">
-                      {part.path}
-                    </button>
-                  </th>
-                  <td>
-                    <Cell label={`Quantity of ${part.path}`} value={String(part.values.quantity ?? 1)} set={(value) => set(part, "quantity", number(value))} />
-                  </td>
-                  <td>{stated(part) ?? <Cell label={`Rate of ${part.path}`} value={String(part.values.rate ?? "")} set={(value) => set(part, "rate", value)} />}</td>
-                  <td className="number">{rateText(design.levels[part.path]?.hazard_rate, unit)}</td>
-                  <td>{isValues(part.values.life) ? String(part.values.life.distribution) : "exponential"}</td>
-                  <td>{source(part)}</td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
-          {shown.length > MOST && <p className="quiet">{shown.length - MOST} more: find them by name.</p>}
-        </div>
+        <Table className="scroll card" label="Parts" columns={["Part", "Quantity", "Rate of one, or its model", ["λ of all, new", "number"], "Life", "Source"]}>
+          {shown.slice(0, MOST).map((part) => (
+            <tr key={part.path}>
+              <th scope="row">
+                <button className="plain" onClick={() => go("design", part.path)} title="Open in Design">
+                  {part.path}
+                </button>
+              </th>
+              <td>
+                <Cell label={`Quantity of ${part.path}`} value={String(part.values.quantity ?? 1)} set={(value) => set(part, "quantity", number(value))} />
+              </td>
+              <td>{stated(part) ?? <Cell label={`Rate of ${part.path}`} value={String(part.values.rate ?? "")} set={(value) => set(part, "rate", value)} />}</td>
+              <td className="number">{rateText(design.levels[part.path]?.hazard_rate, unit)}</td>
+              <td>{isValues(part.values.life) ? String(part.values.life.distribution) : "exponential"}</td>
+              <td>{source(part)}</td>
+            </tr>
+          ))}
+        </Table>
       )}
+      {shown.length > MOST && <p className="quiet">{shown.length - MOST} more: find them by name.</p>}
       {paste && <Paste close={() => setPaste(false)} />}
     </>
   );
