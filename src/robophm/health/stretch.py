@@ -225,7 +225,7 @@ class Stretch:
         self.heard = max((int(times[-1]) for times in heard), default=None)
         begins, ends = [], []
         for times in heard:
-            silent = np.flatnonzero(times[1:] - times[:-1] > gap)
+            (silent,) = (times[1:] - times[:-1] > gap).nonzero()
             begins += [times[:1], times[silent + 1]] if len(silent) else [times[:1]]
             ends += [times[silent] + gap, times[-1:] + gap] if len(silent) else [times[-1:] + gap]
         name = self.robot.powered
