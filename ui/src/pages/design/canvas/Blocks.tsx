@@ -226,7 +226,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
         {drag ? (
           <strong aria-live="polite">{drag.target ? `Drop it here: ${drag.target.words}` : "Drop it here: nothing changes"}</strong>
         ) : (
-          <span>▲ single point of failure. Double-click a module to open it; drag a box to move it (M); Shift+drag or Ctrl+click chooses several.</span>
+          <span className="hint-line">▲ single point of failure. Double-click a module to open it; drag a box to move it (M); Shift+drag or Ctrl+click chooses several.</span>
         )}
         {!drag && drawing?.notes.map((note) => <span key={note}>{note}</span>)}
       </div>
