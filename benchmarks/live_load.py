@@ -1,7 +1,8 @@
-"""200 topics and 20,000 numbered messages a second into one watcher over real ROS 1, beside rospy with the same.
+"""200 topics and 20,000 messages a second into one watcher, over real ROS 1 beside rospy with the same, or over DDS.
 
-``python -m benchmarks.live_load [SECONDS]`` starts a roscore, a sender, and first the watcher, then a rospy node that
-keeps the latest value of each topic, for 60 s each. Which messages came is known by their numbers.
+``python -m benchmarks.live_load [SECONDS] [dds]`` starts a roscore, a sender, and first the watcher, then a rospy node
+that keeps the latest value of each topic, for 60 s each. Messages of ROS 1 are numbered, so that a watcher sees what it
+misses. Over DDS sender and watcher are alone, as rclpy is on no package index.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -46,30 +48,49 @@ print(json.dumps({{"messages": count[0] - before, "cpu": cpu}}))
 """
 
 
-def send(seconds: float) -> None:
+def send(ros: str, seconds: float) -> None:
     """All topics in turn, by their numbers, until the time is over."""
-    from robophm.transports.ros1 import Node, Publisher
+    from robophm.transports.live import open_live
 
-    with Node("/sender") as node:
-        publishers = [Publisher(node, f"/t{topic}", "sensor_msgs/Temperature") for topic in range(TOPICS)]
+    live = open_live(ros)
+    with live.node("/sender") as node:
+        publishers = [live.publisher(node, f"/t{topic}", "sensor_msgs/Temperature") for topic in range(TOPICS)]
         while any(not publisher.subscribers for publisher in publishers):
             time.sleep(0.05)
+        send_to = _sender1(node, publishers) if ros == "1" else _sender2(publishers)
         print("begun", flush=True)
-        begun, number = time.monotonic(), 0
+        begun, number, slowest = time.monotonic(), 0, 0.0
         per_step = round(RATE * STEP)
         while (now := time.monotonic()) - begun < seconds:
             stamp = time.time_ns()
-            seconds_, nanoseconds = divmod(stamp, 1_000_000_000)
             for _ in range(per_step):
                 topic, count = number % TOPICS, number // TOPICS
-                raw = struct.pack("<IIIIIdd", 32, count, seconds_, nanoseconds, 0, 20 + count % 1000 / 100, 0.0)
-                for subscriber in publishers[topic]._subscribers:
-                    node.loop.post(lambda each=subscriber, raw=raw: each.offer(raw))  # type: ignore[misc]
+                send_to(topic, count, *divmod(stamp, 1_000_000_000), 20 + count % 1000 / 100)
                 number += 1
+            slowest = max(slowest, time.monotonic() - now)
             time.sleep(max(0.0, now + STEP - time.monotonic()))
         time.sleep(1)
         dropped = sum(count for what, count in node.notes.items() if what.startswith("slow subscriber"))
         print(json.dumps({"sent": number, "dropped": dropped}), flush=True)
+    live.source.close()
+
+
+def _sender1(node: Any, publishers: list[Any]) -> Callable[..., None]:
+    def send(topic: int, *fields: float) -> None:
+        count, seconds, nanoseconds, value = fields
+        raw = struct.pack("<IIIIIdd", 32, count, seconds, nanoseconds, 0, value, 0.0)
+        for subscriber in publishers[topic]._subscribers:
+            node.loop.post(partial(subscriber.offer, raw))
+
+    return send
+
+
+def _sender2(publishers: list[Any]) -> Callable[..., None]:
+    def send(topic: int, *fields: float) -> None:
+        _, seconds, nanoseconds, value = fields
+        publishers[topic]._writer.write(b"\0\1\0\0" + struct.pack("<IIIB3xdd", seconds, nanoseconds, 1, 0, value, 0.0))
+
+    return send
 
 
 def design() -> str:
@@ -88,36 +109,47 @@ def design() -> str:
     return "\n".join(lines)
 
 
-def listen(seconds: float, journal: str) -> None:
-    """The watcher, in this process: what it took, and how late its reports were."""
+def listen(ros: str, seconds: float, journal: str) -> None:
+    """The watcher, in this process: what it took, and how late it integrated and reported."""
     from robophm.design.file import parse
     from robophm.health.report import HealthReport
+    from robophm.monitor import Monitor
     from robophm.transports.journal import Journal
-    from robophm.transports.ros1 import Ros1
+    from robophm.transports.live import open_live
     from robophm.transports.sink import JudgedTask, ReportSink
     from robophm.watching import watch
 
     class Clock(ReportSink):
         def __init__(self) -> None:
+            self.aged: list[float] = []
             self.late: list[float] = []
             self.memory: list[float] = []
 
+        def start(self, monitor: Monitor) -> None:
+            tick = monitor.on_tick
+            assert tick
+
+            def timed(monitor: Monitor) -> None:
+                self.aged.append(time.time() % PERIOD)
+                tick(monitor)
+
+            monitor.on_tick = timed
+
         def publish(self, report: HealthReport) -> None:
-            now = time.time_ns()
-            self.late.append(now / 1e9 % PERIOD)
+            self.late.append(time.time() % PERIOD)
             self.memory.append(resident())
 
         def judged(self, task: JudgedTask) -> None: ...
 
     robot, clock = parse(design()), Clock()
-    with Ros1(period=PERIOD) as source, Journal(journal, robot.signals) as kept:
+    with open_live(ros, period=PERIOD).source as source, Journal(journal, robot.signals) as kept:
         threading.Timer(seconds, source.stop).start()
         begun = resource.getrusage(resource.RUSAGE_SELF)
-        watch(robot, source, journal=kept, period=PERIOD, sinks=[clock])
+        watch(robot, source, journal=kept, period=PERIOD, sinks=[clock], on_start=clock.start)
         ended = resource.getrusage(resource.RUSAGE_SELF)
         print(json.dumps({
             "cpu": ended.ru_utime + ended.ru_stime - begun.ru_utime - begun.ru_stime,
-            "late": clock.late, "memory": clock.memory, "notes": dict(source.notes),
+            "aged": clock.aged, "late": clock.late, "memory": clock.memory, "notes": dict(source.notes),
         }))  # fmt: skip
 
 
@@ -144,54 +176,68 @@ def master() -> Iterator[dict[str, str]]:
             core.wait()
 
 
-def run(seconds: float) -> dict[str, Any]:
+def run(ros: str, seconds: float) -> dict[str, Any]:
     """Both, one after the other."""
-    with master() as ros, tempfile.TemporaryDirectory() as folder:
-        own = os.environ | ros
+    domain = {"ROS_DOMAIN_ID": "97", "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    with master() if ros == "1" else nullcontext(domain) as system, tempfile.TemporaryDirectory() as folder:
+        own = os.environ | system
         journal = Path(folder, "load.journal")
 
         def start(*words: str) -> subprocess.Popen[str]:
             command = [sys.executable, "-m", "benchmarks.live_load", *words]
             return subprocess.Popen(command, env=own, stdout=subprocess.PIPE, text=True)
 
-        watcher = start("listen", str(seconds + 8), str(journal))
-        sent = json.loads(start("send", str(seconds)).communicate()[0].splitlines()[-1])
+        watcher = start("listen", ros, str(seconds + 8), str(journal))
+        sent = json.loads(start("send", ros, str(seconds)).communicate()[0].splitlines()[-1])
         found = json.loads(watcher.communicate()[0])
-        numbers: dict[str, list[float]] = {}
+        heard = 0
         with journal.open() as lines:
             for line in lines:
-                if line[0] != "#" and not line.endswith(" clock\n"):
-                    _, value, signal = line.split()
-                    numbers.setdefault(signal, []).append(float(value))
-        heard = sum(map(len, numbers.values()))
-        sender = start("send", str(seconds + 4))
-        rospy = subprocess.run(
-            ["/usr/bin/python3", "-c", ROSPY, str(seconds)], env=ros | {"PATH": "/usr/bin:/bin"},
-            capture_output=True, text=True, check=True,
-        )  # fmt: skip
-        sender.communicate()
-        peer = json.loads(rospy.stdout.splitlines()[-1])
-    seen = found["late"][2:]
-    gaps = {what: count for what, count in found["notes"].items() if "gap" in what or "dropped" in what}
+                heard += line[0] != "#" and not line.endswith(" clock\n")
+        peer = {}
+        if ros == "1":
+            sender = start("send", ros, str(seconds + 4))
+            rospy = subprocess.run(
+                ["/usr/bin/python3", "-c", ROSPY, str(seconds)], env=system | {"PATH": "/usr/bin:/bin"},
+                capture_output=True, text=True, check=True,
+            )  # fmt: skip
+            sender.communicate()
+            told = json.loads(rospy.stdout.splitlines()[-1])
+            peer = {"rospy's [µs]": told["cpu"] / told["messages"] * 1e6}
+    gaps = {what: count for what, count in found["notes"].items() if " gap " in what or "dropped" in what}
+    gaps |= {what: count for what, count in found["notes"].items() if what.startswith("lost on the way")}
     return {
         "sent": sent["sent"], "sender dropped": sent["dropped"], "heard": heard,
         "lost, and counted": sum(gaps.values()), "lost unseen": sent["sent"] - heard - sum(gaps.values()),
         "messages a second": sent["sent"] / seconds,
-        "CPU a message [µs]": found["cpu"] / heard * 1e6, "rospy's [µs]": peer["cpu"] / peer["messages"] * 1e6,
-        "ticks": len(seen), "lateness p50, p99, worst [ms]": [
-            round(1000 * sorted(seen)[min(len(seen) - 1, int(len(seen) * q))], 1) for q in (0.5, 0.99, 1)
-        ],
-        "memory after 10 s and at the end [MiB]": [round(found["memory"][min(10, len(seen) - 1)]),
+        "CPU a message [µs]": found["cpu"] / heard * 1e6, **peer,
+        "ticks": len(found["aged"]), "of which without a report": len(found["aged"]) - len(found["late"]),
+        "lateness of a tick, p50, p99, worst [ms]": _late(found["aged"]),
+        "lateness of its report, p50, p99, worst [ms]": _late(found["late"]),
+        "memory after 10 s and at the end [MiB]": [round(found["memory"][min(10, len(found["memory"]) - 1)]),
                                                    round(found["memory"][-1])],
-        "notes": found["notes"],
+        "notes": {what: count for what, count in found["notes"].items() if not what.startswith("connection lost")},
     }  # fmt: skip
 
 
-if __name__ == "__main__":
+def _late(seconds: list[float]) -> list[float]:
+    """After the first two, which prepare."""
+    late = sorted(seconds[2:])
+    return [round(1000 * late[min(len(late) - 1, int(len(late) * q))], 1) for q in (0.5, 0.99, 1)]
+
+
+def main() -> None:
+    """As the words say."""
     if sys.argv[1:2] == ["send"]:
-        send(float(sys.argv[2]))
+        send(sys.argv[2], float(sys.argv[3]))
     elif sys.argv[1:2] == ["listen"]:
-        listen(float(sys.argv[2]), sys.argv[3])
+        listen(sys.argv[2], float(sys.argv[3]), sys.argv[4])
     else:
-        for what, value in run(float(sys.argv[1]) if sys.argv[1:] else 60.0).items():
+        words = sys.argv[1:]
+        seconds = next((float(word) for word in words if word != "dds"), 60.0)
+        for what, value in run("2" if "dds" in words else "1", seconds).items():
             print(f"{what}: {value}")
+
+
+if __name__ == "__main__":
+    main()

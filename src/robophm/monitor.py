@@ -7,7 +7,6 @@ that the same samples in the same order always give the same ledger, bit for bit
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Callable
 from typing import TypedDict, Unpack
 
@@ -19,6 +18,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName
 from robophm.health.report import HealthReport, health_report
+from robophm.health.window import Columns, Window, parted
 
 WINDOW = SECOND
 """Nanoseconds that integration waits for samples that come out of order."""
@@ -82,7 +82,7 @@ class Monitor:
             if full and newest - WINDOW <= begun:
                 ledger.counts[f"more than {MOST_PENDING:,} within {WINDOW // SECOND} s: {signal}"] += 1
                 return
-            ledger.pending.append(sample)
+            ledger.pending.add(sample)
         if later or full:  # a flood is integrated before its period is over
             until = newest - WINDOW if full else (newest - WINDOW) // self.period * self.period
             if until > begun:
@@ -90,30 +90,28 @@ class Monitor:
 
     def _integrate(self, until: int) -> None:
         ledger = self.ledger
-        ledger.pending.sort()
-        split = bisect_right(ledger.pending, until, key=lambda sample: sample.time)
-        ready, ledger.pending = ledger.pending[:split], ledger.pending[split:]
+        ready = ledger.pending.take(until)
         while self.marks and self.marks[0][0] <= until:
             mark, then = self.marks.pop(0)
             then(self._at(mark, ready))
-        self.exposure.integrate(ledger, ready, until)
+        self.exposure.integrate_columns(ledger, ready, [until])
         if self.on_tick:
             self.on_tick(self)
 
-    def _at(self, time: int, ready: list[Sample]) -> Ledger:
+    def _at(self, time: int, ready: Columns) -> Ledger:
         """The ledger of this time; the robot's own goes on in whole periods, as without marks."""
         ledger = self.ledger.copy()
-        ledger.pending = []
+        ledger.pending = Window()
         begun = ledger.started if ledger.integrated_to is None else ledger.integrated_to
         if begun is None or time > begun:
-            self.exposure.integrate(ledger, ready[: bisect_right(ready, time, key=lambda sample: sample.time)], time)
+            self.exposure.integrate_columns(ledger, parted(ready, time)[0], [time])
         return ledger
 
     def reach_marks(self) -> None:
         """Do what the marks that are left ask for, none with a ledger later than the newest sample."""
         if (newest := self.ledger.newest) is not None:
             for mark, then in self.marks:
-                then(self._at(min(mark, newest), sorted(self.ledger.pending)))
+                then(self._at(min(mark, newest), self.ledger.pending.columns()))
         self.marks.clear()
 
     def report(self, *, settled: bool = True, **options: Unpack[ReportOptions]) -> HealthReport:

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.core.signal import HOUR, SECOND, Sample
-from robophm.health.exposure import columns_of
+from robophm.health.window import Window
 from robophm.monitor import WINDOW, Monitor
 from robophm.transports.source import Heard
 
@@ -54,7 +54,7 @@ class VirtualLife:
         self._leave_open(None)
 
     def _resume(self) -> None:
-        columns = columns_of(sorted(self.ledger.pending))
+        columns = self.ledger.pending.columns()
         self._waiting = {
             signal: Heard(np.full(len(times), np.iinfo(np.int64).min), times, values)
             for signal, (times, values) in columns.items()
@@ -155,7 +155,7 @@ class VirtualLife:
             yield begun, arrived
 
     def _integrate(self, ends: Sequence[int]) -> None:
-        columns, self.ledger.pending = {}, []
+        columns, self.ledger.pending = {}, Window()
         for signal, heard in self._waiting.items():
             split = int(np.searchsorted(heard.times, ends[-1], side="right"))
             columns[signal] = heard.times[:split], heard.values[:split]
@@ -168,7 +168,7 @@ class VirtualLife:
             self._count(arrived)
             self._leave_open(arrived)
             self.monitor.on_tick(self.monitor)
-            self.ledger.pending = []
+            self.ledger.pending = Window()
 
     def _count(self, arrived: int | None) -> None:
         """Count what was not taken of what had arrived until then."""
@@ -181,18 +181,14 @@ class VirtualLife:
     def _leave_open(self, arrived: int | None) -> None:
         """Leave in the ledger what had arrived until then, as a monitor would have."""
         ledger = self.ledger
-        pending = []
+        columns = {}
         for signal, heard in self._waiting.items():
-            times, values = heard.times, heard.values
-            if arrived is not None:
-                here = heard.arrived <= arrived
-                times, values = times[here], values[here]
-            pending += [
-                Sample(time, signal, value) for time, value in zip(times.tolist(), values.tolist(), strict=True)
-            ]
-        ledger.pending = sorted(pending)
-        if pending and (ledger.newest is None or ledger.pending[-1].time > ledger.newest):
-            ledger.newest = ledger.pending[-1].time
+            here = slice(None) if arrived is None else heard.arrived <= arrived
+            columns[signal] = heard.times[here], heard.values[here]
+        ledger.pending = Window.of(columns)
+        newest = max((int(times[-1]) for times, _ in columns.values() if len(times)), default=None)
+        if newest is not None and (ledger.newest is None or newest > ledger.newest):
+            ledger.newest = newest
 
     def _hold_back(self, begun: int, newest: int) -> None:
         """Bound what waits: a flood is integrated before its period is over; what is too much for a window is lost."""

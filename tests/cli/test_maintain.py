@@ -74,3 +74,25 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
         assert said in failed.stderr
         assert failed.stderr.count("\n") == 1
     assert "--horizon" in inside("maintain", robot, "costs.csv", "--horizon", "5").stderr
+
+
+def test_redundancy(inside, tmp_path):
+    """Of two pumps either will do: their downtime hardly counts, and the robot's availability is that of the pair."""
+    pumps = "components: {pump: {quantity: 2, required: %d, rate: 1000 FPMH}, computer: {rate: 1 FPMH}}"
+    (tmp_path / "costs.csv").write_text("part,preventive,corrective,corrective downtime\npump,10,10,100 h\n")
+    said = {}
+    for required in (1, 2):
+        (tmp_path / "robot.yaml").write_text(f"schema_version: 1\nname: R\n{pumps % required}\n")
+        words = ("maintain", "robot.yaml", "costs.csv", "--downtime-cost", 5, "--repetitions", 200)
+        said[required] = json.loads(inside(*words, "--json").stdout)
+        text = inside(*words).stdout
+        assert ("pump is redundant: while it is down the robot stands still with 9.1 %" in text) == (required == 1)
+    up = 1000 / 1100
+    parts = {required: one["parts"][0] for required, one in said.items()}
+    assert parts[1]["stops_robot"] == pytest.approx(1 - up)
+    assert parts[1]["cost_per_hour"] == pytest.approx((10 + 500 * (1 - up)) / 1100)
+    assert parts[2]["cost_per_hour"] == pytest.approx((10 + 500) / 1100)
+    cycles = {required: one["life_cycle"]["failures_only"] for required, one in said.items()}
+    assert cycles[1]["availability"] == pytest.approx(1 - (1 - up) ** 2, abs=2e-3)
+    assert cycles[2]["availability"] == pytest.approx(up**2, abs=5e-3)
+    assert cycles[1]["cost"] < 0.3 * cycles[2]["cost"]

@@ -34,12 +34,13 @@ def test_trend_change_and_remaining_life(inside, robot):
     assert text.returncode == 0
     assert "battery with its wear" in text.stdout
     said = json.loads(inside(*words, "--json").stdout)
-    assert said["trend"]["low"] < -1e-4 < said["trend"]["high"]
+    (found,) = said["signals"]
+    assert found["trend"]["low"] < -1e-4 < found["trend"]["high"]
     left = (1 - 1e-4 * 1495 - 0.7) / 1e-4
-    assert said["remaining"]["low"] < left < said["remaining"]["high"]
-    assert 500 <= said["change"]["alarms"][0] <= 1200  # the baseline ends at 495 h
+    assert found["remaining"]["low"] < left < found["remaining"]["high"]
+    assert 500 <= found["change"]["alarms"][0] <= 1200  # the baseline ends at 495 h
     lives = said["remaining_life"]
-    assert lives["battery"]["fused"]["median"] == pytest.approx(2 * said["remaining"]["median"], rel=0.02)
+    assert lives["battery"]["fused"]["median"] == pytest.approx(2 * found["remaining"]["median"], rel=0.02)
     assert lives["courier"]["fused"]["median"] < lives["battery"]["fused"]["median"]
 
 
@@ -54,7 +55,7 @@ def test_dates_ambient_and_load(inside, robot, tmp_path):
         )
     (tmp_path / "bearing.csv").write_text("\n".join(rows) + "\n")
     words = ("wear", robot, "bearing.csv", "--part", "battery", "--threshold", 40, "--baseline", 30, "--json")
-    said = json.loads(inside(*words).stdout)
+    (said,) = json.loads(inside(*words).stdout)["signals"]
     assert said["unit"] == "h"
     assert said["remaining"]["low"] < (40 - 20 - 11.9) / 0.1 * 24 < said["remaining"]["high"]
     load = rng.uniform(0, 1, 120)
@@ -74,7 +75,7 @@ def test_dates_ambient_and_load(inside, robot, tmp_path):
         0.5,
         "--json",
     )
-    said = json.loads(inside(*words).stdout)
+    (said,) = json.loads(inside(*words).stdout)["signals"]
     assert said["trend"]["low"] < 0.01 < said["trend"]["high"]
     assert said["noise"] < 0.1  # what the load did is not taken for noise
 
@@ -94,5 +95,87 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
     ):
         failed = inside("wear", robot, *some)
         assert failed.returncode == 3
+        assert said in failed.stderr
+        assert failed.stderr.count("\n") == 1
+
+
+LISTENS = """
+schema_version: 1
+name: cart
+usage: {operating: 0.5}
+components:
+  motor:
+    rate: 20 FPMH
+    wear: {topic: /motor, field: current, every: 10 s, threshold: 8, load: {topic: /motor, field: load, range: [2, 3]}}
+  bearing:
+    rate: 9 FPMH
+    wear: {topic: /t, field: bearing, every: 10 s, threshold: 40, ambient: {topic: /t, field: air}}
+  computer: {rate: 2 FPMH}
+"""
+HOURS = 1200 / 3600  # of the journal
+
+
+@pytest.fixture
+def listening(tmp_path):
+    """Twenty minutes in which a current at load rises by 0.5, and a bearing's temperature above the air's by 3."""
+    (tmp_path / "robot.yaml").write_text(LISTENS)
+    rng = np.random.default_rng(8)
+    names = ("/motor.load", "/motor.current", "/t.air", "/t.bearing")
+    lines = ["# robophm journal 1\n", *(f"# signal {name}\n" for name in names)]
+    for i in range(1200):
+        time, load, air = (1_700_000_000 + i) * 10**9, rng.uniform(2, 3.8), 20 + 5 * np.sin(i / 100)
+        current = 2 + i / 2400 + 5 * max(load - 3, 0) + 0.1 * rng.standard_normal()
+        values = (load, current, air, air + 30 + i / 400 + 0.2 * rng.standard_normal())
+        lines += [f"{time} {float(value)!r} {name}\n" for name, value in zip(names, values, strict=True)]
+    (tmp_path / "run.journal").write_text("".join(lines))
+    return tmp_path / "run.journal"
+
+
+def test_from_recordings_all_wear_counts_for_the_robot(inside, listening):
+    done = inside("wear", "robot.yaml", "run.journal", "--baseline", 40, "--json")
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    found = {one["mode"]: one for one in said["signals"]}
+    assert {name: one["readings"] for name, one in found.items()} == {"motor": 120, "bearing": 120}
+    assert found["motor"]["trend"]["low"] < 0.5 / HOURS < found["motor"]["trend"]["high"] < 1 / HOURS
+    assert found["bearing"]["trend"]["low"] < 3 / HOURS < found["bearing"]["trend"]["high"] < 4 / HOURS
+    assert found["bearing"]["remaining"]["low"] < 7 / 3 * HOURS < found["bearing"]["remaining"]["high"]
+    lives = said["remaining_life"]
+    assert lives["bearing"]["fused"]["median"] == pytest.approx(2 * found["bearing"]["remaining"]["median"], rel=0.02)
+    assert lives["cart"]["fused"]["late"] <= min(lives[name]["fused"]["late"] for name in found)
+    text = inside("wear", "robot.yaml", "run.journal", "--baseline", 40, "--part", "bearing").stdout
+    assert "bearing, mean of /t.bearing above /t.air: 120 readings over 0.33" in text
+    assert "h, 2023-11-14 22:" in text  # when it had changed
+    assert "motor" not in text
+
+
+def test_one_signal_that_says_too_little_does_not_hide_the_others(inside, listening):
+    text = listening.read_text().splitlines(keepends=True)
+    listening.write_text("".join(line for line in text if " /motor.current" not in line or line[:10] < "1700000300"))
+    done = inside("wear", "robot.yaml", "run.journal", "--baseline", 40)
+    assert done.returncode == 0
+    assert (
+        "motor, mean of /motor.current at /motor.load 2 … 3: 30 readings, and a baseline of 40 (--baseline)"
+        in done.stderr
+    )
+    assert "bearing with its wear" in done.stdout
+
+
+def test_mistakes_about_recordings_are_one_line(inside, listening, tmp_path):
+    (tmp_path / "none.yaml").write_text("schema_version: 1\nname: cart\ncomponents: {a: {rate: 1 FPMH}}\n")
+    (tmp_path / "t.csv").write_text("time [h],value\n1,2\n")
+    for words, said in (
+        (("robot.yaml", listening, "--part", "computer"), "no 'computer' which signal shows its wear"),
+        (("none.yaml", listening), "says of no part which signal shows its wear; expected e.g."),
+        (("robot.yaml", listening, "--threshold", 3), "--threshold is of a table"),
+        (("robot.yaml", listening, "--load", 3), "--load is of a table"),
+        (("robot.yaml", listening, "--baseline", 500), "120 readings, and a baseline of 500 (--baseline)"),
+        (("robot.yaml", "t.csv"), "whose wear is it? expected --part"),
+        (("robot.yaml", "t.csv", "--part", "computer"), "at which value is 'computer' worn out? expected --threshold"),
+        (("robot.yaml", "t.csv", listening), "is a table, of one signal"),
+        (("robot.yaml", "no.mcap"), "no such file"),
+    ):
+        failed = inside("wear", *words)
+        assert failed.returncode == 3, failed.stdout
         assert said in failed.stderr
         assert failed.stderr.count("\n") == 1

@@ -187,6 +187,31 @@ def test_a_sample_out_of_range_is_counted_once_and_hides_no_other() -> None:
     assert ledger.effective.value[seal] == exact(mpf(2) / 3600)
 
 
+def test_parts_whose_sensors_alone_differ_live_as_if_each_were_alone() -> None:
+    """They are asked about together, to the last bit: one is silent, one speaks now and then, one leaves its range."""
+    chance = random.Random(5)
+    parts = {
+        f"p{i}": {
+            "rate": "1e-5 /h",
+            "acceleration": {"model": "q10", "reference_temperature": f"{25 + 5 * (i == 4)} degC"},
+            "signals": {"temperature": TEMPERATURE | {"topic": f"/t{i}", "max_age": "7 s"}},
+        }
+        for i in range(6)
+    }
+    always = {"powered": {"topic": "/on", "field": "data"}}
+    samples = [Sample(START, "/on.data", 1.0)]
+    for i, (count, warmest) in enumerate([(90, 60), (0, 60), (9, 60), (90, 1500), (90, 60), (90, 60)]):
+        times = (START + chance.randrange(180 * SECOND) for _ in range(count))
+        samples += [Sample(time, f"/t{i}.c", chance.uniform(-5, warmest)) for time in times]
+    samples = [*sorted(samples), Sample(START + 180 * SECOND, CLOCK, 0.0)]
+    together = settled(robot(parts, **always), samples, 30.0)
+    for i, (name, part) in enumerate(parts.items()):
+        own = [sample for sample in samples if sample.signal in ("/on.data", CLOCK, f"/t{i}.c")]
+        alone = settled(robot({name: part}, **always), own, 30.0)
+        assert together.effective.value[i] == alone.effective.value[0] > 0
+        assert together.extrapolated[name] == alone.extrapolated[name]
+
+
 # The same laws by brute force: every instant at which anything may change, one after the other.
 
 OFFSET = 15  # K, of the capacitor above its module

@@ -143,12 +143,3 @@ def test_what_a_prior_may_be(seen, tmp_path, robot):
         learn(robot, only, "0 failures")
     with pytest.raises(DataError, match=r"no robot 'x'"):
         learn(robot, only, of="x")
-
-
-def test_a_life_that_a_rate_does_not_scale(tmp_path):
-    robot = parse("{schema_version: 1, name: R, components: {a: {rate: 1 FPMH, life: {distribution: lognormal,"
-                  " log_deviation: 1}}}}")  # fmt: skip
-    path = tmp_path / "log.csv"
-    path.write_text("part,exposure\na,5000 h\n")
-    with pytest.raises(DataError, match=r"'a' has a lognormal life, .* expected its life data for `robophm fit`"):
-        learn(robot, read_failure_log(path, robot).seen)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
+from scipy.stats import lognorm, weibull_min
 
 from robophm.core.errors import DataError
 from robophm.design.file import parse
@@ -76,7 +78,11 @@ def test_mylar_inverse_power():
 
 
 def test_fatigue_power_weibull():
-    """The printed figures are of a search that stopped early: ours are likelier, and as near as that allows."""
+    """The printed figures are of a search over a, n and β that ends where the likelihood grows by less than 0.001.
+
+    Its a, of 4·10⁵ beside n of −1.4, is then still where it was, 1.3 % off; n and β are at their best for that a. So
+    all four printed figures follow within the gate once a is held; without that ours are likelier.
+    """
     case = CASES["modarres_fatigue_power_weibull"]
     data, expected = case["data"], case["expected"]
     lives = life_data(
@@ -84,16 +90,30 @@ def test_fatigue_power_weibull():
         stresses={"stress": [*data["failure_stresses"], *data["right_censored_stresses"]]},
     )  # fmt: skip
     found = fit_life_stress(lives, reference={"stress": float(data["use_stress"])})
-    assert found.log_likelihood == pytest.approx(expected["loglik"], rel=1e-3)
-    assert found.parameters["shape"].value == pytest.approx(expected["beta"], rel=1e-3)
-    assert -found.coefficients["stress"].value == pytest.approx(expected["n"], rel=2e-3)
-    assert found.life.mean() == pytest.approx(expected["mean_life_use"], rel=4e-3)
-    beta, n = expected["beta"], -expected["n"]
-    eta = expected["mean_life_use"] / math.gamma(1 + 1 / beta)
-    u = beta * (np.log(lives.low / eta) + n * np.log(lives.stresses["stress"] / 60))
-    printed = np.sum(np.where(lives.failed, math.log(beta) - np.log(lives.low) + u, 0) - np.exp(u))
-    assert printed == pytest.approx(expected["loglik"], abs=1e-4)
-    assert found.log_likelihood > printed
+
+    def log_likelihood(a, n, beta):
+        u = beta * np.log(lives.low / (a * lives.stresses["stress"] ** n))
+        return np.sum(np.where(lives.failed, math.log(beta) - np.log(lives.low) + u, 0) - np.exp(u))
+
+    held = expected["mean_life_use"] / (60 ** expected["n"] * math.gamma(1 + 1 / expected["beta"]))
+    best = minimize(lambda x: -log_likelihood(held, *x), [-1.0, 2.0], method="Nelder-Mead", options={"xatol": 1e-9})
+    n, beta = best.x
+    gate = case["tolerance"]["rel"]
+    assert n == pytest.approx(expected["n"], rel=gate / 10)
+    assert beta == pytest.approx(expected["beta"], rel=gate / 10)
+    assert -best.fun == pytest.approx(expected["loglik"], abs=1e-4)
+    assert held * 60**n * math.gamma(1 + 1 / beta) == pytest.approx(expected["mean_life_use"], rel=gate / 10)
+    # Over all three it goes on, and that is where ours is, by SurPyval.
+    best = minimize(
+        lambda x: -log_likelihood(math.exp(x[0]), *x[1:]), [13.0, n, beta], method="Nelder-Mead",
+        options={"xatol": 1e-10, "fatol": 1e-13, "maxiter": 5000},
+    )  # fmt: skip
+    assert -found.coefficients["stress"].value == pytest.approx(best.x[1], rel=1e-5)
+    assert found.parameters["shape"].value == pytest.approx(best.x[2], rel=1e-5)
+    assert found.log_likelihood == pytest.approx(-best.fun, abs=1e-8)
+    assert -best.fun > expected["loglik"] + 4e-5
+    assert found.log_likelihood == pytest.approx(expected["loglik"], rel=gate)
+    assert found.parameters["shape"].value == pytest.approx(expected["beta"], rel=gate)
 
 
 def test_insulating_oil():
@@ -223,3 +243,79 @@ def test_what_a_design_cannot_say():
     endless = fit(life_data([1.0, 2, 40, 3000, 90000]), "loglogistic")
     with pytest.raises(DataError, match="no mean life"):
         snippet(endless)
+
+
+def looked_at(rng, name, levels, every, end, parts):
+    """Parts at inverse-power stress that somebody looks at now and then: between which looks each failed."""
+    low, high, at = [], [], []
+    for stress in levels:
+        scale = 4000 * (10 / stress) ** 2.5
+        lives = scale * (rng.weibull(2.0, parts) if name == "weibull" else np.exp(0.4 * rng.standard_normal(parts)))
+        before = np.floor(lives / every) * every
+        low += np.where(lives < end, before, end).tolist()
+        high += np.where(lives < end, before + every, np.inf).tolist()
+        at += [float(stress)] * parts
+    return np.array(low), np.array(high), np.array(at)
+
+
+@pytest.mark.parametrize("name", ["weibull", "lognormal"])
+def test_lives_within_intervals(name):
+    """Against the likelihood of all censoring written down and searched by scipy: intervals, left, right, and known."""
+    low, high, at = looked_at(np.random.default_rng(4), name, (20, 30, 45), 120.0, 900.0, 25)
+    low[::9] = high[::9] = np.where(np.isfinite(high[::9]), low[::9] + 50, low[::9] + 1)  # some are known
+    lives = LifeData("data", low, high, np.ones(len(low)), "h", {"voltage": at})
+    assert np.any((low == 0) & (high > 0))
+    found = fit_life_stress(lives, name, reference={"voltage": 10.0})
+
+    def miss(x):
+        scale, shape, n = math.exp(x[0]), math.exp(x[1]), x[2]
+        life = (weibull_min(shape, scale=scale) if name == "weibull" else lognorm(shape, scale=scale))  # fmt: skip
+        u, v = (side * (at / 10) ** n for side in (low, high))
+        exact = low == high
+        log = np.where(
+            exact, life.logpdf(u) + n * np.log(at / 10), np.log(np.maximum(life.cdf(v) - life.cdf(u), 1e-300))
+        )
+        return -log.sum()
+
+    options = {"xatol": 1e-9, "fatol": 1e-12, "maxiter": 20_000, "maxfev": 20_000}
+    best = minimize(miss, [math.log(4000), 0.0, 2.0], method="Nelder-Mead", options=options)
+    assert found.log_likelihood == pytest.approx(-best.fun, rel=1e-8)
+    assert found.coefficients["voltage"].value == pytest.approx(best.x[2], rel=1e-4)
+    shape = found.parameters["shape" if name == "weibull" else "log_deviation"]
+    assert shape.value == pytest.approx(math.exp(best.x[1]), rel=1e-4)
+    assert found.life.quantile(0.5) == pytest.approx(
+        (
+            weibull_min(shape.value, scale=math.exp(best.x[0]))
+            if name == "weibull"
+            else lognorm(1, scale=math.exp(best.x[0]))
+        ).ppf(0.5),
+        rel=1e-3,
+    )
+    assert found.coefficients["voltage"].low < 2.5 < found.coefficients["voltage"].high
+    assert found.quantiles[0.5].low < found.quantiles[0.5].value < found.quantiles[0.5].high
+
+
+def test_narrow_intervals_are_known_times():
+    """By Eyring, whose known part is of the times: what a narrow interval says is what its time says."""
+    rng, kelvins = np.random.default_rng(6), np.repeat([80.0, 100.0, 120.0], 12)
+    times = 1000 * np.exp(-0.03 * kelvins) * rng.weibull(2.0, 36) * 100
+    known = LifeData("data", times, times, np.ones(36), "h", {"temperature": kelvins})
+    narrow = LifeData("data", times * (1 - 1e-4), times * (1 + 1e-4), np.ones(36), "h", {"temperature": kelvins})
+    a, b = (
+        fit_life_stress(one, reference={"temperature": 40.0}, laws={"temperature": "eyring"}) for one in (known, narrow)
+    )
+    assert b.coefficients["temperature"].value == pytest.approx(a.coefficients["temperature"].value, rel=1e-4)
+    assert b.life.mean() == pytest.approx(a.life.mean(), rel=1e-3)
+    # A width of 2e-4 t in the place of a density: ln of it apart.
+    assert b.log_likelihood == pytest.approx(a.log_likelihood + np.log(2e-4 * times).sum(), abs=1e-2)
+
+
+def test_intervals_that_tell_no_spread():
+    low = np.array([100.0, 100.0, 100.0, 10.0, 10.0, 10.0])
+    lives = LifeData("data", low, 2 * low, np.ones(6), "h", {"voltage": np.repeat([10.0, 20.0], 3)})
+    with pytest.raises(DataError, match="at each stress one moment explains all lives"):
+        fit_life_stress(lives, reference={"voltage": 5.0})
+    assert fit_life_stress(lives, "exponential", reference={"voltage": 5.0}).life.mean() > 100
+    same = LifeData("data", low, low, np.ones(6), "h", {"voltage": np.repeat([10.0, 20.0], 3)})
+    with pytest.raises(DataError, match="at each stress one moment explains all lives"):
+        fit_life_stress(same, reference={"voltage": 5.0})

@@ -58,7 +58,50 @@ def test_the_choice_is_the_exhaustive_optimum():
             assert greedy.value <= best + 1e-15
             assert greedy.at_least * best <= greedy.value + 1e-15  # its bound holds
             close.append(greedy.value / best)
+            assert best <= greedy.bound + 1e-15
+            assert greedy.bound <= greedy.most + 1e-15
     assert np.mean(close) > 0.98
+
+
+@pytest.mark.parametrize("work", [1e9, 5e4, 1e4])
+def test_the_bound_holds_and_is_tighter_than_all_candidates(monkeypatch, work):
+    """Where not all sets of four of nine are gone through: the bound is above the best, and the more of them are paid
+    for the nearer."""
+    monkeypatch.setattr("robophm.learning.sensor_choice.EXHAUSTIVE", 100)
+    monkeypatch.setattr("robophm.learning.sensor_choice.WORK", work)
+    rng = np.random.default_rng(8)
+    slack = []
+    for _ in range(4):
+        weights, outcome, alarms = small(rng, 20, 9)
+        found = choose(weights, outcome, alarms, 4)
+        best = max(by_patterns(weights, outcome, alarms, some) for some in combinations(range(9), 4))
+        assert not found.exhaustive
+        assert found.value <= best + 1e-15
+        assert best <= found.bound + 1e-15
+        assert found.bound <= found.most + 1e-15
+        assert found.at_least * best <= found.value + 1e-15
+        slack.append((found.bound - best) / (found.most - best))
+    if work == 1e9:  # all sets that lack two of nine are gone through
+        assert np.mean(slack) < 0.75
+    elif work == 5e4:  # that lack one
+        assert np.mean(slack) < 0.95
+    else:
+        assert slack == pytest.approx([1.0] * 4)
+
+
+def test_two_that_say_nothing_alone():
+    """Whether exactly one of two coins fell: each sensor of one is worth nothing, both are worth all. No share of the
+    best is sure to a greedy choice, and none is claimed."""
+    states = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]])
+    outcome = np.array([0.0, 1.0, 1.0, 0.0])
+    weak = np.array([0.5, 0.55, 0.55, 0.5])[:, None]
+    alarms = np.hstack((states, weak))
+    greedy = greedily(np.full(4, 0.25), outcome, alarms, 2)
+    assert 2 in greedy.chosen
+    assert greedy.value < 0.01
+    assert greedy.bound == pytest.approx(0.25)
+    assert greedy.at_least < 0.04
+    assert choose(np.full(4, 0.25), outcome, alarms, 2).value == pytest.approx(0.25)
 
 
 def test_what_is_fitted_counts_already():

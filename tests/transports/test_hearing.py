@@ -13,10 +13,10 @@ import pytest
 from robophm.core.signal import Sample
 from robophm.transports.health_topics.compose import compose
 from robophm.transports.health_topics.definitions import definition, typestore
-from robophm.transports.hearing import Hearing
+from robophm.transports.hearing import Hearing, Queue
 from robophm.transports.notes import Notes
 from robophm.transports.reading import Reading
-from robophm.transports.source import Told
+from robophm.transports.source import Gap, Told
 from robophm.transports.tasks import TaskTopics
 
 MESSAGES = 10_000
@@ -83,7 +83,7 @@ def test_damaged_messages(generation: Any) -> None:
         raws[topic] = bytes((store.serialize_ros1 if generation == 1 else store.serialize_cdr)(message, name))
     for _ in range(MESSAGES):
         topic = chance.choice(list(KINDS))
-        hearing.message(readings[topic], damaged(raws[topic], chance), None)
+        hearing.messages(readings[topic], [damaged(raws[topic], chance)], None)
     for literal in LITERALS:
         text = compose(store, "std_msgs/msg/String", {})
         text.data = literal
@@ -91,7 +91,7 @@ def test_damaged_messages(generation: Any) -> None:
             raw = bytes((store.serialize_ros1 if generation == 1 else store.serialize_cdr)(text, "std_msgs/msg/String"))
         except UnicodeEncodeError:
             continue
-        hearing.message(readings["/robot_task_list"], raw, None)
+        hearing.messages(readings["/robot_task_list"], [raw], None)
     unreadable = {topic: notes[f"unreadable message on {topic}"] for topic in KINDS}
     assert all(count > 200 for count in unreadable.values()), unreadable
     assert heard["samples"] > 1000
@@ -99,5 +99,22 @@ def test_damaged_messages(generation: Any) -> None:
     assert any(what.startswith("no task in a message on /robot_task_list") for what in notes)
     assert len(notes) < 40  # kinds, not messages
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 512 * 1024
-    hearing.message(readings["/warm"], raws["/warm"], None)
+    hearing.messages(readings["/warm"], [raws["/warm"]], None)
     assert np.isfinite(heard["samples"])
+
+
+def test_a_queue_hands_on_whole_messages_in_order_and_counts_what_does_not_fit() -> None:
+    notes = Notes()
+    queue = Queue(notes, 5)
+    taken = queue.taken(lambda: None)
+    messages = [[Sample(number, f"/t.{field}", float(number)) for field in "ab"] for number in range(3)]
+    for message in messages:
+        queue.put(message)
+    queue.put([Sample(3, "/u.c", 3.0)])
+    queue.hand_on()
+    assert [next(taken) for _ in range(4)] == [*messages[0], *messages[1]]
+    queue.put(messages[2])  # what was taken left room
+    queue.hand_on()
+    queue.end()
+    assert list(taken) == [Gap("/t", "queue full"), Sample(3, "/u.c", 3.0), *messages[2]]
+    assert notes == {"queue full, dropped /t.a": 1, "queue full, dropped /t.b": 1}

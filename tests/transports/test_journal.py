@@ -62,6 +62,20 @@ def test_torn_last_line_does_not_count_and_is_cut_off_on_restart(torn: int, tmp_
     assert path.read_text().count(f"# signal {A}") == 1
 
 
+def test_gaps_are_said_and_are_no_samples(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    for _ in range(2):
+        with Journal(path, [A, B]) as journal:
+            journal.write(RUN[0])
+            journal.gap("/joints", "connection lost")
+            journal.write(RUN[1])
+    marks = [line for line in path.read_text().splitlines() if line.startswith("# gap")]
+    assert marks == ["# gap connection lost on /joints", "# gap not listening", "# gap connection lost on /joints"]
+    source = JournalRecording(path)
+    assert list(source.samples([A, B])) == RUN[:2] * 2
+    assert source.notes == {"gap in what was heard": 3}
+
+
 def test_clock_samples_reach_the_file_at_once(tmp_path: Path) -> None:
     path = tmp_path / "run.journal"
     with Journal(path, flush_every=3) as journal:

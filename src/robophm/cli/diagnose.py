@@ -208,7 +208,7 @@ def _print_choice(sensors: list[Sensor], added: tuple[SilentStates, Choice, floa
         best = f"Chosen one by one: at least {percent_text(choice.at_least)} of what the best choice takes away"
     out.print(
         f"Of the doubt that comes from what may have failed unseen ({len(states.units)} units); what is fitted takes "
-        f"away {percent_text(share(now))}. {best}; all candidates together would take away "
+        f"away {percent_text(share(now))}. {best}; all candidates together would take away at most "
         f"{percent_text(share(choice.most))}.",
         markup=False, soft_wrap=True,
     )  # fmt: skip
@@ -229,7 +229,8 @@ def _json(
         states, choice, now, spread = added
         document["sensors"] = {
             "chosen": [sensors[i].name for i in choice.chosen], "gains": list(choice.gains), "variance": spread,
-            "fitted": now, "all_candidates": choice.most, "exhaustive": choice.exhaustive, "at_least": choice.at_least,
+            "fitted": now, "all_candidates": choice.most, "bound": choice.bound,
+            "exhaustive": choice.exhaustive, "at_least": choice.at_least,
             "missed": states.missed,
         }  # fmt: skip
     return document

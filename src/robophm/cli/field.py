@@ -126,23 +126,41 @@ def _known_process(name: str) -> str:
 
 def wear(
     design: Design,
-    signal: Annotated[Path, typer.Argument(help="readings: time [h] or when, value", metavar="SIGNAL.CSV")],
-    part: Annotated[str, typer.Option(help="path of the part, or its failure mode, whose wear it shows")],
-    threshold: Annotated[float, typer.Option(help="at which it has failed; of a signal that falls, below the first")],
+    signals: Annotated[
+        list[Path],
+        typer.Argument(
+            help="recordings (.bag, .mcap, .db3, .journal, folders) with the signals that the design names at `wear`, "
+            "or a table: time [h] or when, value",
+            metavar="RECORDING…|SIGNAL.CSV",
+        ),
+    ],
+    part: Annotated[
+        str | None,
+        typer.Option(help="path of the part, or its failure mode, whose wear it shows; default all with `wear`"),
+    ] = None,
+    threshold: Annotated[
+        float | None, typer.Option(help="of a table: at which it has failed; of a signal that falls, below the first")
+    ] = None,
     process: Annotated[str, typer.Option(help="wiener, or gamma: it only grows", callback=_known_process)] = "wiener",
-    load: Annotated[float | None, typer.Option(help="at which readings are compared, by their column load")] = None,
+    load: Annotated[
+        float | None, typer.Option(help="of a table: at which readings are compared, by their column load")
+    ] = None,
     baseline: Annotated[int, typer.Option(help="readings at the start that were sound", min=30)] = 100,
     false_alarms: Annotated[float, typer.Option(help="one in so many readings", min=10)] = 1000.0,
     shift: Annotated[float, typer.Option(help="deviations that shall be seen", min=0.1, max=10)] = 1.0,
     store: Annotated[Path | None, typer.Option("--store", help="the robot's past, as kept by replay")] = None,
+    skip_missing: Annotated[
+        bool, typer.Option("--skip-missing", help="signals that all recordings lack stay silent")
+    ] = False,
     seed: Annotated[int, typer.Option(help="of what is drawn", min=0)] = 0,
     as_json: Json = False,
 ) -> None:
-    """The wear that a signal shows: trend, change, and what remains of part and robot."""
+    """The wear that signals show: trend, change, and what remains of parts and robot."""
     from robophm.cli.wear import Wishes, run
 
     kind: Literal["wiener", "gamma"] = "gamma" if process == "gamma" else "wiener"
-    run(design, signal, Wishes(part, threshold, kind, load, baseline, false_alarms, shift, store, seed, as_json))
+    wishes = Wishes(part, threshold, kind, load, baseline, false_alarms, shift, store, skip_missing, seed, as_json)
+    run(design, signals, wishes)
 
 
 def fmeca(

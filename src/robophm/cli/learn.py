@@ -15,6 +15,7 @@ from robophm.health.service import stretches
 from robophm.learning.evidence import with_evidence
 from robophm.learning.failure_log import Seen, read_failure_log
 from robophm.learning.learn import LearnedRate, learn
+from robophm.learning.scale import Lived
 from robophm.report.words import number_text
 
 TABLES = (".csv", ".tsv", ".yaml", ".yml")
@@ -74,6 +75,14 @@ def _of_store(path: Path, robot: Robot) -> list[Seen]:
         seen.failures += one.failed
         seen.expected += one.parts * one.hazard
         seen.exposure += one.parts * one.hours
+        if one.mode.life.degree is None and one.end > one.start:
+            if one.mode.scaling == "hazard":
+                kind = type(one.mode.life).__name__.lower()
+                raise DataError(
+                    f"'{one.mode.path}': of a {kind} life with scaling: hazard a ledger keeps a sum, into which no "
+                    "other rate can be put; expected a log, or scaling: age"
+                )
+            seen.lives.append(Lived(one.start, one.end - one.start, float(one.failed), float(one.parts)))
     return list(found.values())
 
 
@@ -84,7 +93,7 @@ def _together(seen: Sequence[Seen]) -> list[Seen]:
         if (key := (one.mode.path, one.robot)) in found:
             there = found[key]
             found[key] = Seen(one.mode, one.robot, there.failures + one.failures, there.expected + one.expected,
-                              there.exposure + one.exposure)  # fmt: skip
+                              there.exposure + one.exposure, there.lives + one.lives)  # fmt: skip
         else:
             found[key] = one
     if not any(one.exposure > 0 or one.failures for one in found.values()):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +21,15 @@ from robophm.health.prognosis import Outlook
 from robophm.health.replacement import replacements
 from robophm.learning.costs import PartCosts, read_costs
 from robophm.learning.life_cycle import LifeCycle, Return, Upkept, return_on_watching, simulate
-from robophm.learning.maintenance import Policy, Visit, best_age, rescaled, together
+from robophm.learning.maintenance import Costs, Policy, Visit, best_age, rescaled, together
 from robophm.learning.spares import spares
+from robophm.learning.standing import Standing
+from robophm.life.distribution import LifeDistribution
 from robophm.monitor import Monitor
 from robophm.report.words import duration_text, number_text
+
+_SURE = 0.99999
+"""Below it a part that is down may leave the robot working."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +61,10 @@ class _Plan:
     """In calendar hours."""
     due: float | None
     """Calendar hours until it is best replaced, of a robot with a past."""
+    stops: float
+    """P(the robot stands still | it is down)."""
+    standing: Costs
+    """With what it costs that the robot may stand still meanwhile."""
 
 
 def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
@@ -66,31 +76,31 @@ def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
     outlook = None
     if wishes.store:
         outlook = Monitor(robot, kept(wishes.store, robot)).report(remaining_life=False).outlooks["sensor_based"]
-    plans = [_plan(robot, plant, one, outlook, wishes.seed) for one in costs.values()]
+    plans = _plans(robot, plant, costs, outlook, wishes)
+    standing = Standing(robot.diagram)
     repaired = [plan for plan in plans if plan.costs.costs.repair is not None]
     replaced = {plan.costs.part.path: plan for plan in plans if plan not in repaired}
     visit = None
     if wishes.setup > 0 and replaced:
-        visit = together(
-            {f"{name}": (plan.upkept.life, plan.costs.costs) for name, plan in replaced.items()}, wishes.setup
-        )
-    by_failure = _cycle({name: Upkept(p.upkept.life, p.upkept.costs, parts=p.upkept.parts) for name, p in
-                         replaced.items()}, horizon, wishes)  # fmt: skip
-    by_age = _cycle({name: plan.upkept for name, plan in replaced.items()}, horizon, wishes)
+        visit = together({name: (plan.upkept.life, plan.standing) for name, plan in replaced.items()}, wishes.setup)
+    by_age = {name: plan.upkept for name, plan in replaced.items()}
+    only_failed = {name: replace(part, age=None) for name, part in by_age.items()}
+    without, aged = (_cycle(parts, standing, horizon, wishes) for parts in (only_failed, by_age))
     watched = None
-    if any(plan.costs.watch for plan in replaced.values()) and by_age:
+    if any(plan.costs.watch for plan in replaced.values()):
         watched = return_on_watching(
-            {name: _watched(plan) for name, plan in replaced.items()}, horizon, wishes.repetitions, wishes.seed, by_age
-        )
+            {name: replace(plan.upkept, watch=plan.costs.watch) for name, plan in replaced.items()}, horizon,
+            wishes.repetitions, wishes.seed, aged, standing, wishes.hour_down,
+        )  # fmt: skip
     stock = {
         name: spares(plan.upkept.life, lead, wishes.robots * plan.upkept.parts, wishes.level, plan.policy.age)
         for name, plan in replaced.items()
     }
-    first = _first(robot, outlook, costs) if outlook else None
+    first = _first(robot, outlook, plans) if outlook else None
     if wishes.as_json:
-        print_json(_json(robot, plans, visit, by_failure, by_age, watched, stock, first))
+        print_json(_json(robot, plans, visit, without, aged, watched, stock, first))
     else:
-        _print(robot, plans, visit, (by_failure, by_age, watched), stock, first, wishes, horizon, lead)
+        _print(robot, plans, visit, (without, aged, watched), stock, first, wishes, horizon, lead)
 
 
 def _hours(text: str, option: str) -> float:
@@ -103,7 +113,36 @@ def _hours(text: str, option: str) -> float:
     return hours
 
 
-def _plan(robot: Robot, plant: Plant, said: PartCosts, outlook: Outlook | None, seed: int) -> _Plan:
+def _plans(
+    robot: Robot, plant: Plant, costs: Mapping[str, PartCosts], outlook: Outlook | None, wishes: Wishes
+) -> list[_Plan]:
+    """When each part is best replaced, its downtime as dear as it makes the robot stand still."""
+    lives = {name: _life(robot, plant, one, outlook) for name, one in costs.items()}
+    up: dict[str, float] = {}
+    for name, one in costs.items():
+        mean = lives[name][2].mean()
+        each = mean / (mean + one.costs.corrective_downtime) if mean < math.inf else 1.0
+        up |= dict.fromkeys(one.part.units, each ** (one.part.quantity / len(one.part.units)))
+    standing = Standing(robot.diagram)
+    plans = []
+    for name, one in costs.items():
+        mode, pace, life = lives[name]
+        stops = standing.stops(one.part.units[0], up)
+        whole = one.standing(wishes.hour_down * stops)
+        policy = best_age(life, whole, seed=wishes.seed)
+        due = None
+        if outlook is not None and policy.age is not None:
+            i = next(k for k, other in enumerate(robot.modes) if other.path == mode.path)
+            due = policy.age - float(outlook.age[i]) / pace
+        upkept = Upkept(life, one.costs, policy.age, None, one.part.quantity, one.part.units)
+        plans.append(_Plan(mode, one, pace, upkept, policy, due, stops, whole))
+    return plans
+
+
+def _life(
+    robot: Robot, plant: Plant, said: PartCosts, outlook: Outlook | None
+) -> tuple[FailureMode, float, LifeDistribution]:
+    """A part's failure mode, how far its clock goes in a calendar hour, and its life in such."""
     part = said.part
     if len(part.modes) > 1:
         raise DataError(
@@ -119,20 +158,10 @@ def _plan(robot: Robot, plant: Plant, said: PartCosts, outlook: Outlook | None, 
         pace = float(gone[i, -1] / future.hours[-1])
     if not pace > 0:
         raise DataError(f"'{part.path}' does not age: its clock '{mode.clock}' stands still by the design's usage")
-    life = rescaled(mode.life, 1 / pace)
-    policy = best_age(life, said.costs, seed=seed)
-    due = None
-    if outlook is not None and policy.age is not None:
-        due = policy.age - float(outlook.age[i]) / pace
-    return _Plan(mode, said, pace, Upkept(life, said.costs, policy.age, None, part.quantity), policy, due)
+    return mode, pace, rescaled(mode.life, 1 / pace)
 
 
-def _watched(plan: _Plan) -> Upkept:
-    one = plan.upkept
-    return Upkept(one.life, one.costs, one.age, plan.costs.watch, one.parts)
-
-
-def _cycle(parts: dict[str, Upkept], horizon: float, wishes: Wishes) -> LifeCycle | None:
+def _cycle(parts: Mapping[str, Upkept], standing: Standing, horizon: float, wishes: Wishes) -> LifeCycle | None:
     if not parts:
         return None
     work = sum(
@@ -142,17 +171,17 @@ def _cycle(parts: dict[str, Upkept], horizon: float, wishes: Wishes) -> LifeCycl
         raise RobophmError(
             "that is more than two thousand million lives; expected a shorter --horizon or fewer --repetitions"
         )
-    return simulate(parts, horizon, wishes.repetitions, wishes.seed)
+    return simulate(parts, horizon, wishes.repetitions, wishes.seed, standing, wishes.hour_down)
 
 
-def _first(robot: Robot, outlook: Outlook, costs: dict[str, PartCosts]) -> list[dict[str, Any]]:
+def _first(robot: Robot, outlook: Outlook, plans: Sequence[_Plan]) -> list[dict[str, Any]]:
     """What each part put in new would gain for what it costs, the most mean life per cost first."""
-    found = replacements(outlook, robot.diagram, robot.task)
+    prices = {plan.costs.part.path: plan.standing.preventive * plan.costs.part.quantity for plan in plans}
     rows: list[dict[str, Any]] = []
-    for one in found.parts:
-        if one.path not in costs:
+    for one in replacements(outlook, robot.diagram, robot.task).parts:
+        price = prices.get(one.path, 0.0)
+        if not price > 0:
             continue
-        price = costs[one.path].costs.preventive * costs[one.path].part.quantity
         rows.append({
             "part": one.path, "cost": price, "mean_life": one.mean, "mean_life_per_cost": one.mean / price,
             "completion": one.completion,
@@ -192,6 +221,12 @@ def _print(
     print_table(out, table(f"When to replace the parts of {robot.name}", columns, rows, figures=range(1, len(columns))))
     out.print("Costs of one part per 1000 h of calendar time. Never by age: it does not wear (β ≤ 1, or constant), or "
               "failing costs no more than replacing.", soft_wrap=True)  # fmt: skip
+    for plan in plans:
+        if plan.stops < _SURE:
+            out.print(
+                f"{plan.costs.part.path} is redundant: while it is down the robot stands still with "
+                f"{number_text(100 * plan.stops, 2)} %", markup=False, soft_wrap=True,
+            )  # fmt: skip
     if visit:
         _print_visit(visit, wishes)
     by_failure, by_age, watched = cycles
@@ -284,7 +319,7 @@ def _json(
         "parts": [
             {"part": p.costs.part.path, "clock": p.mode.clock, "age": p.policy.age and p.policy.age * p.pace,
              "every_hours": p.policy.age, "cost_per_hour": p.policy.cost_rate, "never": _finite(p.policy.never),
-             "due_in_hours": p.due}
+             "due_in_hours": p.due, "stops_robot": p.stops}
             for p in plans
         ],
         "together": visit and {"interval_hours": visit.interval, "every": dict(visit.every),

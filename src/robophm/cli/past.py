@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from robophm.core.errors import RobophmError, StoreError
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
+
+if TYPE_CHECKING:
+    from robophm.stores.sqlite import SqliteStore
 
 MOST_DRAWN = 30_000_000
 """Rates that are drawn in all: ten arrays of so many numbers are 2.4 GB."""
@@ -21,12 +25,22 @@ def affordable(draws: int, robot: Robot) -> None:
 
 def kept(path: Path, robot: Robot) -> Ledger:
     """A robot's past from its store. Raises StoreError where there is none."""
+    with existing_store(path) as store:
+        return past_in(store, robot)
+
+
+def existing_store(path: Path) -> SqliteStore:
+    """A store that is there. Raises StoreError where it is not, or is none."""
     from robophm.stores.sqlite import SqliteStore
 
     if not path.exists():
         raise StoreError(f"{path}: no such store; `robophm replay --store` makes it")
-    with SqliteStore(path) as store:
-        data = store.ledger(robot.name)
+    return SqliteStore(path)
+
+
+def past_in(store: SqliteStore, robot: Robot) -> Ledger:
+    """The robot's past in this store. Raises StoreError where it knows no such robot."""
+    data = store.ledger(robot.name)
     if data is None:
-        raise StoreError(f"{path}: knows no robot '{robot.name}'")
+        raise StoreError(f"{store.path}: knows no robot '{robot.name}'")
     return Ledger.of(robot, data)

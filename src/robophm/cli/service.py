@@ -5,13 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from robophm.cli.output import console, print_json
-from robophm.core.errors import RobophmError, StoreError
+from robophm.cli.past import existing_store, past_in
+from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
 from robophm.design.file import load
-from robophm.health.ledger import Ledger
 from robophm.health.service import find, repair, replace
 from robophm.report.words import moment_text, number_text
-from robophm.stores.sqlite import SqliteStore
 
 
 def run(
@@ -24,13 +23,8 @@ def run(
     if failed and not replaced and repaired is None:
         raise RobophmError("--failed says why it was served; expected --replaced or --repaired SHARE with it")
     robot = load(design)
-    if not store.exists():
-        raise StoreError(f"{store}: no such store; `robophm replay --store` makes it")
-    with SqliteStore(store) as kept:
-        data = kept.ledger(robot.name)
-        if data is None:
-            raise StoreError(f"{store}: knows no robot '{robot.name}'")
-        ledger = Ledger.of(robot, data)
+    with existing_store(store) as kept:
+        ledger = past_in(kept, robot)
         before = len(ledger.services)
         if replaced:
             replace(robot, ledger, part, failed=failed)

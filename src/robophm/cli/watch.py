@@ -89,6 +89,8 @@ def run(design: Path, asked: Watched) -> bool:
             sinks.append(topics)
             if topics.left_out:
                 warn(f"{topics.left_out} parts have no topic of their own: there are too many")
+            for words in topics.unknown.values():
+                warn(f"not published: {words}")
 
         out = console()
         to_terminal = out.is_terminal and not asked.as_json

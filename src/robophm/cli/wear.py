@@ -1,16 +1,18 @@
-"""``robophm wear``: the trend of a signal that shows wear, when it changed, and what remains of part and robot."""
+"""``robophm wear``: the trend of signals that show wear, when they changed, and what remains of parts and robot."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from robophm.cli.output import console, print_json, print_table, table
+from robophm.cli.output import console, print_json, print_table, progress_console, table, warn
 from robophm.cli.past import kept
+from robophm.cli.progress import counted
 from robophm.core.errors import DataError, RobophmError
 from robophm.design.file import load
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
@@ -22,24 +24,29 @@ from robophm.learning.wear import Array, Process, Wear, at_load, wear
 from robophm.learning.wear_data import Readings, read_readings
 from robophm.monitor import Monitor
 from robophm.report.curve import sparkline
-from robophm.report.words import duration_text, number_text
+from robophm.report.words import duration_text, moment_text, number_text
+from robophm.wear_history import WearHistory, wear_history, worn_modes
+
+TABLES = (".csv", ".tsv", ".yaml", ".yml")
+"""Suffixes of tables of readings; all else is recordings."""
 
 Lives = dict[str, tuple[RemainingLife, RemainingLife]]
-"""By name: by hazards alone, and with the wear in the place of its failure mode's."""
+"""By name: by hazards alone, and with the wear in the place of the failure modes' hazards."""
 
 
 @dataclass(frozen=True)
 class Wishes:
     """What is asked."""
 
-    part: str
-    threshold: float
+    part: str | None
+    threshold: float | None
     process: Process
     load: float | None
     baseline: int
     between_false_alarms: float
     shift: float
     store: Path | None
+    skip_missing: bool
     seed: int
     as_json: bool
 
@@ -47,68 +54,150 @@ class Wishes:
 @dataclass(frozen=True)
 class _Found:
     mode: FailureMode
+    source: str
     readings: Readings
     values: Array
     wear: Wear
     detector: Cusum
-    alarms: list[float]
-    """When."""
-    lives: Lives
+    alarms: tuple[int, ...]
+    """Which readings."""
 
     @property
     def unit(self) -> str:
         return "h" if self.readings.dated else CLOCK_UNITS[self.mode.clock]
 
+    @property
+    def alarmed(self) -> list[float]:
+        """When."""
+        return [float(self.readings.times[i]) for i in self.alarms]
 
-def run(path: Path, signal: Path, wishes: Wishes) -> None:
+
+def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> None:
     """Fit, look for a change, fuse with the hazards of all else, print."""
     robot = load(path)
+    if any(signal.suffix.lower() in TABLES for signal in signals):
+        found, monitor = [_of_table(robot, signals, wishes)], Monitor(robot)
+    else:
+        found, monitor = _of_recordings(robot, signals, wishes)
+    if wishes.store:
+        monitor = Monitor(robot, kept(wishes.store, robot))
+    outlook = monitor.report(remaining_life=False).outlooks["sensor_based"]
+    lives = _lives(robot, outlook, found)
+    if wishes.as_json:
+        print_json(_json(robot, found, lives))
+    else:
+        _print(found, lives, wishes)
+
+
+def _of_table(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> _Found:
+    if len(signals) > 1:
+        raise DataError(f"{signals[0]} is a table, of one signal; expected it alone, or recordings")
+    (signal,) = signals
+    if wishes.part is None:
+        raise DataError(f"{signal}: whose wear is it? expected --part, the path of a part or of its failure mode")
     mode = named_mode(robot, wishes.part)
+    threshold = wishes.threshold
+    if threshold is None and mode.wear:
+        threshold = mode.wear.threshold
+    if threshold is None:
+        raise DataError(f"{signal}: at which value is '{mode.path}' worn out? expected --threshold")
     readings = read_readings(signal, CLOCK_UNITS[mode.clock])
-    values = readings.values
     if (readings.load is None) != (wishes.load is None):
         raise DataError(f"{signal}: a column 'load' and --load, the load at which readings are compared: expected both")
-    if len(values) <= wishes.baseline:
-        raise DataError(
-            f"{signal}: {len(values)} readings, and a baseline of {wishes.baseline} (--baseline); expected more"
-        )
+    return _judged(mode, str(signal), readings, threshold, wishes)
+
+
+def _of_recordings(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> tuple[list[_Found], Monitor]:
+    """What the signals say that the design names; where one of several says too little, the others are told."""
+    for option, said in (("--threshold", wishes.threshold), ("--load", wishes.load)):
+        if said is not None:
+            raise DataError(f"{option} is of a table; of recordings the design says it, at the part's `wear`")
+    modes = worn_modes(robot, wishes.part)
+    with counted(progress_console(), "reading"):
+        history = wear_history(robot, signals, modes, skip_missing=wishes.skip_missing)
+    for what, count in sorted(history.notes.items()):
+        warn(f"{what} ({count:,} times)" if count > 1 else what)
+    found: list[_Found] = []
+    missed: list[DataError] = []
+    for mode in modes:
+        try:
+            found.append(_of_history(mode, history, wishes))
+        except DataError as error:
+            missed.append(error)
+    if not found:
+        raise missed[0]
+    for one in missed:
+        warn(f"{one}; it is left out")
+    return found, history.monitor
+
+
+def _of_history(mode: FailureMode, history: WearHistory, wishes: Wishes) -> _Found:
+    said = mode.wear
+    if not said or mode.path not in history.readings:
+        signal = said.gauge.signal if said else ""
+        raise DataError(f"'{mode.path}': no sample of {signal} counts; expected some, as its `wear` says")
+    source = f"{mode.path}, {said.reading} of {said.gauge.signal}"
+    source += f" above {said.ambient.signal}" if said.ambient else ""
+    source += f" at {said.load.signal} {said.load.low:g} … {said.load.high:g}" if said.load else ""
+    return _judged(mode, source, history.readings[mode.path], said.threshold, wishes)
+
+
+def _judged(mode: FailureMode, source: str, readings: Readings, threshold: float, wishes: Wishes) -> _Found:
+    values, baseline = readings.values, wishes.baseline
+    if len(values) <= baseline:
+        raise DataError(f"{source}: {len(values)} readings, and a baseline of {baseline} (--baseline); expected more")
     if readings.load is not None and wishes.load is not None:
-        values = at_load(values, readings.load, wishes.baseline, wishes.load)
-    falls = wishes.threshold < values[0]
-    found = wear(readings.times, values, wishes.threshold, process=wishes.process, falls=falls, seed=wishes.seed)
-    detector = design(values[: wishes.baseline], wishes.between_false_alarms, wishes.shift)
-    alarms = [float(readings.times[wishes.baseline + i]) for i in detector.alarms(values[wishes.baseline :])[1]]
-    monitor = Monitor(robot, kept(wishes.store, robot) if wishes.store else None)
-    outlook = monitor.report(remaining_life=False).outlooks["sensor_based"]
-    lives = _lives(robot, outlook, mode, found, readings)
-    all_of_it = _Found(mode, readings, values, found, detector, alarms, lives)
-    if wishes.as_json:
-        print_json(_json(robot, all_of_it))
-    else:
-        _print(signal, all_of_it, wishes)
+        values = at_load(values, readings.load, baseline, wishes.load)
+    falls = threshold < values[0]
+    try:
+        found = wear(readings.times, values, threshold, process=wishes.process, falls=falls, seed=wishes.seed)
+        detector = design(values[:baseline], wishes.between_false_alarms, wishes.shift)
+    except DataError as error:
+        raise DataError(f"{source}: {error}") from None
+    alarms = tuple(baseline + i for i in detector.alarms(values[baseline:])[1])
+    return _Found(mode, source, readings, values, found, detector, alarms)
 
 
-def _lives(robot: Robot, outlook: Outlook, mode: FailureMode, found: Wear, readings: Readings) -> Lives:
-    i = next(k for k, one in enumerate(robot.modes) if one.path == mode.path)
-    pace = 1.0 if readings.dated else float(outlook.future.advance[i, -1] / outlook.future.hours[-1])
-    if not pace > 0:
-        raise RobophmError(f"'{mode.path}' does not age by the design's usage; expected dates (column 'when')")
-    worn = {i: lambda hours: found.cumulative_hazard(np.asarray(hours) * pace)}
-    diagrams = {mode.path: outlook.plant.alone[int(outlook.plant.part[i])], robot.name: robot.diagram}
-    return {
-        name: (outlook.remaining_life(diagram), remaining_life(outlook, diagram, worn))
-        for name, diagram in diagrams.items()
-    }
+def _lives(robot: Robot, outlook: Outlook, found: Sequence[_Found]) -> Lives:
+    worn = {}
+    for one in found:
+        i = next(k for k, mode in enumerate(robot.modes) if mode.path == one.mode.path)
+        future = outlook.future
+        pace = 1.0 if one.readings.dated else float(future.advance[i, -1] / future.hours[-1])
+        if not pace > 0:
+            raise RobophmError(f"'{one.mode.path}' does not age by the design's usage; expected dates (column 'when')")
+        worn[i] = lambda hours, wear=one.wear, pace=pace: wear.cumulative_hazard(np.asarray(hours) * pace)
+    lives: Lives = {}
+    for i in worn:
+        alone = outlook.plant.alone[int(outlook.plant.part[i])]
+        both = outlook.remaining_life(alone), remaining_life(outlook, alone, {i: worn[i]})
+        lives[robot.modes[i].path] = both
+    lives[robot.name] = outlook.remaining_life(robot.diagram), remaining_life(outlook, robot.diagram, worn)
+    return lives
 
 
-def _print(signal: Path, found: _Found, wishes: Wishes) -> None:
+def _print(found: Sequence[_Found], lives: Lives, wishes: Wishes) -> None:
+    out = console()
+    for one in found:
+        _print_one(one, wishes)
+        out.print()
+    rows = []
+    for name, both in lives.items():
+        for what, life in zip(("by hazard alone", "with its wear"), both, strict=True):
+            rows.append([f"{name} {what}", *(duration_text(time) for time in (life.early, life.median, life.late))])
+    columns = ["", "5 % by", "median", "95 % by"]
+    print_table(out, table("Remaining life, calendar time", columns, rows, figures=(1, 2, 3)))
+
+
+def _print_one(found: _Found, wishes: Wishes) -> None:
     out, unit, values, times = console(), found.unit, found.values, found.readings.times
 
     def say(text: str, style: str = "") -> None:
         out.print(text, style=style, markup=False, soft_wrap=True)
 
     first, last = (number_text(float(values[i])) for i in (0, -1))
-    say(f"{signal}: {len(values)} readings over {number_text(float(np.ptp(times)))} {unit}, {first} to {last}", "bold")
+    span = number_text(float(np.ptp(times)))
+    say(f"{found.source}: {len(values)} readings over {span} {unit}, {first} to {last}", "bold")
     say(sparkline(values, 60))
     low, median, high = (number_text(1000 * one, 3) for one in found.wear.trend)
     noise = f"; noise of a reading {number_text(found.wear.noise, 2)}" if found.wear.noise else ""
@@ -116,8 +205,13 @@ def _print(signal: Path, found: _Found, wishes: Wishes) -> None:
     low, median, high = (number_text(one, 3) for one in found.wear.remaining)
     never = float(np.mean(np.isinf(found.wear.passage)))
     or_never = f"; never with {number_text(100 * never, 2)} %" if never > 0.005 else ""
-    say(f"Reaches {wishes.threshold:g} in {median} {unit}, 90 % between {low} and {high}{or_never}")
-    at = f"at {number_text(found.alarms[0])} {unit}" if found.alarms else "none"
+    threshold = found.wear.threshold * (-1 if found.wear.turned else 1)
+    say(f"Reaches {threshold:g} in {median} {unit}, 90 % between {low} and {high}{or_never}")
+    at = "none"
+    if found.alarms:
+        at = f"at {number_text(found.alarmed[0])} {unit}"
+        if found.readings.when is not None:
+            at += f", {moment_text(int(found.readings.when[found.alarms[0]]))[:19]}"
     say(
         f"Change against the first {wishes.baseline} readings: {at} (CUSUM for shifts of {wishes.shift:g} deviations: "
         f"falsely once in {found.detector.between_false_alarms:g} readings, such a shift seen after "
@@ -127,39 +221,37 @@ def _print(signal: Path, found: _Found, wishes: Wishes) -> None:
         correlation = number_text(found.detector.correlation, 2)
         say(f"Readings of the baseline follow one another (correlation {correlation}): false alarms come more often "
             "than that", "yellow")  # fmt: skip
-    rows = []
-    for name, both in found.lives.items():
-        for what, life in zip(("by hazard alone", "with its wear"), both, strict=True):
-            rows.append([f"{name} {what}", *(duration_text(one) for one in (life.early, life.median, life.late))])
-    out.print()
-    columns = ["", "5 % by", "median", "95 % by"]
-    print_table(out, table("Remaining life, calendar time", columns, rows, figures=(1, 2, 3)))
 
 
-def _json(robot: Robot, found: _Found) -> dict[str, Any]:
+def _json(robot: Robot, found: Sequence[_Found], lives: Lives) -> dict[str, Any]:
     def finite(values: Any) -> Any:
         return {key: value if value is not None and math.isfinite(value) else None for key, value in values.items()}
 
     def life(one: RemainingLife) -> Any:
         return finite({"early": one.early, "median": one.median, "late": one.late, "mean": one.mean})
 
-    detector = found.detector
     return {
         "robot": robot.name,
-        "mode": found.mode.path,
-        "unit": found.unit,
-        "trend": finite(found.wear.trend._asdict()),
-        "noise": found.wear.noise,
-        "remaining": finite(found.wear.remaining._asdict()),
-        "never": float(np.mean(np.isinf(found.wear.passage))),
-        "change": {
-            "mean": detector.mean,
-            "deviation": detector.deviation,
-            "limit": detector.limit,
-            "between_false_alarms": detector.between_false_alarms,
-            "delay": detector.delay,
-            "correlation": detector.correlation,
-            "alarms": found.alarms,
-        },
-        "remaining_life": {name: {"hazard": life(a), "fused": life(b)} for name, (a, b) in found.lives.items()},
+        "signals": [
+            {
+                "mode": one.mode.path,
+                "unit": one.unit,
+                "readings": len(one.values),
+                "trend": finite(one.wear.trend._asdict()),
+                "noise": one.wear.noise,
+                "remaining": finite(one.wear.remaining._asdict()),
+                "never": float(np.mean(np.isinf(one.wear.passage))),
+                "change": {
+                    "mean": one.detector.mean,
+                    "deviation": one.detector.deviation,
+                    "limit": one.detector.limit,
+                    "between_false_alarms": one.detector.between_false_alarms,
+                    "delay": one.detector.delay,
+                    "correlation": one.detector.correlation,
+                    "alarms": one.alarmed,
+                },
+            }
+            for one in found
+        ],
+        "remaining_life": {name: {"hazard": life(a), "fused": life(b)} for name, (a, b) in lives.items()},
     }

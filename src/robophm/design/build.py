@@ -22,6 +22,7 @@ from robophm.core.signal import SECOND, signal_name
 from robophm.core.units import conversion, quantity
 from robophm.design import schema
 from robophm.design.build_task import build_task
+from robophm.design.build_wear import build_wear
 from robophm.design.common_cause import CommonCauses
 from robophm.design.fault import Fault, Path, written
 from robophm.design.robot import (
@@ -194,6 +195,7 @@ class _Builder:
                 "scaling",
                 "initial_exposure",
                 "learned",
+                "wear",
             }
             if inline or own_acceleration is not None:
                 raise Fault(
@@ -278,6 +280,7 @@ class _Builder:
             mode.scaling, initial, (hazard, *stresses) if hazard else stresses, mode.source or self._said_source(mode),
             Uncertainty(failures=mode.learned.shape) if mode.learned else stated,
             evidence=Evidence(factor, stated) if mode.learned else None,
+            wear=build_wear((*place, "wear"), mode.wear, part.quantity) if mode.wear else None,
         )  # fmt: skip
 
     @staticmethod

@@ -83,6 +83,7 @@ class CommonCauses:
                 path=f"{path}/{mode.path.removeprefix(below)}",
                 share=share * count / len(units),
                 member=mode.path,
+                wear=None,
             )
             for part, count in Counter(unit.partition("[")[0] for unit in units).items()
             for mode in self.components[part].modes

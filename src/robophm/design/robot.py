@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -74,10 +74,15 @@ class Stress:
     """The inputs that are measured."""
 
     @cached_property
+    def law(self) -> tuple[object, ...]:
+        """Equal where two stresses give the same factor for the same measured inputs."""
+        model = (self.model.name, self.model.formula, *((n, e.low, e.high) for n, e in self.model.numbers.items()))
+        return (model, tuple(sorted(self.design.items())))
+
+    @cached_property
     def key(self) -> tuple[object, ...]:
         """Equal where two stresses give the same factor always."""
-        model = (self.model.name, self.model.formula, *((n, e.low, e.high) for n, e in self.model.numbers.items()))
-        return (model, tuple(sorted(self.design.items())), tuple(sorted(self.channels.items())))
+        return (*self.law, tuple(sorted(self.channels.items())))
 
     @cached_property
     def reference(self) -> float:
@@ -120,6 +125,35 @@ class Evidence:
     """How sure the stated rate was."""
 
 
+class Gauge(NamedTuple):
+    """A signal as it is recorded. A value outside [low, high] is none; of a load it says that the load is another."""
+
+    signal: str
+    low: float
+    high: float
+    max_age: int
+    """Nanoseconds that the last value holds."""
+
+
+@dataclass(frozen=True)
+class WearSignal:
+    """A signal that shows how worn a part is, and how worn is too much."""
+
+    gauge: Gauge
+    unit: str | None
+    """In which its values are; None: not known."""
+    reading: Literal["mean", "rms", "kurtosis", "highest", "lowest"]
+    """Made of the samples of each stretch of time."""
+    every: int
+    """Nanoseconds, of a stretch."""
+    ambient: Gauge | None
+    """Taken off each sample."""
+    load: Gauge | None
+    """Within whose range samples count."""
+    threshold: float
+    """In the unit of the reading: that of the signal, none of a kurtosis."""
+
+
 @dataclass(frozen=True)
 class FailureMode:
     """One way of one component to fail."""
@@ -144,6 +178,8 @@ class FailureMode:
     """None: nothing was learned of it."""
     member: str = ""
     """Of a common cause's: path of the part's failure mode that it is a share of."""
+    wear: WearSignal | None = None
+    """What shows it coming."""
 
     @property
     def origin(self) -> str:
@@ -304,4 +340,11 @@ class Robot(Module):
         for mode in self.modes:
             for stress in mode.stresses:
                 found |= {channel.signal: channel.unit for channel in stress.channels.values()}
+        for mode in self.modes:
+            if wear := mode.wear:
+                found.setdefault(wear.gauge.signal, wear.unit)
+                if wear.ambient:
+                    found.setdefault(wear.ambient.signal, wear.unit)
+                if wear.load:
+                    found.setdefault(wear.load.signal, None)
         return found

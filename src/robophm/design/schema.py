@@ -210,6 +210,45 @@ class Learned(_Strict):
     note: str = Field("", max_length=500)
 
 
+class WearGauge(_Strict):
+    """What is measured beside a signal of wear."""
+
+    topic: str = Field(min_length=1)
+    field: str = Field(min_length=1, description="path of the number in the message")
+    range: tuple[float, float] | None = Field(None, description="as recorded; of a load: within which samples count")
+    max_age: _quantity("s", "how long the last value holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
+
+    @model_validator(mode="after")
+    def _range_ascends(self) -> WearGauge:
+        if self.range and not self.range[0] < self.range[1]:
+            raise ValueError(f"range {list(self.range)} does not ascend; expected the lower end first")
+        return self
+
+
+class Wear(_Strict):
+    """A signal that shows how worn a part is, and how worn is too much; `robophm wear` reads it from recordings."""
+
+    topic: str = Field(min_length=1, description="e.g. /joint_states")
+    field: str = Field(min_length=1, description="path of the number in the message, e.g. effort[2]")
+    unit: str | None = Field(None, description="of the field; default: bare numbers, as recorded")
+    range: tuple[float, float] | None = Field(None, description="what is outside, in that unit, is no sample")
+    reading: Literal["mean", "rms", "kurtosis", "highest", "lowest"] = Field(
+        "mean", description="what is made of the samples of each stretch of time; rms is about their mean"
+    )
+    every: _quantity("s", "how long such a stretch is", "1 h", 1.0, LONGEST) = 3600.0  # type: ignore[valid-type]
+    ambient: WearGauge | None = Field(None, description="is taken off each sample, e.g. the temperature of the air")
+    load: WearGauge | None = Field(None, description="samples count only while this is within its range")
+    threshold: Written = Field(description="at which the part is worn out, e.g. 6 A; a signal that falls falls to it")
+
+    @model_validator(mode="after")
+    def _load_has_a_range(self) -> Wear:
+        if self.range and not self.range[0] < self.range[1]:
+            raise ValueError(f"range {list(self.range)} does not ascend; expected the lower end first")
+        if self.load and not self.load.range:
+            raise ValueError("load has no range; expected within which samples count, e.g. range: [2, 3]")
+        return self
+
+
 class FailureMode(_Strict):
     """One way to fail; the modes of a component are in series."""
 
@@ -223,6 +262,7 @@ class FailureMode(_Strict):
     source: str | None = Field(None, description="where the rate is from")
     uncertainty: Uncertainty | None = Field(None, description="how sure the rate is; inherited, default exact")
     learned: Learned | None = Field(None, description="what the field says of it, and how sure it is then")
+    wear: Wear | None = Field(None, description="a signal that shows it coming")
 
 
 def _one_or_list(value: object) -> str:

@@ -8,7 +8,8 @@ import numpy as np
 
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.robot import MeasuredClock
-from robophm.health.stretch import Array, Grid, Held, Stretch, Times, ascending
+from robophm.health.stretch import Grid, Held, Stretch, ascending
+from robophm.health.window import Array, Times
 
 
 @dataclass

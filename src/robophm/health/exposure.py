@@ -7,8 +7,9 @@ holds, until it is stale; every interval is split exactly where something change
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -17,7 +18,8 @@ from robophm.core.signal import HOUR, Sample
 from robophm.design.robot import Channel, MeasuredClock, Robot, Stress
 from robophm.health.clock import Clock
 from robophm.health.ledger import RECENT, Ledger, Step
-from robophm.health.stretch import Array, Columns, Flags, Grid, Observed, Stretch
+from robophm.health.stretch import Flags, Grid, Observed, Stretch
+from robophm.health.window import Array, Columns, Window
 
 Witness = Callable[[Sequence[int], Array, Array, Mapping[str, Array]], None]
 """Is told what some failure modes went through: which, by index; of each interval how far their clock went (a calendar
@@ -48,6 +50,11 @@ class Exposure:
                 channels |= {channel_key(channel): channel for channel in stress.channels.values()}
         self.clocks = tuple(clocks.values())
         self.groups = tuple(groups.values())
+        alike: dict[tuple[object, ...], list[int]] = {}
+        for i, group in enumerate(self.groups):
+            if group.stresses:
+                alike.setdefault(group.law, []).append(i)
+        self._alike = tuple(alike.values())
         self.channels: Mapping[str, Channel] = channels
         self.initial = np.array([mode.initial_exposure for mode in self.modes])
         self._by_hazard = [mode.scaling == "hazard" for mode in self.modes]
@@ -57,7 +64,7 @@ class Exposure:
 
         ``duty`` is the share at which each mode ages meanwhile, where a task is known not to need its part.
         """
-        self.integrate_columns(ledger, columns_of(samples), [until], duty)
+        self.integrate_columns(ledger, Window(samples).columns(), [until], duty)
 
     def integrate_columns(
         self, ledger: Ledger, columns: Columns, ends: Sequence[int], duty: Array | None = None
@@ -69,10 +76,10 @@ class Exposure:
         periods = stretch.grid(())
         age, effective, hazard = np.zeros((3, len(stretch.bounds) - 1, len(self.modes)))
         by_hazard = []
-        for group in self.groups:
-            grid = stretch.grid(group.channel_keys)
+        grids = [stretch.grid(group.channel_keys) for group in self.groups]
+        factors = self._factors([grid.observed for grid in grids])
+        for group, grid, (factor, outside) in zip(self.groups, grids, factors, strict=True):
             steps = group.clock.advance(grid)
-            factor, outside = group.factor(grid.observed)
             if self._witness and factor is not None:
                 on = grid.operating / HOUR if group.clock.clock == "calendar" else steps
                 self._witness(group.members, on, factor, group.inputs(grid.observed))
@@ -117,10 +124,10 @@ class Exposure:
     def settled(self, ledger: Ledger) -> Ledger:
         """A copy of the ledger with its open window integrated too, up to the newest sample."""
         ahead = ledger.copy()
-        samples, ahead.pending = sorted(ahead.pending), []
+        columns, ahead.pending = ahead.pending.columns(), Window()
         newest = ahead.newest
-        if newest is not None and (ahead.integrated_to is None or newest > ahead.integrated_to or samples):
-            self.integrate(ahead, samples, newest)
+        if newest is not None and (ahead.integrated_to is None or newest > ahead.integrated_to or columns):
+            self.integrate_columns(ahead, columns, [newest])
         return ahead
 
     def current_factor(self, ledger: Ledger) -> Array:
@@ -129,11 +136,29 @@ class Exposure:
         if (now := ledger.integrated_to) is not None:
             stretch = self._stretch(ledger, {}, [now])
             observed = {key: stretch.held(key).at(stretch.bounds[:1]) for key in self.channels}
-            for group in self.groups:
-                value, _ = group.factor(observed)
+            for group, (value, _) in zip(self.groups, self._factors([observed] * len(self.groups)), strict=True):
                 if value is not None:
                     factor[group.members] = value[0]
         return factor
+
+    def _factors(self, observed: Sequence[Mapping[str, Observed]]) -> list[tuple[Array | None, Flags]]:
+        """ψ of each interval of each group, None where nothing is measured; and where a model's range is left.
+
+        Groups whose stresses differ in nothing but their sensors are asked about together.
+        """
+        found: list[tuple[Array | None, Flags]] = [(None, np.zeros((), dtype=bool))] * len(self.groups)
+        for alike in self._alike:
+            lines = [(i, self.groups[i].lines(observed[i])) for i in alike]
+            asked = [(i, own) for i, own in lines if len(own[0])]  # no model is asked about no time at all
+            if not asked:
+                continue
+            columns = zip(*(own for _, own in asked), strict=True)
+            factor, outside = self.groups[alike[0]].factor([np.concatenate(column) for column in columns])
+            begin = 0
+            for i, own in asked:
+                part = slice(begin, begin := begin + len(own[0]))
+                found[i] = factor[part], outside[part]
+        return found
 
     def recent_factor(self, ledger: Ledger) -> Array:
         """The mean stress factor of every mode over the last ten minutes; NaN where its clock did not run."""
@@ -173,16 +198,6 @@ class Exposure:
             if now is None or key not in ledger.last or now >= ledger.last[key][0] + age
         }
         return sorted(old)
-
-
-def columns_of(samples: Iterable[Sample]) -> Columns:
-    """What each signal said, of samples in order of time."""
-    own: dict[str, tuple[list[int], list[float]]] = {}
-    for time, signal, value in samples:
-        times, values = own.setdefault(signal, ([], []))
-        times.append(time)
-        values.append(value)
-    return {signal: (np.array(times, dtype=np.int64), np.array(values)) for signal, (times, values) in own.items()}
 
 
 def channel_key(channel: Channel) -> str:
@@ -261,20 +276,27 @@ class _Group:
     stresses: tuple[tuple[Stress, tuple[_Input, ...]], ...]
     members: list[int]
 
-    @property
+    @cached_property
     def channel_keys(self) -> tuple[str, ...]:
         return tuple(one.key for _, inputs in self.stresses for one in inputs)
 
-    def factor(self, observed: Mapping[str, Observed]) -> tuple[Array | None, Flags]:
-        """ψ of each interval, None where nothing is measured; and where a model's range is left."""
-        product: Array | None = None
+    @cached_property
+    def law(self) -> tuple[object, ...]:
+        """Equal where two groups have the same factor for the same inputs."""
+        return tuple((stress.law, *(one.name for one in inputs)) for stress, inputs in self.stresses)
+
+    def lines(self, observed: Mapping[str, Observed]) -> list[Array]:
+        """Every measured input of each interval."""
+        return [one.observed(observed[one.key]) for _, inputs in self.stresses for one in inputs]
+
+    def factor(self, lines: Sequence[Array]) -> tuple[Array, Flags]:
+        """ψ for measured inputs, and where a model's range is left."""
+        product: Array = np.ones(())
         outside: Flags = np.zeros((), dtype=bool)
+        some = iter(lines)
         for stress, inputs in self.stresses:
-            values = {one.name: one.observed(observed[one.key]) for one in inputs}
-            if not all(map(len, values.values())):  # no model is asked about no time at all
-                break
-            value, beyond = stress.factor(values)
-            product = value if product is None else product * value
+            value, beyond = stress.factor({one.name: next(some) for one in inputs})
+            product = product * value
             outside = outside | beyond
         return product, outside
 

@@ -8,13 +8,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from robophm.core.errors import StoreError
 from robophm.core.signal import HOUR, SECOND, Sample
 from robophm.design.robot import Robot
-
-Array = npt.NDArray[np.float64]
+from robophm.health.window import Array, Window
 
 RECENT = 600 * SECOND
 """Nanoseconds over which the recent mean is taken: the last ten minutes."""
@@ -130,7 +128,7 @@ class Ledger:
     """Time until which it was off last."""
     last: dict[str, tuple[int, tuple[float, ...]]] = field(default_factory=dict)
     """The last valid value of every channel, position and clock signal, by its key."""
-    pending: list[Sample] = field(default_factory=list)
+    pending: Window = field(default_factory=Window)
     """The open window: received, not yet integrated."""
     counts: Counter[str] = field(default_factory=Counter)
     """What was not taken, by reason and signal."""
@@ -231,7 +229,7 @@ class Ledger:
             "totals": {name: [total.high.tolist(), total.low.tolist()] for name, total in totals.items()},
             **{name: getattr(self, name) for name in ("started", "integrated_to", "newest", "heard", "off")},
             "last": {key: [time, list(values)] for key, (time, values) in self.last.items()},
-            "pending": [list(sample) for sample in self.pending],
+            "pending": [list(sample) for sample in self.pending.samples()],
             **{name: dict(getattr(self, name)) for name in ("counts", "stale", "extrapolated")},
             **{name: _steps_to_json(getattr(self, name)) for name in ("recent", "history")},
             "history_step": self.history_step,
@@ -284,7 +282,7 @@ class Ledger:
             heard=data["heard"],
             off=data["off"],
             last={key: (time, tuple(values)) for key, (time, values) in data["last"].items()},
-            pending=[Sample(*sample) for sample in data["pending"]],
+            pending=Window(Sample(*sample) for sample in data["pending"]),
             counts=Counter(data["counts"]),
             stale=Counter(data["stale"]),
             extrapolated=Counter(data["extrapolated"]),

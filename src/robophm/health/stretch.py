@@ -16,12 +16,9 @@ import numpy.typing as npt
 from robophm.core.signal import CLOCK
 from robophm.design.robot import Channel, Robot
 from robophm.health.ledger import Ledger
+from robophm.health.window import Array, Columns, Times
 
-Array = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
-Times = npt.NDArray[np.int64]
-Columns = Mapping[str, tuple[Times, Array]]
-"""Of each signal, times [ns since the epoch], ascending, and values."""
 
 _NEVER = np.iinfo(np.int64).min
 _NOTHING: tuple[Times, Array] = np.empty(0, dtype=np.int64), np.empty(0)
@@ -32,7 +29,10 @@ def ascending(times: Times) -> Times:
     if len(times) < 2:
         return times
     ordered = np.sort(times, kind="stable")
-    each: Times = ordered[np.append(True, ordered[1:] != ordered[:-1])]
+    new = np.empty(len(ordered), dtype=bool)
+    new[0] = True
+    np.not_equal(ordered[1:], ordered[:-1], out=new[1:])
+    each: Times = ordered[new]
     return each
 
 
@@ -47,7 +47,7 @@ class Held(NamedTuple):
         """What was the last at each of these times."""
         if not len(self.times):
             return Observed(np.full(len(times), np.nan), np.zeros(len(times), dtype=bool))
-        index = np.searchsorted(self.times, times, side="right") - 1
+        index = self.times.searchsorted(times, side="right") - 1
         fresh = (index >= 0) & (times - self.times[index] < self.max_age)
         return Observed(np.where(index < 0, np.nan, self.values[index]), fresh)
 
@@ -71,12 +71,13 @@ class Grid:
     @cached_property
     def operating(self) -> Array:
         """Nanoseconds that the robot was on in each interval."""
-        return np.diff(self.stretch.operating(self.edges)).astype(float)
+        until = self.stretch.operating(self.edges)
+        return (until[1:] - until[:-1]).astype(float)
 
     @cached_property
     def first(self) -> npt.NDArray[np.intp]:
         """The first interval of each period."""
-        return np.searchsorted(self.edges, self.stretch.bounds[:-1])
+        return self.edges.searchsorted(self.stretch.bounds[:-1])
 
     @cached_property
     def counts(self) -> npt.NDArray[np.intp]:
@@ -118,14 +119,19 @@ class Stretch:
         self.off = _NEVER if ledger.off is None else ledger.off
         """When it was off last before this stretch."""
 
+    @cached_property
+    def _edges(self) -> Times:
+        """The bounds, each once."""
+        return ascending(self.bounds)
+
     def hold(self, key: str, times: Times, values: Array, max_age: int) -> Held:
         """What a signal said, with what it said last before; kept under a key, also for the next stretch."""
         if key in self.ledger.last:
             time, (value,) = self.ledger.last[key]
-            times, values = np.append(time, times), np.append(value, values)
+            times, values = np.concatenate((np.array([time]), times)), np.concatenate((np.array([value]), values))
         again = times[1:] == times[:-1]
         if again.any():
-            keep = np.append(~again, True)
+            keep = np.concatenate((~again, [True]))
             times, values = times[keep], values[keep]
         if len(times):
             self._last[key] = int(times[-1]), (float(values[-1]),)
@@ -139,6 +145,10 @@ class Stretch:
     def channel(self, key: str, channel: Channel) -> None:
         """Hold what a channel takes of its signal, in the model's unit."""
         times, raw = self.raw.get(channel.signal, _NOTHING)
+        if not len(times):
+            held = self.hold(key, times, raw, channel.max_age)
+            self._held[key] = held._replace(values=channel.scale * held.values + channel.offset)
+            return
         values = channel.scale * raw + channel.offset
         valid = (values >= channel.low) & (values <= channel.high)
         if not valid.all():
@@ -159,7 +169,7 @@ class Stretch:
 
     def _of_many(self, keys: tuple[str, ...]) -> Grid:
         grids = [self.grid((key,)) for key in dict.fromkeys(keys)]
-        edges = ascending(self.bounds)
+        edges = self._edges
         if grids:
             edges = grids[0].edges
             if not all(np.array_equal(edges, grid.edges) for grid in grids[1:]):
@@ -178,12 +188,12 @@ class Stretch:
         times, values, max_age = held = self._held[key]
         gone = times + max_age
         lost = gone[:-1] < times[1:]
-        gone = np.append(gone[:-1][lost], gone[-1:]) if lost.any() else gone[-1:]
+        gone = np.concatenate((gone[:-1][lost], gone[-1:])) if lost.any() else gone[-1:]
         gone = gone[(gone > self.start) & (gone < self.end)]
-        extra = ascending(np.append(self.bounds, gone))
-        inside = slice(np.searchsorted(times, self.start, side="right"), np.searchsorted(times, self.end))
+        extra = ascending(np.concatenate((self.bounds, gone))) if len(gone) else self._edges
+        inside = slice(times.searchsorted(self.start, side="right"), times.searchsorted(self.end))
         times, values = times[inside], values[inside]
-        place = np.searchsorted(times, extra)
+        place = times.searchsorted(extra)
         if len(times):
             new = times[np.minimum(place, len(times) - 1)] != extra
             extra, place = extra[new], place[new]
@@ -211,10 +221,9 @@ class Stretch:
         self.heard = max((int(times[-1]) for times in heard), default=None)
         begins, ends = [], []
         for times in heard:
-            silent = np.diff(times) > gap
-            after = np.append(True, silent), np.append(silent, True)
-            begins.append(times[after[0]])
-            ends.append(times[after[1]] + gap)
+            silent = np.flatnonzero(times[1:] - times[:-1] > gap)
+            begins += [times[:1], times[silent + 1]] if len(silent) else [times[:1]]
+            ends += [times[silent] + gap, times[-1:] + gap] if len(silent) else [times[-1:] + gap]
         name = self.robot.powered
         power = self.signal(name, name, 0) if name else Held(*_NOTHING, 0)
         if self.start == self.end:

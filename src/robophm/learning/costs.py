@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from robophm.core.errors import nearest
@@ -34,15 +34,26 @@ YEAR = 8766.0
 
 @dataclass(frozen=True)
 class PartCosts:
-    """What a part costs; downtime is in it, by what an hour of it costs."""
+    """What a part costs."""
 
     part: Component
     costs: Costs
+    """Without what it costs that the robot stands still meanwhile."""
     watch: Watch | None
+
+    def standing(self, hour_down: float) -> Costs:
+        """With that: so much an hour, as far as the robot does stand still."""
+        own = self.costs
+        planned, unplanned = (hour_down * time for time in (own.preventive_downtime, own.corrective_downtime))
+        repair = None if own.repair is None else own.repair + unplanned
+        return replace(own, preventive=own.preventive + planned, corrective=own.corrective + unplanned, repair=repair)
 
 
 def read_costs(path: Path, robot: Robot, hour_down: float) -> dict[str, PartCosts]:
-    """By path of the part. Raises DataError for what is missing, negative, or contradicts itself."""
+    """By path of the part. Raises DataError for what is missing, negative, or contradicts itself.
+
+    ``hour_down``: what an hour costs in which the robot stands still.
+    """
     parts = {part.path: part for part in robot.all_components() if part not in robot.causes}
     found: dict[str, PartCosts] = {}
     for row in read_table(path, COLUMNS, "costs"):
@@ -69,10 +80,7 @@ def _costs(row: Row, hour_down: float) -> Costs:
         raise row.error(f"{remaining:g}; expected 0 (as good as new) to 1 (as before the repair)", "remaining")
     if not preventive + downtimes[0] * hour_down > 0:
         raise row.error("a replacement that costs nothing is best done all the time; expected above 0", "preventive")
-    return Costs(
-        preventive + downtimes[0] * hour_down, corrective + downtimes[1] * hour_down, downtimes[0], downtimes[1],
-        None if repair is None else repair + downtimes[1] * hour_down, remaining,
-    )  # fmt: skip
+    return Costs(preventive, corrective, downtimes[0], downtimes[1], repair, remaining)
 
 
 def _watch(row: Row) -> Watch | None:

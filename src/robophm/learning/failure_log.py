@@ -14,6 +14,7 @@ from pathlib import Path
 from robophm.core.errors import UnitError, nearest
 from robophm.core.units import quantity
 from robophm.design.robot import CLOCK_UNITS, Component, FailureMode, Robot
+from robophm.learning.scale import Lived
 from robophm.learning.table import YES, Row, read_table
 
 COLUMNS: Mapping[str, Sequence[str]] = {
@@ -44,6 +45,8 @@ class Seen:
     """Cumulative hazard by the design's rate, as it is."""
     exposure: float = 0.0
     """[unit of its clock]"""
+    lives: list[Lived] = field(default_factory=list)
+    """Each, where failures in an exposure say too little (``scale``)."""
 
 
 @dataclass
@@ -155,6 +158,9 @@ class _Reader:
             seen = self.seen.setdefault((one.path, key[0]), Seen(one, key[0]))
             seen.expected += count * float(one.life.increment(age, step))
             seen.exposure += count * step
+            if one.life.degree is None:
+                failed = count if not censored and one is mode else 0
+                seen.lives.append(Lived(age, step, failed, count))
             item.virtual[one.path] = age + step
         if not censored and mode is not None:
             self.seen[mode.path, key[0]].failures += count

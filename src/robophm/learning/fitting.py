@@ -117,7 +117,7 @@ def fit(data: LifeData, name: str = "weibull", *, how: How = "likelihood", level
         )
         if family.offset:
             options["offset"] = True
-        model = getattr(sp, family.theirs).fit(**_as_theirs(data), **options)
+        model = getattr(sp, family.theirs).fit(**as_theirs(data), **options)
         if not np.all(np.isfinite(model.params)):
             raise DataError(f"{data.source}: {name} has no best fit here; expected data that spread more")
         found = _fit(data, name, how, level, model)
@@ -180,7 +180,8 @@ def _overlapping(data: LifeData) -> bool:
     return bool(data.low.max() >= data.high.min())
 
 
-def _as_theirs(data: LifeData) -> dict[str, Any]:
+def as_theirs(data: LifeData) -> dict[str, Any]:
+    """Lives as SurPyval takes them."""
     exact, left = data.low == data.high, data.failed & (data.low == 0)
     kind = np.where(exact, 0, np.where(~data.failed, 1, np.where(left, -1, 2)))
     if not np.any(kind == 2):

@@ -14,6 +14,7 @@ from robophm.core.units import quantity
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot, Uncertainty
 from robophm.learning.failure_log import Seen
 from robophm.learning.rates import FleetPosterior, Posterior, fleet
+from robophm.learning.scale import at_rate, fit_scale, information
 
 USUAL_PRIOR = 1.0
 """Failures that a stated rate counts as, where neither the design nor the user says more."""
@@ -70,12 +71,9 @@ def learn(robot: Robot, seen: Iterable[Seen], prior: str | None = None, of: str 
 
 def _learned(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str | None) -> LearnedRate:
     beta = mode.life.degree
-    failures = sum(one.failures for one in seen)
     if beta is None:
-        raise DataError(
-            f"'{mode.path}' has a {type(mode.life).__name__.lower()} life, whose rate alone says too little; expected "
-            "its life data for `robophm fit`, or a design in which its life is exponential or Weibull without location"
-        )
+        return _by_lives(mode, seen, prior, of)
+    failures = sum(one.failures for one in seen)
     factor = mode.evidence.factor if mode.evidence else 1.0
     stated = [one.expected / factor**beta for one in seen]
     strength = _strength(mode, mode.rate / factor, beta, prior)
@@ -91,6 +89,30 @@ def _learned(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str
     return LearnedRate(
         mode, mode.rate / factor, failures, sum(stated), sum(one.exposure for one in seen), found, robots,
         times, sure, low, high,
+    )  # fmt: skip
+
+
+def _by_lives(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str | None) -> LearnedRate:
+    """Of a life whose hazard is no power of age."""
+    factor = mode.evidence.factor if mode.evidence else 1.0
+    try:
+        life = at_rate(mode.life, 1 / factor)
+        beta = information(life)
+        expected = math.fsum(
+            one.parts * float(life.increment(one.start, one.length)) for some in seen for one in some.lives
+        )
+        strength = _strength(mode, mode.rate / factor, beta, prior)
+        found = fit_scale(life, [one.lives for one in seen], expected, strength, beta)
+    except DataError as error:
+        raise DataError(f"'{mode.path}': {error}") from None
+    robots = tuple(one.robot for one in seen)
+    density = found.of_any
+    if of is not None and of in robots:
+        density = found.of_robot[robots.index(of)]
+    times, sure = density.moments(1.0)
+    return LearnedRate(
+        mode, mode.rate / factor, sum(one.failures for one in seen), expected, sum(one.exposure for one in seen),
+        found.fleet, robots, times, sure, density.quantile(0.05), density.quantile(0.95),
     )  # fmt: skip
 
 

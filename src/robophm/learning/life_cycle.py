@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.learning.maintenance import Costs
+from robophm.learning.standing import Downtimes, Standing
 from robophm.life.distribution import LifeDistribution
 
 Array = npt.NDArray[np.float64]
@@ -41,6 +42,8 @@ class Upkept:
     """At which it is replaced."""
     watch: Watch | None = None
     parts: int = 1
+    units: tuple[str, ...] = ()
+    """As diagrams draw them: one for all its parts in series, or one for each; none: its own name."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,7 @@ class LifeCycle:
     error: float
     """Standard error of the mean."""
     availability: float
-    """Share of the time in which no part was down, downtimes taken one after the other."""
+    """Share of the time in which the robot did not stand still."""
     failures: float
     """Mean number of them."""
     replacements: float
@@ -63,33 +66,43 @@ class LifeCycle:
     samples: Array
 
 
-def simulate(parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: int) -> LifeCycle:
+def simulate(
+    parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: int,
+    standing: Standing | None = None, hour_down: float = 0.0,
+) -> LifeCycle:  # fmt: skip
     """Let a robot's parts live and be replaced for a time, so many times over.
 
-    Every part draws from a stream of its own by its name: two policies are compared on the same lives.
+    ``standing`` says when the parts that are down stop the robot (default: any does), and an hour of that costs
+    ``hour_down`` beside what the parts cost. Every part draws from a stream of its own by its name: two policies are
+    compared on the same lives.
     """
-    cost, down, failures, precautions = np.zeros((4, repetitions))
+    cost, failures, precautions = np.zeros((3, repetitions))
+    down: dict[str, list[Downtimes]] = {}
     for name, part in parts.items():
+        units = part.units or (name,)
         for i in range(part.parts):
             rng = np.random.default_rng([seed, i, *name.encode()])
-            found = _part(part, horizon, repetitions, rng)
-            cost, down = cost + found[0], down + found[1]
-            failures, precautions = failures + found[2], precautions + found[3]
+            found, downtimes = _part(part, horizon, repetitions, rng)
+            cost, failures, precautions = cost + found[0], failures + found[1], precautions + found[2]
+            down.setdefault(units[min(i, len(units) - 1)], []).append(downtimes)
+    stood = (standing or Standing()).hours(down, horizon, repetitions)
+    cost = cost + hour_down * stood
     low, high = np.quantile(cost, [0.05, 0.95])
     return LifeCycle(
         float(cost.mean()), float(low), float(high), float(cost.std(ddof=1) / np.sqrt(repetitions)),
-        float(np.mean(np.clip(1 - down / horizon, 0.0, 1.0))), float(failures.mean()), float(precautions.mean()), cost,
+        float(np.mean(1 - stood / horizon)), float(failures.mean()), float(precautions.mean()), cost,
     )  # fmt: skip
 
 
-def _part(part: Upkept, horizon: float, repetitions: int, rng: np.random.Generator) -> Array:
-    """Cost, downtime, failures and precautions of each repetition; shape (4, repetitions)."""
+def _part(part: Upkept, horizon: float, repetitions: int, rng: np.random.Generator) -> tuple[Array, Downtimes]:
+    """Cost, failures and precautions of each repetition, shape (3, repetitions), and when it was down."""
     costs, watch = part.costs, part.watch
-    total = np.zeros((4, repetitions))
+    total = np.zeros((3, repetitions))
     if watch:
         total[0] += watch.price + watch.running * horizon
     now, base = np.zeros(repetitions), float(part.life.cumulative_hazard(0.0))
     going = np.arange(repetitions)
+    downtimes = [Downtimes(going[:0], now[:0], now[:0])]
     while len(going):
         # Drawn for all whatever becomes of them, so that the same lives come under every policy.
         draws = rng.random((3, repetitions))[:, going]
@@ -105,15 +118,15 @@ def _part(part: Upkept, horizon: float, repetitions: int, rng: np.random.Generat
             ends, failed = np.minimum(ends, part.age), failed & (ends <= part.age)
         then = now[going] + ends
         inside = then < horizon
-        on, bad = going[inside], failed[inside]
+        on, bad, then = going[inside], failed[inside], then[inside]
         total[0, on] += np.where(bad, costs.corrective, costs.preventive)
-        down = np.where(bad, costs.corrective_downtime, costs.preventive_downtime)
-        total[1, on] += down
-        total[2, on] += bad
-        total[3, on] += ~bad
-        now[on] = then[inside] + down
+        total[1, on] += bad
+        total[2, on] += ~bad
+        now[on] = then + np.where(bad, costs.corrective_downtime, costs.preventive_downtime)
+        stands = now[on] > then
+        downtimes.append(Downtimes(on[stands], then[stands], now[on][stands]))
         going = on
-    return total
+    return total, Downtimes(*(np.concatenate(column) for column in zip(*downtimes, strict=True)))
 
 
 @dataclass(frozen=True)
@@ -142,17 +155,17 @@ class Return:
 
 
 def return_on_watching(
-    parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: int, without: LifeCycle | None = None
-) -> Return:
-    """The same lives with and without condition monitoring; a watched part is not replaced by age."""
+    parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: int, without: LifeCycle | None = None,
+    standing: Standing | None = None, hour_down: float = 0.0,
+) -> Return:  # fmt: skip
+    """The same lives with and without condition monitoring, as ``simulate``; a watched part is not replaced by age."""
     bare = {name: replace(part, watch=None) for name, part in parts.items()}
     watched = {name: replace(part, age=None) if part.watch else part for name, part in parts.items()}
     invested = sum(
         part.parts * (part.watch.price + part.watch.running * horizon) for part in parts.values() if part.watch
     )
-    return Return(
-        without or simulate(bare, horizon, repetitions, seed), simulate(watched, horizon, repetitions, seed), invested
-    )
+    how = (horizon, repetitions, seed, standing, hour_down)
+    return Return(without or simulate(bare, *how), simulate(watched, *how), invested)
 
 
 def grid_costs(part: Upkept, ages: Sequence[float], horizon: float, repetitions: int, seed: int) -> Array:

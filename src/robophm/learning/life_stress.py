@@ -18,7 +18,7 @@ import numpy.typing as npt
 from scipy.stats import chi2
 
 from robophm.core.errors import DataError, nearest
-from robophm.learning.fitting import FAMILIES, LEVEL, Bounded, Fit, fit
+from robophm.learning.fitting import FAMILIES, LEVEL, Bounded, Fit, as_theirs, fit
 from robophm.learning.life_data import LifeData
 from robophm.learning.surpyval import asked, library
 from robophm.life import life_distribution
@@ -108,25 +108,21 @@ def fit_life_stress(
 ) -> LifeStressFit:  # fmt: skip
     """Fit lives at several stresses. ``reference``: the stress of use, of each that the data state.
 
-    ``laws`` by stress; else Arrhenius of temperature and inverse power of any other. Where an item has several rows
-    they are its steps, each ending at its ``time``. Raises DataError, in words, where the data do not support it.
+    ``laws`` by stress; else Arrhenius of temperature and inverse power of any other. Lives may be known within
+    intervals. Where an item has several rows they are its steps, each ending at its ``time``, and failures are at known
+    times. Raises DataError, in words, where the data do not support it.
     """
     chosen = _laws(data, name, reference, laws or {})
     steps = bool(data.items) and len(set(data.items)) < len(data.items)
     z, known = _covariates(data, chosen, reference)
-    _supported(data, z)
+    _supported(data, z, name, steps=steps)
     family, sp = FAMILIES[name], library()
     with asked(f"{data.source}: {name} life at stress") as said:
         fitter = sp.AFT(getattr(sp, family.theirs))
         if steps:
             model = fitter.fit_tvc(**_steps(data, z, known))
         else:
-            exact = data.low == data.high
-            if np.any(data.failed & ~exact):
-                raise DataError(f"{data.source}: lives at stress are taken at known times; these have intervals")
-            model = fitter.fit(
-                data.low * known, Z=z, c=np.where(data.failed, 0, 1), n=data.count.astype(int)
-            )  # fmt: skip
+            model = fitter.fit(Z=z, **as_theirs(replace(data, low=data.low * known, high=data.high * known)))
         found = _found(data, name, chosen, reference, level, model)
     tested, separate = ((), None) if steps else _levels(data, name, found)
     notes = list(dict.fromkeys(said))[:3]
@@ -174,7 +170,7 @@ def _covariates(data: LifeData, laws: Mapping[str, str], reference: Mapping[str,
     return z, known
 
 
-def _supported(data: LifeData, z: Array) -> None:
+def _supported(data: LifeData, z: Array, name: str, *, steps: bool) -> None:
     failed = data.failed
     if data.failures < z.shape[1] + 2:
         raise DataError(
@@ -191,6 +187,13 @@ def _supported(data: LifeData, z: Array) -> None:
         raise DataError(
             f"{data.source}: its stresses go up and down together: which of {', '.join(data.stresses)} shortens life "
             "cannot be told; expected tests that change one alone"
+        )
+    levels = [np.all(z == one, axis=1) for one in np.unique(z, axis=0)]
+    apart = any(data.low[rows].max() > data.high[rows].min() for rows in levels)
+    if name != "exponential" and not steps and not apart and len(levels) <= design.shape[1]:
+        raise DataError(
+            f"{data.source}: at each stress one moment explains all lives: how far they spread cannot be told; "
+            "expected two at one stress that part, or one stress more"
         )
 
 
@@ -258,7 +261,7 @@ def _found(
 
 def _log_known(data: LifeData, laws: Mapping[str, str], reference: Mapping[str, float]) -> Array:
     _, known = _covariates(data, laws, reference)
-    return np.where(data.failed, data.count * np.log(known), 0.0)
+    return np.where(data.low == data.high, data.count * np.log(known), 0.0)
 
 
 def _levels(

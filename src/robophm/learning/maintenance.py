@@ -24,7 +24,7 @@ _FEW_OF_BEST = 1e-6  # of the cost of never replacing: what saves less is no rea
 
 @dataclass(frozen=True)
 class Costs:
-    """Of one part; what an hour of standing still costs is in them already."""
+    """Of one part; what an hour of standing still costs is in them, or it is said elsewhere."""
 
     preventive: float
     """Of replacing it before it fails."""

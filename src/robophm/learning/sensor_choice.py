@@ -1,9 +1,11 @@
 """Which sensors buy most certainty of whether a robot will do its task.
 
 What is not known is which parts have failed silently. With sensors A the prediction is E[Y | their alarms], and what of
-its error they take away is Var(E[Y | A]): the gain in expected Brier score. It never falls as sensors are added. Greedy
-choice need not be the best: what all candidates together would give bounds the best from above, and small choices are
-gone through exhaustively.
+its error they take away is Var(E[Y | A]): the gain in expected Brier score. It never falls as sensors are added, but it
+is not submodular: of two sensors each may say nothing alone and both together all, so that greedy choice has no share
+of the best by itself (such as 1 − 1/e). Where there are few sets all are gone through. Else what is chosen greedily is
+compared with a bound of the best: a set of k of m candidates lacks r of them, r ≤ m − k, so that it explains no more
+than the best of all sets that lack just r. The larger r, the tighter; r = m − k is the best set itself.
 """
 
 from __future__ import annotations
@@ -20,8 +22,10 @@ from robophm.core.errors import DataError
 
 Array = npt.NDArray[np.float64]
 
-EXHAUSTIVE = 3000
-"""Sets that are gone through one by one."""
+EXHAUSTIVE = 20_000
+"""Sets that are gone through one by one, at most."""
+WORK = 1e9
+"""Numbers that going through sets takes, at most: of each set, states times patterns of alarms."""
 MOST = 16
 """Sensors whose alarms are taken together."""
 
@@ -36,14 +40,16 @@ class Choice:
     value: float
     """Variance of the outcome that they explain together."""
     most: float
-    """That all candidates would explain: no set of any size explains more."""
+    """That all candidates would explain; of more than MOST, what knowing every state would."""
+    bound: float
+    """No set of so many explains more."""
     exhaustive: bool
     """Whether no set of so many is better, gone through one by one."""
 
     @property
     def at_least(self) -> float:
         """Share of the best set's value that this one is sure to have."""
-        return 1.0 if self.exhaustive or self.most == 0 else self.value / self.most
+        return 1.0 if self.exhaustive or self.bound <= self.value else self.value / self.bound
 
 
 def explained(weights: Array, outcome: Array, alarms: Array, chosen: Sequence[int], base: Sequence[int] = ()) -> float:
@@ -77,15 +83,38 @@ def choose(
         return explained(weights, outcome, alarms, some, base) - before
 
     fits = len(base) + len(rest) <= MOST
-    most = value(rest) if fits else float(weights @ (outcome - weights @ outcome) ** 2) - before
-    if math.comb(len(rest), number) <= EXHAUSTIVE:
+    everything = float(weights @ (outcome - weights @ outcome) ** 2) - before
+    most = max(value(rest) if fits else everything, 0.0)
+    exhaustive = _affordable(len(rest), number, len(base), len(weights))
+    if exhaustive:
         best = max(combinations(rest, number), key=value, default=())
         order = _greedily(best, len(best), value)
     else:
         order = _greedily(rest, number, value)
     gains = np.diff([0.0, *(value(order[: k + 1]) for k in range(len(order)))])
-    exhaustive = math.comb(len(rest), number) <= EXHAUSTIVE
-    return Choice(tuple(order), tuple(float(one) for one in gains), value(order), max(most, 0.0), exhaustive)
+    reached = value(order)
+    bound = reached if exhaustive else _bound(rest, number, base, len(weights), value, most)
+    return Choice(tuple(order), tuple(float(one) for one in gains), reached, most, bound, exhaustive)
+
+
+def _affordable(candidates: int, number: int, fitted: int, states: int) -> bool:
+    """Whether all sets of so many can be gone through."""
+    if fitted + number > MOST:
+        return False
+    sets = math.comb(candidates, number)
+    return sets <= EXHAUSTIVE and sets * states * 2.0 ** (fitted + number) <= WORK
+
+
+def _bound(
+    rest: Sequence[int], number: int, base: Sequence[int], states: int, value: Callable[[Sequence[int]], float],
+    most: float,
+) -> float:  # fmt: skip
+    """What no set of so many explains more than: the best of all that lack r candidates, r as large as can be paid."""
+    m = len(rest)
+    for lacking in range(m - number, 0, -1):
+        if _affordable(m, m - lacking, len(base), states):
+            return min(most, max(value(some) for some in combinations(rest, m - lacking)))
+    return most
 
 
 def _greedily(rest: Sequence[int], number: int, value: Callable[[Sequence[int]], float]) -> list[int]:
@@ -96,7 +125,7 @@ def _greedily(rest: Sequence[int], number: int, value: Callable[[Sequence[int]],
 
 
 def greedily(weights: Array, outcome: Array, alarms: Array, number: int) -> Choice:
-    """As ``choose``, never exhaustively."""
+    """As ``choose``, never exhaustively, and bounded by what lacks one candidate."""
     every = list(range(alarms.shape[1]))
 
     def value(some: Sequence[int]) -> float:
@@ -104,4 +133,7 @@ def greedily(weights: Array, outcome: Array, alarms: Array, number: int) -> Choi
 
     order = _greedily(every, number, value)
     gains = np.diff([0.0, *(value(order[: k + 1]) for k in range(len(order)))])
-    return Choice(tuple(order), tuple(float(one) for one in gains), value(order), value(every), False)
+    most = value(every)
+    bound = max((value(some) for some in combinations(every, len(every) - 1)), default=most)
+    bound = most if number == len(every) else bound
+    return Choice(tuple(order), tuple(float(one) for one in gains), value(order), most, bound, False)

@@ -34,6 +34,8 @@ class Readings:
     load: Array | None
     dated: bool
     """Whether its times are dates, and so the calendar's."""
+    when: npt.NDArray[np.int64] | None = None
+    """Of recordings [ns since the epoch]."""
 
 
 def read_readings(path: Path, unit: str) -> Readings:

@@ -17,7 +17,7 @@ from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
 from robophm.transports.notes import Notes
 from robophm.transports.reading import LARGE, Numbers, Reading
 from robophm.transports.recording import STAMP_LIMIT
-from robophm.transports.source import LiveSource, Told
+from robophm.transports.source import Gap, LiveItem, LiveSource, Told
 
 CLOCK_TOPIC = "/clock"
 """Where the time comes from under use_sim_time (wiki.ros.org/Clock, design.ros2.org/articles/clock_and_time)."""
@@ -30,6 +30,9 @@ MOST_WHOLE = 200
 
 TICK = 0.5
 """Seconds between two clock samples, at most."""
+
+TOGETHER = 0.002
+"""Seconds in which what comes is taken together: it takes much less time than one by one."""
 
 _clock_of = attrgetter("clock.sec", "clock.nanosec")
 
@@ -47,7 +50,7 @@ class Hearing:
     """Gives messages their time; puts samples, those of the clock, and whole messages in order. All in one thread."""
 
     def __init__(
-        self, notes: Notes, put: Callable[[Sequence[Sample | Told]], None], whole: Collection[str], *, simulated: bool
+        self, notes: Notes, put: Callable[[Sequence[LiveItem]], None], whole: Collection[str], *, simulated: bool
     ) -> None:
         self.simulated = simulated
         """Receipt is the time of /clock."""
@@ -62,35 +65,41 @@ class Hearing:
         """The latest clock sample."""
         self._latest = 0
 
-    def message(self, reading: Reading, raw: bytes, before: int | None) -> int | None:
-        """A message has come; ``before`` is the number in the sequence of the one before it, as is returned of this."""
-        return self.messages(reading, (raw,), before)
-
     def messages(self, reading: Reading, raws: Sequence[bytes], before: int | None) -> int | None:
-        """Messages of one publisher have come, one after the other."""
-        if self.simulated and reading.topic == CLOCK_TOPIC:
-            for raw in raws:
+        """Messages of one publisher have come, one after the other.
+
+        ``before`` is the number in the sequence of the one before them, as is returned of the last.
+        """
+        topic, whole = reading.topic, reading.topic in self.whole
+        for raw in raws:
+            if self.simulated and topic == CLOCK_TOPIC:
                 with suppress(Exception):  # it is counted below
                     self._set_clock(reading, raw)
-        for numbers in reading.read_all(raws, whole=reading.topic in self.whole):
-            before = self._heard(reading.topic, numbers, before)
+            try:
+                numbers = reading.read(raw, whole=whole)
+            except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
+                self._unreadable(topic)
+            else:
+                before = self._heard(topic, numbers, before)
         return before
 
-    def _heard(self, topic: str, numbers: Numbers | None, before: int | None) -> int | None:
-        if numbers is None:
-            self._notes.add(f"unreadable message on {topic}")
-            if topic in self.whole and (receipt := self._receipt()):
-                self._put([Told(receipt, topic, None)])
-            return before
+    def _unreadable(self, topic: str) -> None:
+        self.missing(topic, "unreadable message")
+        if topic in self.whole and (receipt := self._receipt()):
+            self._put([Told(receipt, topic, None)])
+
+    def _heard(self, topic: str, numbers: Numbers, before: int | None) -> int | None:
         if numbers.sequence is not None and before is not None and numbers.sequence > before + 1:
-            self._notes.add(f"sequence gap on {topic}", numbers.sequence - before - 1)
+            self.missing(topic, "sequence gap", numbers.sequence - before - 1)
         if not (receipt := self._receipt()):
             self._notes.add(f"before the first time of {CLOCK_TOPIC}, dropped {topic}")
             return numbers.sequence
         if receipt < self._latest:
             self._notes.add(f"receipt time goes backwards on {topic}")
         self._latest = receipt
-        count = self.counts.setdefault(topic, Count(0, receipt, receipt))
+        count = self.counts.get(topic)
+        if count is None:
+            count = self.counts[topic] = Count(0, receipt, receipt)
         count.messages += 1
         count.last = receipt
         at = numbers.stamp
@@ -100,13 +109,18 @@ class Hearing:
             at = receipt
         for signal in numbers.absent:
             self._notes.add(f"no element for {signal}")
-        heard: list[Sample | Told] = [Sample(at, signal, value) for signal, value in numbers.values]
+        heard: list[LiveItem] = [Sample(at, signal, value) for signal, value in numbers.values]
         if topic in self.whole:
             if numbers.message is None:
                 self._notes.add(f"message on {topic} longer than {LARGE} bytes")
             heard.append(Told(receipt, topic, numbers.message))
         self._put(heard)
         return numbers.sequence
+
+    def missing(self, topic: str, why: str, count: int = 1) -> None:
+        """Count messages that did not come, or what may have cost some; what is heard has a gap here."""
+        self._notes.add(f"{why} on {topic}", count)
+        self._put([Gap(topic, why)])
 
     def tell(self) -> None:
         """A clock sample: silence is heard too."""
@@ -129,30 +143,61 @@ class Hearing:
 
 
 class Queue:
-    """What waits to be taken, up to a number; what comes beyond it is dropped and counted."""
+    """What waits to be taken, up to a number; what comes beyond it is dropped and counted.
+
+    Threads that wake each other for every sample take longer for that than for the samples: what is put is handed on
+    all at once, when ``hand_on`` says so.
+    """
 
     def __init__(self, notes: Notes, most: int) -> None:
         self._notes = notes
         self._most = most
-        self._waiting: SimpleQueue[Sample | Told | None] = SimpleQueue()
-        self._whole_put = self._whole_taken = 0  # each by one thread alone
+        self._gathered: list[LiveItem] = []
+        self._gaps: set[Gap] = set()
+        """Since there was room last."""
+        self._waiting: SimpleQueue[list[LiveItem] | None] = SimpleQueue()
+        self._put = self._taken = 0  # each by one thread alone
+        self._whole_put = self._whole_taken = 0
         self._over = threading.Event()
+        self._handing = threading.RLock()  # a signal may end it while we are in it
 
-    def put(self, heard: Sequence[Sample | Told]) -> None:
-        """All of one message, or nothing."""
-        whole = sum(isinstance(one, Told) for one in heard)
-        if self._waiting.qsize() + len(heard) > self._most or (
+    def put(self, heard: Sequence[LiveItem]) -> None:
+        """All of one message, or nothing; to be taken once it is handed on."""
+        whole = bool(heard) and isinstance(heard[-1], Told)
+        if self._put - self._taken + len(heard) > self._most or (
             whole and self._whole_put - self._whole_taken >= MOST_WHOLE
         ):
             for one in heard:
-                self._notes.add(f"queue full, dropped {one.signal if isinstance(one, Sample) else one.topic}")
+                self._drop(one)
             return
-        self._whole_put += whole
-        for one in heard:
-            self._waiting.put(one)
+        with self._handing:
+            if self._gaps:
+                self._put += len(self._gaps)
+                self._gathered += sorted(self._gaps)
+                self._gaps.clear()
+            self._put += len(heard)
+            self._whole_put += whole
+            self._gathered += heard
+
+    def _drop(self, one: LiveItem) -> None:
+        if isinstance(one, Gap):
+            self._gaps.add(one)
+            return
+        topic, what = (one.signal.partition(".")[0], one.signal) if isinstance(one, Sample) else (one.topic, one.topic)
+        self._notes.add(f"queue full, dropped {what}")
+        if topic != CLOCK:
+            self._gaps.add(Gap(topic, "queue full"))
+
+    def hand_on(self) -> None:
+        """Let what has been put be taken."""
+        with self._handing:
+            if self._gathered:
+                self._waiting.put(self._gathered)
+                self._gathered = []
 
     def end(self) -> None:
         """Let whoever takes have what is there, and no more."""
+        self.hand_on()
         self._waiting.put(None)
 
     def close(self) -> None:
@@ -160,13 +205,17 @@ class Queue:
         self._over.set()
         self._waiting.put(None)
 
-    def taken(self, close: Callable[[], None]) -> Iterator[Sample | Told]:
+    def taken(self, close: Callable[[], None]) -> Iterator[LiveItem]:
         """Until the end, or the taker has enough, which calls ``close``."""
         try:
-            while (heard := self._waiting.get()) is not None and not self._over.is_set():
-                if isinstance(heard, Told):
-                    self._whole_taken += 1
-                yield heard
+            while (some := self._waiting.get()) is not None:
+                for heard in some:
+                    if self._over.is_set():
+                        return
+                    self._taken += 1
+                    if isinstance(heard, Told):
+                        self._whole_taken += 1
+                    yield heard
         finally:
             if not self._over.is_set():  # otherwise somebody else is closing, which may take longer
                 close()
@@ -186,7 +235,7 @@ class Run:
         self._closing = threading.RLock()  # a signal may close while we are in it
         self._closed = False
 
-    def heard(self) -> Iterator[Sample | Told]:
+    def heard(self) -> Iterator[LiveItem]:
         """Until the end."""
         return self._queue.taken(self.close)
 

@@ -6,9 +6,12 @@
     # signal /ota/battery.voltage
     1709553600000000000 25.9 /ota/battery.voltage
     1709553601000000000 nan clock
+    # gap connection lost on /ota/battery
+    # gap not listening
 
 Every line is time [ns], value as Python's repr, signal. A line without its end was torn by a crash and does
-not count. The signals that the run listened to are named, since one that never spoke is part of the run too.
+not count. The signals that the run listened to are named, since one that never spoke is part of the run too. A gap is
+where a live source did not hear something, or may not have: of a topic, or of all where a later run begins.
 """
 
 from __future__ import annotations
@@ -24,7 +27,11 @@ from robophm.core.signal import CLOCK, Sample, split_signal
 from robophm.transports.source import TextSource, existing
 
 _TITLE = "# robophm journal 1\n"
+_BUFFERED = 1 << 18
+"""Bytes of lines that may wait to go to the operating system: no more is asked of it than is said below."""
+
 _SIGNAL = "# signal "
+_GAP = "# gap "
 
 
 class Journal:
@@ -36,18 +43,20 @@ class Journal:
     Raises SourceError where the file is there and is no journal, or a signal is no signal.
     """
 
-    def __init__(self, path: str | Path, signals: Collection[str] = (), flush_every: int = 100) -> None:
+    def __init__(self, path: str | Path, signals: Collection[str] = (), flush_every: int = 2000) -> None:
         self.path = Path(path)
         self._flush_every = flush_every
         self._unflushed = 0
         self._known = {CLOCK}
         if self.path.exists() and self.path.stat().st_size:
-            self._known |= JournalRecording(self.path).signals
+            before = JournalRecording(self.path)
+            self._known |= before.signals
             _cut_torn_line(self.path)
-            title = ""
+            spoken = any(not line.startswith(b"#") for _, line in before._lines())
+            title = f"{_GAP}not listening\n" if spoken else ""
         else:
             title = _TITLE
-        self._file = self.path.open("a", encoding="utf-8", newline="\n")
+        self._file = self.path.open("a", _BUFFERED, encoding="utf-8", newline="\n")
         self._file.write(title)
         try:
             for signal in sorted(signals):
@@ -76,6 +85,10 @@ class Journal:
         if signal == CLOCK or self._unflushed >= self._flush_every:
             self._file.flush()
             self._unflushed = 0
+
+    def gap(self, topic: str, why: str) -> None:
+        """Say that something of a topic was not heard here, or may not have been."""
+        self._file.write(f"{_GAP}{why} on {topic}\n")
 
     @property
     def position(self) -> int:
@@ -134,6 +147,8 @@ class JournalRecording(TextSource):
                 self.notes["torn last line ignored"] += 1
             elif not line.startswith(b"#"):
                 yield self._sample(number, line)
+            elif line.startswith(_GAP.encode()):
+                self.notes["gap in what was heard"] += 1
 
     def _sample(self, number: int, line: bytes) -> Sample:
         try:

@@ -20,6 +20,10 @@ class TypeRefusedError(PeerError):
     """A type that cannot be read: one without a definition, or without a field that is wanted."""
 
 
+class UnknownTypeError(SourceError):
+    """A type of message that the ROS that is installed here does not know, so that it cannot be published."""
+
+
 class Notes(Counter[str]):
     """Counts that several threads add to; to go through them meanwhile, go through a ``copy()``."""
 

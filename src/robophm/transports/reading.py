@@ -11,6 +11,7 @@ import numpy as np
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND, split_signal
 from robophm.transports.columns.layout import NotCompilableError, compile_fields
+from robophm.transports.columns.single import Single
 from robophm.transports.columns.walk import Program
 from robophm.transports.message_type import HEADER, MessageType, field_getter
 from robophm.transports.notes import TypeRefusedError
@@ -21,10 +22,7 @@ if TYPE_CHECKING:
 LARGE = 1 << 18
 """Bytes of a message, beyond which it is not decoded but walked: a byte can decode to an object of 150."""
 
-MANY = 16
-"""Messages that come together, from which on walking them side by side takes less time than decoding."""
-
-_STAMP = ("header.stamp.sec", "header.stamp.nanosec")
+_SECONDS, _NANOSECONDS = "header.stamp.sec", "header.stamp.nanosec"
 _SEQUENCE = "header.seq"
 _ONLY_IN_CDR = "structure_needs_at_least_one_member"
 
@@ -39,8 +37,8 @@ class Numbers(NamedTuple):
     values: list[tuple[str, float]]
     absent: list[str]
     """Signals whose array has no such element in this message."""
-    message: Any
-    """As rosbags decodes it; None of one that is large."""
+    message: Any = None
+    """As rosbags decodes it, where it is wanted whole; None of one that is large."""
 
 
 class Reading:
@@ -65,17 +63,41 @@ class Reading:
 
     def _compiled(self) -> Program | None:
         fields = [split_signal(signal)[1] for signal, _ in self._getters]
-        fields += _STAMP * bool(self.type.stamp) + (_SEQUENCE,) * self._numbered
-        self._slots = list(dict.fromkeys(fields))
+        fields += [_SECONDS, _NANOSECONDS] * bool(self.type.stamp) + [_SEQUENCE] * self._numbered
+        slots = list(dict.fromkeys(fields))
+        self._places = [(signal, slots.index(field)) for (signal, _), field in zip(self._getters, fields, strict=False)]
+        self._seconds, self._nanoseconds, self._sequence = (
+            slots.index(field) if field in slots else 0 for field in (_SECONDS, _NANOSECONDS, _SEQUENCE)
+        )
+        self._single: Single | None = None
         try:
-            return compile_fields(self.type, tuple(self._slots))
+            program = compile_fields(self.type, tuple(slots))
         except NotCompilableError:
             return None
+        with suppress(NotCompilableError):
+            self._single = Single(program)
+        return program
 
-    def read(self, raw: bytes) -> Numbers:
+    def read(self, raw: bytes, *, whole: bool) -> Numbers:
         """The numbers of one message. Raises whatever the decoder raises where it is not of the type."""
-        if len(raw) > self._longest_decoded:
-            return self._walked(raw)
+        if self._single and not whole and (found := self._single.read(raw)) is not None:
+            return self._numbers(found)
+        return self._walked(raw) if len(raw) > self._longest_decoded else self._decoded(raw)
+
+    def _numbers(self, found: Sequence[float], absent: Collection[int] = ()) -> Numbers:
+        """Of what was found, by slot."""
+        stamp, sequence = 0, None
+        if self.type.stamp:
+            stamp = int(found[self._seconds]) * SECOND + int(found[self._nanoseconds])
+            if self._numbered:
+                sequence = int(found[self._sequence])
+        places, missing = self._places, []
+        if absent:
+            missing = [signal for signal, slot in places if slot in absent]
+            places = [(signal, slot) for signal, slot in places if slot not in absent]
+        return Numbers(stamp, sequence, [(signal, float(found[slot])) for signal, slot in places], missing)
+
+    def _decoded(self, raw: bytes) -> Numbers:
         message = self.type.decode(raw)
         stamp, sequence = 0, None
         if self.type.stamp:
@@ -91,48 +113,14 @@ class Reading:
                 absent.append(signal)
         return Numbers(stamp, sequence, values, absent, message)
 
-    def read_all(self, raws: Sequence[bytes], *, whole: bool) -> list[Numbers | None]:
-        """Of messages that have come together, side by side where that pays; None of one that is not of the type."""
-        numbers: list[Numbers | None] = [None] * len(raws)
-        if len(raws) >= MANY and self._program and not whole and sum(map(len, raws)) <= LARGE:
-            numbers = self._walk(self._program, raws)
-        for index, raw in enumerate(raws):
-            if numbers[index] is None:
-                with suppress(Exception):  # rosbags lets struct, NumPy and memory errors of damaged messages through
-                    numbers[index] = self.read(raw)
-        return numbers
-
     def _walked(self, raw: bytes) -> Numbers:
         if self._program is None:
             raise ValueError("too large for a type of this kind")
-        (numbers,) = self._walk(self._program, [raw])
-        if numbers is None:
+        found = self._program.run(np.frombuffer(raw, np.uint8), np.array([0]), np.array([len(raw)]))
+        if found.doubtful[0]:
             raise ValueError("not as its type says")
-        return numbers
-
-    def _walk(self, program: Program, raws: Sequence[bytes]) -> list[Numbers | None]:
-        lengths = np.array([len(raw) for raw in raws])
-        ends = np.cumsum(lengths)
-        found = program.run(np.frombuffer(b"".join(raws), np.uint8), ends - lengths, ends)
-        columns = {
-            field: (column.tolist(), absent.tolist())
-            for field, column, absent in zip(self._slots, found.values, found.absent, strict=True)
-        }
-        signals = [(signal, *columns[split_signal(signal)[1]]) for signal, _ in self._getters]
-        seconds, nanoseconds = (columns[field][0] for field in _STAMP) if self.type.stamp else ([], [])
-        sequences = columns[_SEQUENCE][0] if self._numbered else None
-        return [
-            None
-            if doubtful
-            else Numbers(
-                seconds[row] * SECOND + nanoseconds[row] if seconds else 0,
-                sequences[row] if sequences else None,
-                [(signal, float(values[row])) for signal, values, absent in signals if not absent[row]],
-                [signal for signal, _, absent in signals if absent[row]],
-                None,
-            )
-            for row, doubtful in enumerate(found.doubtful.tolist())
-        ]
+        absent = [slot for slot, absent in enumerate(found.absent) if absent[0]]
+        return self._numbers([values[0].item() for values in found.values], absent)
 
 
 def _bottomless(definitions: Typesdict) -> bool:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from robophm.core.errors import SourceError
+from robophm.transports.notes import UnknownTypeError
 from robophm.transports.ros2_dds.cyclone import HISTORY, PUBLISHED, Message, Offer
 from robophm.transports.ros2_dds.definition import Definition, dds_name, name_of_dds
 from robophm.transports.ros2_dds.environment import place
@@ -154,7 +155,8 @@ def _message_class(definition: Definition) -> Any:
     try:
         return get_message(name)
     except Exception as error:  # of the import of a package of messages
-        raise SourceError(f"rclpy has no '{name}' ({error}); expected its package in the sourced workspace") from None
+        words = f"rclpy has no '{name}' ({error}); expected its package in the sourced workspace"
+        raise UnknownTypeError(words) from None
 
 
 def _quality(package: Any, *, reliable: bool, latched: bool, depth: int) -> Any:

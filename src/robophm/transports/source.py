@@ -102,12 +102,24 @@ class Told(NamedTuple):
     """As rosbags decodes it; None where it cannot be decoded, or is too long."""
 
 
+class Gap(NamedTuple):
+    """Messages on a topic were not heard, or may not have been, between those before and those behind this."""
+
+    topic: str
+    why: str
+    """As the notes count it: ``connection lost``."""
+
+
+LiveItem = Sample | Told | Gap
+"""What a live source gives."""
+
+
 class LiveSource(SignalSource):
     """What is heard while it happens: endless, until ``close``, which may come from any thread."""
 
     @abstractmethod
-    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | Told]:
-        """Samples of signals, and between them, in the order of their arrival, the messages on other topics.
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
+        """Samples of signals, in the order of their arrival, and between them the messages on other topics, and gaps.
 
         Raises SourceError as ``samples``.
         """

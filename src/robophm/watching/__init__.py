@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import ExitStack
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import SECOND, Sample
+from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import health_now
@@ -16,7 +16,7 @@ from robophm.replaying import REPORT_STEP, Course
 from robophm.stores.store import Progress, Store
 from robophm.transports.journal import Journal
 from robophm.transports.sink import JudgedTask, ReportSink
-from robophm.transports.source import LiveSource, SignalSource, Told
+from robophm.transports.source import Gap, LiveItem, LiveSource, SignalSource, Told
 from robophm.watching.ahead import LookAhead
 from robophm.watching.tasks import LiveTasks
 
@@ -94,6 +94,10 @@ def watch(
                     for tell in (*(sink.judged for sink in sinks), *([on_task] if on_task else [])):
                         tell(judged)
                 continue
+            if isinstance(heard, Gap):
+                if journal:
+                    journal.gap(heard.topic, heard.why)
+                continue
             if behind is not None and heard.time < behind:
                 raise SourceError(
                     f"the ledger of {robot.name} is {(behind - heard.time) / SECOND:,.0f} s ahead of what is heard; "
@@ -109,7 +113,7 @@ def watch(
     return monitor
 
 
-def _listen(source: SignalSource, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | Told]:
+def _listen(source: SignalSource, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
     if isinstance(source, LiveSource):
         return source.listen(signals, topics)
     return iter(source.samples(signals))

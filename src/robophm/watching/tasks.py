@@ -10,6 +10,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.mission import completion
 from robophm.health.prognosis import outlooks
 from robophm.health.report import VIEWS
+from robophm.health.window import Window
 from robophm.judging import completion_as_done, task_as_done, task_as_planned
 from robophm.monitor import Monitor
 from robophm.transports.sink import JudgedTask
@@ -44,7 +45,7 @@ class LiveTasks:
         if now is None:
             return
         copy = ledger.copy()
-        copy.pending = []
+        copy.pending = Window()
         self._past.append((now, copy))
         kept: list[tuple[int, Ledger]] = []
         for (at, then), following in zip(self._past, [*self._past[1:], None], strict=True):

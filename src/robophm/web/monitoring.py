@@ -22,7 +22,7 @@ from robophm.stores.sqlite import SqliteStore
 from robophm.task_history import TaskRecord, judge_on_the_way
 from robophm.transports.journal import Journal
 from robophm.transports.sink import JudgedTask
-from robophm.transports.source import LiveSource, SignalSource, Told, TopicInfo
+from robophm.transports.source import LiveItem, LiveSource, SignalSource, TopicInfo
 from robophm.transports.tasks.listener import known_topics
 from robophm.watching import watch
 from robophm.web.series import Board
@@ -83,9 +83,9 @@ class _Tapped(LiveSource):
     def topics(self) -> list[TopicInfo]:
         return self._source.topics()
 
-    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | Told]:
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
         source = self._source
-        all_heard: Iterator[Sample | Told]
+        all_heard: Iterator[LiveItem]
         all_heard = source.listen(signals, topics) if isinstance(source, LiveSource) else source.samples(signals)
         self.notes = source.notes
         add, run = self._board.add, self._run

@@ -351,6 +351,17 @@ def test_a_chunk_whose_length_lies_is_lost_alone(checksums: bool, numbered: Path
         assert any("lost" in note for note in columns.notes)
 
 
+@pytest.mark.parametrize("opcode", [0, *(n for n in range(1, 20) if n != CHUNK), 128, 255])
+def test_a_chunk_that_says_it_is_something_else_is_lost_alone(opcode: int, numbered: Path) -> None:
+    path = in_chunks(numbered)
+    whole = [float(n) for n in range(100)]
+    columns = read_columns(changed(path, records(path.read_bytes(), CHUNK)[3], bytes([opcode])), [SIGNAL])
+    left = values(list(columns))
+    assert 80 < len(left) < 100
+    assert left[:10] + left[-50:] == whole[:10] + whole[-50:]
+    assert columns.notes
+
+
 def test_definitions_in_chunks_are_better_than_a_damaged_summary(numbered: Path) -> None:
     path = in_chunks(numbered)
     content = path.read_bytes()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import struct
 from functools import partial
 from typing import Any
 
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
 from robophm.transports.columns.layout import NotCompilableError, compile_fields
+from robophm.transports.columns.single import Single
 from robophm.transports.columns.walk import Elements, Numbers, Take
 from robophm.transports.message_type import MessageType, field_getter
 
@@ -72,6 +74,41 @@ def test_all_fields_of_every_type_are_as_rosbags_decodes_them(store: Any, packed
             read = type_.decode(raw)
             for slot, field in enumerate(asked):
                 assert same(found(numbers, slot, row), decoded(type_, field, read)), (field, row)
+        try:
+            single = Single(compile_fields(type_, asked))
+        except NotCompilableError:
+            continue
+        for row, raw in enumerate(raws):
+            alone = single.read(raw)
+            if alone is None:  # the other order of bytes
+                assert raw[:2] == b"\0\0"
+                continue
+            assert all(same(float(alone[slot]), found(numbers, slot, row)) for slot in range(len(asked)))
+
+
+def test_a_message_by_itself() -> None:
+    """By hand: a text, a number that CDR aligns, and bytes too few, too many, or without the text's end."""
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg("string name\nuint8 small\nfloat64 value\nbool on", "a/msg/Named"))
+    for packed in (True, False):
+        single = Single(compile_fields(type_of(store, "a/msg/Named", packed), ("on", "value", "small")))
+        text = b"\x02\0\0\0ab" if packed else b"\0\1\0\0\x03\0\0\0ab\0"
+        # from behind the encapsulation: 7 bytes, the small one the eighth, the double at 8
+        raw = text + b"\x07" + struct.pack("<d?", 2.5, True)
+        assert single.read(raw) == [True, 2.5, 7]
+        assert [single.read(raw[:length]) for length in range(len(raw))] == [None] * len(raw)
+        longest = 0 if packed else 3
+        assert single.read(raw + bytes(longest)) == [True, 2.5, 7]
+        assert single.read(raw + bytes(longest + 1)) is None
+        for length in (0, 1, 200, 0x7FFFFFFF, 0xFFFFFFFF):
+            lied = bytearray(raw)
+            struct.pack_into("<I", lied, 0 if packed else 4, length)
+            assert single.read(bytes(lied)) is None
+
+
+def test_what_is_behind_a_sequence_is_left_to_a_decoder() -> None:
+    with pytest.raises(NotCompilableError):
+        Single(compile_fields(type_of(CDR, "sensor_msgs/msg/JointState"), ("effort[0]",)))
 
 
 def plain(value: Any) -> Any:

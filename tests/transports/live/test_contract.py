@@ -24,8 +24,8 @@ from robophm.core.signal import SECOND
 from robophm.transports.source import LiveSource, Told
 
 from ...conftest import NO_RCLPY
+from ..listener import Heard, within
 from ..ros1.conftest import System
-from ..ros2_dds.conftest import Heard, within
 
 DEFINITION = "float64 level\nown_msgs/Part[] parts\n" + "=" * 80 + "\nMSG: own_msgs/Part\nint16[2] pair\nstring name\n"
 NAMES = {"ros1": "Ros1", "ros2_dds": "Ros2Dds", "ros2_rclpy": "Ros2Rclpy"}

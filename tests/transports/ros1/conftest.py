@@ -6,15 +6,14 @@ import os
 import signal
 import socket
 import subprocess
-import threading
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from robophm.core.signal import Sample
 from robophm.transports.ros1 import Ros1
+
+from ..listener import within
 
 LOOPBACK = "127.0.0.1"
 
@@ -33,14 +32,6 @@ def heard(publisher, number=1):
 def free_port() -> int:
     with socket.create_server((LOOPBACK, 0)) as server:
         return int(server.getsockname()[1])
-
-
-def within(seconds: float, what: Callable[[], object]) -> None:
-    """Wait until it is so; fail where it is not in time."""
-    deadline = time.monotonic() + seconds
-    while not what():
-        assert time.monotonic() < deadline, "did not happen in time"
-        time.sleep(0.02)
 
 
 class System:
@@ -125,24 +116,6 @@ class System:
                 self.stop_master()
             else:
                 self.stop(process)
-
-
-class Heard(threading.Thread):
-    """Takes what a source gives, in a thread of its own."""
-
-    def __init__(self, source: Ros1, *signals: str) -> None:
-        super().__init__(daemon=True)
-        self.samples: list[Sample] = []
-        self.source = source
-        self._iterator = source.samples(signals)
-        self.start()
-
-    def run(self) -> None:
-        for sample in self._iterator:
-            self.samples.append(sample)
-
-    def of(self, name: str) -> list[float]:
-        return [sample.value for sample in list(self.samples) if sample.signal == name]
 
 
 @pytest.fixture

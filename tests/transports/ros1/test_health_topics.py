@@ -23,7 +23,8 @@ from robophm.transports.ros1 import Node, Publisher
 from robophm.transports.ros1.definition import md5_of
 from robophm.transports.sink import JudgedTask
 
-from .conftest import System, within
+from ..listener import within
+from .conftest import System
 
 ROOT = Path(__file__).parents[3] / "ros" / PACKAGE
 T0 = 1_700_000_000 * SECOND

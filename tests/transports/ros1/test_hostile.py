@@ -24,7 +24,8 @@ from robophm.transports.ros1.definition import compiled, known_definition, md5_o
 from robophm.transports.ros1.tcpros import encoded
 from robophm.transports.ros1.xmlrpc import call
 
-from .conftest import LOOPBACK, Heard, System, free_port, within
+from ..listener import Heard, within
+from .conftest import LOOPBACK, System, free_port
 
 Behaviour = Callable[[socket.socket], None]
 

@@ -16,7 +16,8 @@ from robophm.core.signal import SECOND
 from robophm.transports.recording import Recording
 from robophm.transports.ros1 import Ros1
 
-from .conftest import Heard, System, free_port, within
+from ..listener import Heard, within
+from .conftest import System, free_port
 
 
 def test_values_stamps_and_elements_of_nested_arrays_arrive(ros: System, live: Ros1) -> None:

@@ -14,7 +14,8 @@ from robophm.transports.sink import JudgedTask, ReportSink
 from robophm.transports.tasks.listener import topics_of
 from robophm.watching import watch
 
-from .conftest import System, within
+from ..listener import within
+from .conftest import System
 
 ROBOT = parse("""
 schema_version: 1

@@ -15,7 +15,8 @@ from robophm.transports.recording import Recording
 from robophm.transports.ros1 import Node, Publisher, Ros1
 from robophm.transports.ros1.definition import known_definition, md5_of
 
-from .conftest import Heard, System, within
+from ..listener import Heard, within
+from .conftest import System
 
 
 def definition_by_genmsg(ros: System, type_: str) -> tuple[str, str]:

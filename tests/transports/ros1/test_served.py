@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from ...web.conftest import serving
-from .conftest import System, within
+from ..listener import within
+from .conftest import System
 from .test_watching import TALKER
 
 DESIGN = """

@@ -10,7 +10,8 @@ from robophm.core.signal import SECOND
 from robophm.transports.ros1 import Node, Publisher, Ros1
 from robophm.transports.ros1.xmlrpc import call
 
-from .conftest import Heard, System, within
+from ..listener import Heard, within
+from .conftest import System
 
 COUNTING = """
 rospy.init_node("counter")

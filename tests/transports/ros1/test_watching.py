@@ -21,7 +21,8 @@ from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.journal import JournalRecording
 
-from .conftest import System, within
+from ..listener import within
+from .conftest import System
 
 DESIGN = """
 schema_version: 1

@@ -9,15 +9,15 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from robophm.core.signal import Sample
 from robophm.transports.source import LiveSource
+
+from ..listener import within
 
 HERE = Path(__file__).parent
 LOOPBACK = (
@@ -27,35 +27,9 @@ LOOPBACK = (
 TEMPERATURE, FLOAT64 = "sensor_msgs::msg::dds_::Temperature_", "std_msgs::msg::dds_::Float64_"
 
 
-def within(seconds: float, what: Callable[[], object]) -> None:
-    """Wait until it is so; fail where it is not in time."""
-    deadline = time.monotonic() + seconds
-    while not what():
-        assert time.monotonic() < deadline, "did not happen in time"
-        time.sleep(0.01)
-
-
 def published(source: LiveSource, *topics: str) -> None:
     """Wait until a source knows that these are published."""
     within(10, lambda: {*topics} <= {info.topic for info in source.topics()})
-
-
-class Heard(threading.Thread):
-    """Takes what a source gives, in a thread of its own."""
-
-    def __init__(self, source: LiveSource, *signals: str) -> None:
-        super().__init__(daemon=True)
-        self.samples: list[Sample] = []
-        self.source = source
-        self._iterator = source.samples(signals)
-        self.start()
-
-    def run(self) -> None:
-        for sample in self._iterator:
-            self.samples.append(sample)
-
-    def of(self, name: str) -> list[float]:
-        return [sample.value for sample in list(self.samples) if sample.signal == name]
 
 
 class Peer:

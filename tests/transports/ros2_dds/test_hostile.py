@@ -9,7 +9,8 @@ import pytest
 
 from robophm.transports.source import LiveSource
 
-from .conftest import FLOAT64, TEMPERATURE, Heard, Peer, published, within
+from ..listener import Heard, within
+from .conftest import FLOAT64, TEMPERATURE, Peer, published
 
 HEAD = bytes.fromhex("00010000")
 

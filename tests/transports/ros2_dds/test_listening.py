@@ -14,7 +14,8 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.transports.source import LiveSource
 
-from .conftest import FLOAT64, TEMPERATURE, Heard, Peer, published, within
+from ..listener import Heard, within
+from .conftest import FLOAT64, TEMPERATURE, Peer, published
 
 
 def test_values_and_stamps_arrive(peer: Peer, live: LiveSource) -> None:

@@ -7,7 +7,8 @@ import pytest
 from robophm.core.errors import SourceError
 from robophm.transports.ros2_dds import Node, Publisher
 
-from .conftest import FLOAT64, TEMPERATURE, Peer, within
+from ..listener import within
+from .conftest import FLOAT64, TEMPERATURE, Peer
 from .test_listening import graph
 
 pytestmark = pytest.mark.usefixtures("_participant")

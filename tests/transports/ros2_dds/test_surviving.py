@@ -9,7 +9,8 @@ from robophm.core.signal import SECOND
 from robophm.transports.ros2_dds import Ros2Dds
 from robophm.transports.source import LiveSource
 
-from .conftest import FLOAT64, TEMPERATURE, Heard, Peer, published, within
+from ..listener import Heard, within
+from .conftest import FLOAT64, TEMPERATURE, Peer, published
 
 CLOCK = "rosgraph_msgs::msg::dds_::Clock_"
 

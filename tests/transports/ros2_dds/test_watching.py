@@ -19,7 +19,8 @@ from robophm.replaying import replay
 from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
 
-from .conftest import FLOAT64, TEMPERATURE, Peer, within
+from ..listener import within
+from .conftest import FLOAT64, TEMPERATURE, Peer
 
 DESIGN = """
 schema_version: 1

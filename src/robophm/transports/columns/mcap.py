@@ -173,7 +173,7 @@ class McapFile(ChunkedFile):
             elif whole_file and opcode == MESSAGE_INDEX and self.chunks and length >= 2:
                 (channel,) = struct.unpack_from("<H", view, position + 9)
                 self.chunks[-1].indices[channel] = position  # type: ignore[index]
-            elif whole_file and opcode == FOOTER:
+            elif whole_file and opcode == FOOTER and end == size - len(MAGIC):  # elsewhere it is a damaged record
                 return _table(found), size
             position = end
         return _table(found), position

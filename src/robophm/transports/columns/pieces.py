@@ -10,10 +10,12 @@ import bz2
 import mmap
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -197,28 +199,30 @@ class ChunkedFile(MappedFile):
         return min((chunk.first for chunk in self.chunks), default=MOST_TIME)
 
     def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
-        """Chunks in order of time, as many at once as need no unpacking."""
+        """Chunks in order of time, as many at once as need no unpacking; else one, and the next is unpacked beside."""
         some = [
             chunk
             for chunk in sorted(self.chunks, key=lambda chunk: (chunk.first, chunk.offset))
             if chunk.last >= start and chunk.first < end and (chunk.indices is None or chunk.indices.keys() & wanted)
         ]
-        batch: list[Chunk] = []
-        size = 0
-        for chunk in some:
-            size += chunk.size
-            if batch and (size > BATCH or chunk.packed or batch[0].packed):
-                yield Piece(batch[0].first, partial(self._load, batch, wanted))
-                batch, size = [], chunk.size
-            batch.append(chunk)
-        if batch:
-            yield Piece(batch[0].first, partial(self._load, batch, wanted))
+        with ThreadPoolExecutor(1, "unpacking") as beside:
+            ahead: Future[Bytes] | None = None
 
-    def _load(self, chunks: list[Chunk], wanted: Collection[int]) -> list[Messages]:
+            def load(batch: list[Chunk], following: Chunk | None) -> list[Messages]:
+                nonlocal ahead
+                ready = [ahead.result] if ahead else [partial(self.unpacked, chunk) for chunk in batch]
+                ahead = beside.submit(self.unpacked, following) if following and following.packed else None
+                return self._load(zip(batch, ready, strict=True), wanted)
+
+            batches = [*_batches(some)]
+            for batch, following in zip_longest(batches, batches[1:]):
+                yield Piece(batch[0].first, partial(load, batch, following[0] if following else None))
+
+    def _load(self, chunks: Iterable[tuple[Chunk, Callable[[], Bytes]]], wanted: Collection[int]) -> list[Messages]:
         found: dict[int, list[Messages]] = {}
-        for chunk in chunks:
+        for chunk, unpacked in chunks:
             try:
-                content = self.unpacked(chunk)
+                content = unpacked()
             except DamageError as error:
                 self.lost(str(error), chunk.offset)
                 continue
@@ -278,6 +282,20 @@ class ChunkedFile(MappedFile):
     @abstractmethod
     def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
         """The messages in a chunk, found by going from record to record; notes what is lost."""
+
+
+def _batches(chunks: Iterable[Chunk]) -> Iterator[list[Chunk]]:
+    """What is read at once: a chunk that is packed, or some that are not."""
+    batch: list[Chunk] = []
+    size = 0
+    for chunk in chunks:
+        size += chunk.size
+        if batch and (size > BATCH or chunk.packed or batch[0].packed):
+            yield batch
+            batch, size = [], chunk.size
+        batch.append(chunk)
+    if batch:
+        yield batch
 
 
 def distinct(offsets: NDArray[Any], most: int) -> bool:

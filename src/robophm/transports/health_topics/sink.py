@@ -15,6 +15,7 @@ from robophm.transports.health_topics.compose import compose
 from robophm.transports.health_topics.definitions import PACKAGE, typestore
 from robophm.transports.health_topics.names import topics_of
 from robophm.transports.health_topics.outlet import Outlet, Publisher
+from robophm.transports.notes import UnknownTypeError
 from robophm.transports.sink import JudgedTask, ReportSink
 
 MOST_TOPICS = 200
@@ -55,6 +56,8 @@ class HealthTopics(ReportSink):
         self._topics = dict(list(topics_of(paths, f"{self._root}/phm").items())[:MOST_TOPICS])
         self.left_out = len(paths) - len(self._topics)
         """Modules and components that have no topic."""
+        self.unknown: dict[str, str] = {}
+        """Types that this ROS does not know, with why: their topics are not published."""
         with ExitStack() as undo:
             undo.callback(self.close)
             self._open(HAZARD_RATE_NODE, f"{self._root}/phm_hazard_rate", f"{PACKAGE}/msg/HazardRate")
@@ -69,7 +72,12 @@ class HealthTopics(ReportSink):
             undo.pop_all()
 
     def _open(self, node: str, topic: str, type_: str, *, latched: bool = True) -> None:
-        self._publishers[topic] = self._outlet.publisher(f"{self._root}/{node}", topic, type_, latched=latched), type_
+        try:
+            publisher = self._outlet.publisher(f"{self._root}/{node}", topic, type_, latched=latched)
+        except UnknownTypeError as error:
+            self.unknown[type_] = str(error)
+        else:
+            self._publishers[topic] = publisher, type_
 
     def publish(self, report: HealthReport) -> None:
         """Hazard rates and reliabilities, then all else."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 import threading
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
@@ -74,16 +74,16 @@ class Listening:
         self._closed = True
         self._pool.shutdown(cancel_futures=True)
 
-    def message(self, stream: Stream, raw: bytes) -> None:
-        """A message has come."""
-        stream.sequence = self._hearing.message(stream.reading, raw, stream.sequence)
+    def messages(self, stream: Stream, raws: Sequence[bytes]) -> None:
+        """Messages have come."""
+        stream.sequence = self._hearing.messages(stream.reading, raws, stream.sequence)
 
     def ended(self, stream: Stream) -> None:
         """A connection is gone."""
         key = stream.reading.topic, stream.uri
         del self._streams[key]
         if not self._closed:
-            self._notes.add(f"connection lost on {stream.reading.topic}")
+            self._hearing.missing(stream.reading.topic, "connection lost")
             if stream.messages:
                 self._failures.pop(key, None)
             self._failed(key)

@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 
-from robophm.transports.hearing import TICK
+from robophm.transports.hearing import TICK, TOGETHER
 from robophm.transports.notes import Notes
 
 MOST_HELD = 128 << 20
@@ -20,7 +20,9 @@ MOST_HELD = 128 << 20
 MOST_GUESTS = 200
 """Connections that others have made to us, beyond which one more is refused."""
 
-_READ = 1 << 18
+_READ = 1 << 16
+"""Bytes received at once. Memory for more is asked of the operating system for every message, which takes longer than
+all that is done with it."""
 
 
 class Peer:
@@ -83,13 +85,14 @@ class Peer:
         if not data:
             self.close()
             return
+        self.loop.behind |= len(data) == _READ
         before = len(self.received)
         self.received += data
         try:
             self.taken()
         except ValueError:
             self.close()
-        if not self.closed:
+        if not self.closed and len(self.received) != before:
             self.loop.hold(self, len(self.received) - before)
 
     def close(self) -> None:
@@ -115,6 +118,10 @@ class Loop(threading.Thread):
         self.notes = notes
         self.tick = TICK
         self.ticks: list[Callable[[], None]] = []
+        self.behind = False
+        """There is more to receive of somebody than was received at once."""
+        self.served: Callable[[], None] = lambda: None
+        """Called whenever all have been served that had something to say."""
         self.peers: set[Peer] = set()
         self._posted: deque[Callable[[], None]] = deque()
         self._held = 0
@@ -138,8 +145,9 @@ class Loop(threading.Thread):
     def post(self, action: Callable[[], None]) -> None:
         """Do this in the loop, soon; from any thread."""
         self._posted.append(action)
-        with suppress(OSError):  # full: it is awake; closed: nothing is done any more
-            self._mouth.send(b".")
+        if len(self._posted) == 1:  # otherwise it has been woken
+            with suppress(OSError):  # full: it is awake; closed: nothing is done any more
+                self._mouth.send(b".")
 
     def add(self, peer: Peer) -> None:
         """Serve a peer, from within the loop."""
@@ -168,9 +176,14 @@ class Loop(threading.Thread):
 
     def run(self) -> None:
         """Until ``close``."""
-        latest = 0.0
+        latest = awake = 0.0
         while not self._stopped:
-            for key, mask in self._selector.select(self.tick - time.time() % self.tick):
+            if not self.behind and (pause := awake + TOGETHER - time.monotonic()) > 0:
+                time.sleep(pause)
+            self.behind = False
+            ready = self._selector.select(self.tick - time.time() % self.tick)
+            awake = time.monotonic()
+            for key, mask in ready:
                 if isinstance(key.data, Peer):
                     self._serve(key.data, mask)
                 else:
@@ -184,6 +197,7 @@ class Loop(threading.Thread):
                     peer.close()
                 for tick in self.ticks:
                     self._safely(tick)
+            self.served()
         for peer in list(self.peers):
             peer.close()
         self._selector.close()

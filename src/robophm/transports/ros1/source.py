@@ -8,7 +8,6 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import Sample
 from robophm.transports.hearing import QUEUE, TICK, Count, Hearing, Queue, RosSource, Run, by_topic, tick_of
 from robophm.transports.message_type import MessageType, numeric_fields
 from robophm.transports.notes import Notes, PeerError
@@ -19,7 +18,7 @@ from robophm.transports.ros1.master import published_topics, system_state
 from robophm.transports.ros1.node import Node
 from robophm.transports.ros1.tcpros import connect
 from robophm.transports.ros1.xmlrpc import call
-from robophm.transports.source import Told, TopicInfo
+from robophm.transports.source import LiveItem, TopicInfo
 
 START_SECONDS = 8.0
 """Within which what is published when listening begins is connected, or is left for later."""
@@ -83,7 +82,7 @@ class Ros1(RosSource):
             return TopicInfo(topic, name, 0, None, None, fields)
         return TopicInfo(topic, name, count.messages, count.first, count.last, fields)
 
-    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | Told]:
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
         """The samples of these signals in order of arrival, clock samples, and the messages on these topics.
 
         What an earlier call gave ends. Raises SourceError where a signal is none, a topic that is published has no
@@ -98,6 +97,7 @@ class Ros1(RosSource):
         queue = Queue(self.notes, self._queue)
         node = Node(master=self._master, notes=self.notes)
         node.loop.tick = self._tick
+        node.loop.served = queue.hand_on
         node.told_to_end = queue.end
         try:
             simulated = node.ask("getParam", "/use_sim_time") is True

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from robophm.transports.ros1.listening import Listening
 
 
+_LENGTH = struct.Struct("<I")
+
+
 class Stream(Peer):
     """Cuts what a publisher sends into messages and hands them on."""
 
@@ -30,22 +33,24 @@ class Stream(Peer):
 
     def taken(self) -> None:
         """Hand on all messages that are whole."""
-        received = self.received
-        at = 0
-        while len(received) - at >= 4:
-            (length,) = struct.unpack_from("<I", received, at)
-            if length > LONGEST_MESSAGE:
-                self.loop.notes.add(f"message on {self.reading.topic} longer than {LONGEST_MESSAGE} bytes")
-                raise ValueError(f"message of {length} bytes")
-            end = at + 4 + length
-            if end > len(received):
-                break
-            with memoryview(received) as view:
-                raw = bytes(view[at + 4 : end])
-            at = end
-            self.messages += 1
-            self._listening.message(self, raw)
-        del received[:at]
+        received, raws, at = self.received, [], 0
+        with memoryview(received) as view:
+            while len(received) - at >= 4:
+                (length,) = _LENGTH.unpack_from(received, at)
+                if length > LONGEST_MESSAGE:
+                    break
+                end = at + 4 + length
+                if end > len(received):
+                    break
+                raws.append(bytes(view[at + 4 : end]))
+                at = end
+        if raws:
+            self.messages += len(raws)
+            self._listening.messages(self, raws)
+            del received[:at]
+        if len(received) >= 4 and (length := _LENGTH.unpack_from(received)[0]) > LONGEST_MESSAGE:
+            self.loop.notes.add(f"message on {self.reading.topic} longer than {LONGEST_MESSAGE} bytes")
+            raise ValueError(f"message of {length} bytes")
 
     def ended(self) -> None:
         """Have it made again."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 from robophm.core.errors import SourceError
-from robophm.transports.hearing import CLOCK_TOPIC, TICK, Hearing
+from robophm.transports.hearing import CLOCK_TOPIC, TICK, TOGETHER, Hearing
 from robophm.transports.notes import TypeRefusedError
 from robophm.transports.reading import Reading
 from robophm.transports.ros2_dds.cyclone import AT_ONCE, HISTORY, Offer, Reader
@@ -44,6 +44,8 @@ class Listening(threading.Thread):
         super().__init__(name=f"ros2 {node.name}", daemon=True)
         self.mistake: SourceError | None = None
         """The first signal that a topic does not have, or type that cannot be read."""
+        self.served: Callable[[], None] = lambda: None
+        """Called whenever all that has come has been heard."""
         self._node = node
         self._notes = node.notes
         self._hearing = hearing
@@ -73,10 +75,13 @@ class Listening(threading.Thread):
 
     def run(self) -> None:
         """Until ``close``."""
-        latest = 0.0
+        latest = awake = 0.0
         while not self._over.is_set():
             try:
+                if (pause := awake + TOGETHER - time.monotonic()) > 0:
+                    time.sleep(pause)
                 self._waiting.wait(self._every - time.time() % self._every)
+                awake = time.monotonic()
                 if self._discovery.look():
                     self._match()
                 for ear in self._ears.values():
@@ -84,6 +89,7 @@ class Listening(threading.Thread):
                 if (begun := time.time() // self._every) != latest:
                     latest = begun
                     self._tick()
+                self.served()
             except Exception:
                 # a fault of ours must not end the listening; it is counted and logged
                 self._notes.add("internal error")
@@ -116,7 +122,7 @@ class Listening(threading.Thread):
     def _count(self, ear: Ear, number: int | None, *, alone: bool) -> None:
         """Say what is missing before a message, where the transport numbers those of the only publisher."""
         if number is not None and alone and ear.number is not None and number > ear.number + 1:
-            self._notes.add(f"sequence gap on {ear.reading.topic}", number - ear.number - 1)
+            self._hearing.missing(ear.reading.topic, "sequence gap", number - ear.number - 1)
         ear.number = number if alone else None
 
     def _tick(self) -> None:
@@ -124,9 +130,9 @@ class Listening(threading.Thread):
         for ear in self._ears.values():
             topic = ear.reading.topic
             if lost := ear.reader.lost():
-                self._notes.add(f"lost on the way on {topic}", lost)
+                self._hearing.missing(topic, "lost on the way", lost)
             if full := ear.reader.overrun():
-                self._notes.add(f"came too fast, some may be lost on {topic}", full)
+                self._hearing.missing(topic, "came too fast, some may be lost", full)
             if refused := ear.reader.refused():
                 self._notes.add(f"incompatible publisher on {topic}", refused)
         refused_before, self._refused_before = self._refused_before, self._graph.refused()
@@ -160,7 +166,7 @@ class Listening(threading.Thread):
             self._types[topic] = {*now.values()}
             return
         if gone := len(before.keys() - now.keys()):
-            self._notes.add(f"connection lost on {topic}", gone)
+            self._hearing.missing(topic, "connection lost", gone)
         if come := now.keys() - before.keys():
             self._notes.add(f"connected again to {topic}", len(come))
             if changed := len({now[key] for key in come} - self._types[topic]):

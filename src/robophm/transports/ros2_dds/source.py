@@ -8,7 +8,6 @@ from collections.abc import Collection, Iterator
 from typing import ClassVar
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import Sample
 from robophm.transports.hearing import CLOCK_TOPIC, QUEUE, TICK, Hearing, Queue, RosSource, Run, by_topic, tick_of
 from robophm.transports.message_type import numeric_fields
 from robophm.transports.notes import Notes
@@ -16,7 +15,7 @@ from robophm.transports.ros2_dds.cyclone import Offer
 from robophm.transports.ros2_dds.definition import name_of_dds
 from robophm.transports.ros2_dds.listening import Listening, definition_of, told_hash
 from robophm.transports.ros2_dds.node import Node
-from robophm.transports.source import Told, TopicInfo
+from robophm.transports.source import LiveItem, TopicInfo
 
 
 class Ros2(RosSource):
@@ -78,7 +77,7 @@ class Ros2(RosSource):
             self._fields[key] = tuple(numeric_fields(type_.definitions, type_.name))
         return self._fields[key]
 
-    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | Told]:
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
         """The samples of these signals in order of arrival, clock samples, and the messages on these topics.
 
         What an earlier call gave ends. Raises SourceError where a signal is none, or a topic that is published has no
@@ -93,6 +92,7 @@ class Ros2(RosSource):
         hearing = Hearing(self.notes, queue.put, topics, simulated=simulated)
         node = self._node(domain=self._graph.place.domain, notes=self.notes)
         listening = Listening(node, wanted, hearing, self._tick)
+        listening.served = queue.hand_on
         self._run = run = Run(queue, hearing, listening, node)
         if listening.mistake or self._closed:
             run.close()

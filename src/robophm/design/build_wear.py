@@ -1,0 +1,51 @@
+"""From what a design says of a signal of wear to what is read of it."""
+
+from __future__ import annotations
+
+import math
+
+from robophm.core.errors import RobophmError, UnitError
+from robophm.core.signal import SECOND, signal_name
+from robophm.core.units import conversion
+from robophm.design import schema
+from robophm.design.fault import Fault, Path, written
+from robophm.design.robot import Gauge, WearSignal
+
+
+def build_wear(place: Path, said: schema.Wear, quantity: int) -> WearSignal:
+    """The signal of wear of one of ``quantity`` parts. Raises Fault where it is of several, or contradicts itself."""
+    if quantity > 1:
+        raise Fault(
+            place, f"one signal shows the wear of one part, not of {quantity}; expected components of their own"
+        )
+    unit = said.unit
+    if unit is not None:
+        try:
+            conversion(unit, unit)
+        except UnitError as error:
+            raise Fault((*place, "unit"), str(error)) from None
+    in_reading = unit or ""
+    if said.reading == "kurtosis":
+        in_reading = ""
+    elif unit in ("degC", "degF") and (said.ambient or said.reading == "rms"):
+        in_reading = f"delta_{unit}"
+    return WearSignal(
+        _gauge(place, said.topic, said.field, said.range, 0.0),
+        unit,
+        said.reading,
+        round(said.every * SECOND),
+        _beside((*place, "ambient"), said.ambient),
+        _beside((*place, "load"), said.load),
+        written((*place, "threshold"), said.threshold, in_reading),
+    )
+
+
+def _beside(place: Path, said: schema.WearGauge | None) -> Gauge | None:
+    return _gauge(place, said.topic, said.field, said.range, said.max_age) if said else None
+
+
+def _gauge(place: Path, topic: str, field: str, limits: tuple[float, float] | None, max_age: float) -> Gauge:
+    try:
+        return Gauge(signal_name(topic, field), *(limits or (-math.inf, math.inf)), round(max_age * SECOND))
+    except RobophmError as error:
+        raise Fault(place, str(error)) from None

@@ -1,0 +1,36 @@
+"""What the tests of both generations of ROS wait and listen by."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+from robophm.core.signal import Sample
+from robophm.transports.source import LiveSource
+
+
+def within(seconds: float, what: Callable[[], object]) -> None:
+    """Wait until it is so; fail where it is not in time."""
+    deadline = time.monotonic() + seconds
+    while not what():
+        assert time.monotonic() < deadline, "did not happen in time"
+        time.sleep(0.01)
+
+
+class Heard(threading.Thread):
+    """Takes what a source gives, in a thread of its own."""
+
+    def __init__(self, source: LiveSource, *signals: str) -> None:
+        super().__init__(daemon=True)
+        self.samples: list[Sample] = []
+        self.source = source
+        self._iterator = source.samples(signals)
+        self.start()
+
+    def run(self) -> None:
+        for sample in self._iterator:
+            self.samples.append(sample)
+
+    def of(self, name: str) -> list[float]:
+        return [sample.value for sample in list(self.samples) if sample.signal == name]
