@@ -192,8 +192,8 @@ export function NetworkView({ level, place, network, chosen, choose }: Props): R
                   ))}
                 </select>
               )}
-              <button aria-label={`Remove the link ${wordsOf(join)}`} onClick={() => remove(idOf(join))}>
-                Remove
+              <button className="icon" aria-label={`Remove the link ${wordsOf(join)}`} title="Remove" onClick={() => remove(idOf(join))}>
+                ×
               </button>
             </li>
           ))}
