@@ -60,9 +60,9 @@ def columns(part):
 def page():
     sent = [so_far()]
     source = ColumnDataSource(columns(rows[max(0, sent[0] - {round(RATE * WINDOW)}):sent[0]]))
-    plot = figure(width=1100, height=230, x_axis_type="datetime", toolbar_location=None)
+    plot = figure(width=490, height=230, x_axis_type="datetime", toolbar_location=None)
     for name, colour in zip(names, Category20[20]):
-        plot.line("x", name, source=source, color=colour, line_width=2)
+        plot.line("x", name, source=source, color=colour)
     plot.x_range.follow, plot.x_range.follow_interval = "end", {1000 * WINDOW}
     def more():
         now = so_far()
@@ -168,7 +168,7 @@ def look(playwright: Any, address: str, service: int, pages: int = 1) -> tuple[L
     try:
         opened = []
         for _ in range(pages):
-            context = browser.new_context(viewport={"width": 1280, "height": 800})
+            context = browser.new_context(viewport={"width": 1280, "height": 1500})
             first = context.new_page()
             session = context.new_cdp_session(first)
             session.send("Network.enable")

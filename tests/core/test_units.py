@@ -1,5 +1,7 @@
 """Units at the edges: what people write is converted, what they cannot mean is refused in one line, at once."""
 
+import subprocess
+import sys
 import time
 
 import pytest
@@ -146,3 +148,17 @@ def test_a_million_hours_may_be_written_either_way() -> None:
 )
 def test_a_temperature_beside_another_unit_is_a_difference(text, inside, value):
     assert quantity(text, inside) == pytest.approx(value, rel=1e-12)
+
+
+def test_threads_that_begin_at_once_share_their_units():
+    """In a process of its own: units are made when they are first asked for."""
+    code = (
+        "from concurrent.futures import ThreadPoolExecutor; from threading import Barrier\n"
+        "from robophm.core.units import conversion\n"
+        "written, at_once = ['FIT', 'FPMH', '1/day', '/10^6 h'] * 2, Barrier(8)\n"
+        "def convert(unit): at_once.wait(); return conversion(unit, '1/h').scale\n"
+        "print(*ThreadPoolExecutor(8).map(convert, written))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr[-500:]
+    assert [float(scale) for scale in done.stdout.split()] == pytest.approx([1e-9, 1e-6, 1 / 24, 1e-6] * 2, rel=1e-12)

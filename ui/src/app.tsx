@@ -74,7 +74,7 @@ function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () 
         <img src="./icon.svg" alt="" />
         <span>{design?.name ?? "robophm"}</span>
       </div>
-      <span className="quiet small">
+      <span className="quiet small file">
         {design ? (design.saved ? `${design.file}, saved` : `${design.file}, not saved`) : "…"}
       </span>
       <span className="grow" />

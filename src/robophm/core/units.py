@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 from functools import lru_cache
+from threading import Lock
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from robophm.core.errors import UnitError, nearest
@@ -33,8 +34,16 @@ class Conversion(NamedTuple):
     offset: float
 
 
-@lru_cache(maxsize=1)
 def _registry() -> UnitRegistry[Any]:
+    with _MAKING:  # units of two registries cannot be compared, so that threads must share one
+        return _made()
+
+
+_MAKING = Lock()
+
+
+@lru_cache(maxsize=1)
+def _made() -> UnitRegistry[Any]:
     import pint
 
     registry: UnitRegistry[Any] = pint.UnitRegistry(autoconvert_offset_to_baseunit=True, cache_folder=None)

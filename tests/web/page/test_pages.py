@@ -19,6 +19,12 @@ EMPTY = {
 }  # fmt: skip
 
 
+BEYOND = """() => [...document.querySelectorAll("main *, header *")]
+  .filter((one) => one.getBoundingClientRect().right > innerWidth + 1 && !one.closest(".scroll, .react-flow, .hidden"))
+  .map((one) => one.outerHTML.slice(0, 150))"""
+"""What reaches beyond the right edge, and in nothing that scrolls."""
+
+
 @pytest.fixture(scope="module")
 def ota(tmp_path_factory):
     design = tmp_path_factory.mktemp("ota") / "robot.yaml"
@@ -68,6 +74,18 @@ def test_every_page_in_the_dark(ota, visit):
     look = visit(ota, color_scheme="dark")
     for name in ("overview", "design", "live", "tasks"):
         look.open(name).get_by_text(SAYS[name]).first.wait_for()
+        assert look.serious() == [], name
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("size", [(1024, 768), (768, 1024)])
+def test_no_page_is_wider_than_a_tablet(ota, visit, size):
+    look = visit(ota, has_touch=True)
+    look.page.set_viewport_size({"width": size[0], "height": size[1]})
+    for name in PAGES:
+        page = look.open(name)
+        page.get_by_text(SAYS[name]).first.wait_for()
+        assert page.evaluate(BEYOND) == [], name
         assert look.serious() == [], name
 
 

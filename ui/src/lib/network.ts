@@ -149,12 +149,13 @@ function leaves({ x, y }: Point, to: Point): Point {
 export function course(start: Point, end: Point, others: Point[], twin: number): { path: string; middle: Point } {
   const [dx, dy] = [end.x - start.x, end.y - start.y];
   const length = Math.hypot(dx, dy) || 1;
-  const inTheWay = others.some((other) => {
+  const offsets = others.flatMap((other) => {
     const along = ((other.x - start.x) * dx + (other.y - start.y) * dy) / length ** 2;
-    const off = Math.abs((other.x - start.x) * dy - (other.y - start.y) * dx) / length;
-    return along > 0.05 && along < 0.95 && off < HIGH;
+    const off = ((other.x - start.x) * dy - (other.y - start.y) * dx) / length; // how far to the side of the turn
+    return along > 0.05 && along < 0.95 && Math.abs(off) < HIGH ? [off] : [];
   });
-  const bend = (inTheWay ? 110 : 0) + 50 * twin;
+  const away = offsets.reduce((sum, off) => sum + off, 0) > 0 ? -1 : 1;
+  const bend = away * ((offsets.length ? 110 : 0) + 50 * twin);
   const turn = { x: (start.x + end.x) / 2 + (dy / length) * bend, y: (start.y + end.y) / 2 - (dx / length) * bend };
   const [from, to] = [leaves(start, turn), leaves(end, turn)];
   return {

@@ -30,18 +30,13 @@ export function Live(): ReactNode {
   );
   const version = useLive(names, seconds);
   const frozen = useRef(version);
+  const kept = useRef<Kept>(new Map());
   if (!paused) frozen.current = version;
 
   const shown = useMemo(() => {
     const newest = Math.max(...names.map((name) => live.points(name)?.times.at(-1) ?? -Infinity));
     const from = newest - seconds;
-    const clip = (name: string, scale = 1): Pick<Curve, "x" | "y"> => {
-      const points = live.points(name);
-      if (!points) return { x: [], y: [] };
-      let first = 0;
-      while (first < points.times.length && points.times[first]! < from) first += 1;
-      return { x: points.times.slice(first), y: points.values.slice(first).map((one) => (Number.isFinite(one) ? one * scale : null)) };
-    };
+    const clip = (name: string, scale = 1): Pick<Curve, "x" | "y"> => clipped(kept.current, name, from, scale);
     const both = (name: string, scale = 1): Curve[] =>
       VIEWS.map(([view, words], i) => ({ name: words, ...clip(`${name}.${view}:${path}`, scale), dashed: i === 1, color: i }));
     return { clip, both };
@@ -57,8 +52,7 @@ export function Live(): ReactNode {
     for (const one of health?.sensors ?? []) {
       const key = one.unit ?? "";
       const group = found.get(key) ?? { unit: key, curves: [], gaps: [] };
-      const points = shown.clip(one.signal);
-      const broken = withGaps(points.x, points.y, one.max_age ?? Infinity);
+      const broken = withGaps(shown.clip(one.signal), one.max_age ?? Infinity);
       group.curves.push({ name: one.signal, x: broken.x, y: broken.y });
       group.gaps.push(...broken.gaps);
       found.set(key, group);
@@ -118,18 +112,38 @@ export function Live(): ReactNode {
   );
 }
 
-/** A line is not drawn across a silence; where that lasted longer than the value holds, it is shaded. */
-function withGaps(x: number[], y: (number | null)[], holds: number): { x: number[]; y: (number | null)[]; gaps: [number, number][] } {
-  const gaps: [number, number][] = [];
-  const found: { x: number[]; y: (number | null)[] } = { x: [], y: [] };
-  for (let i = 0; i < x.length; i++) {
-    if (i && x[i]! - x[i - 1]! > holds) {
-      gaps.push([x[i - 1]! + holds, x[i]!]);
-      found.x.push((x[i]! + x[i - 1]!) / 2);
-      found.y.push(null);
-    }
-    found.x.push(x[i]!);
-    found.y.push(y[i] ?? null);
+type Kept = Map<string, { first: number; length: number; last: number; scale: number; curve: Pick<Curve, "x" | "y"> }>;
+
+/** The points of a series from a time on; the very same arrays as long as they are the same points. */
+function clipped(kept: Kept, name: string, from: number, scale: number): Pick<Curve, "x" | "y"> {
+  const points = live.points(name);
+  if (!points?.times.length) return { x: [], y: [] };
+  const { times, values } = points;
+  let [first, beyond] = [0, times.length];
+  while (first < beyond) {
+    const middle = (first + beyond) >> 1;
+    if (times[middle]! < from) first = middle + 1;
+    else beyond = middle;
   }
-  return { ...found, gaps };
+  const now = { first, length: times.length, last: times[times.length - 1]!, scale };
+  const old = kept.get(name);
+  if (old && old.first === now.first && old.length === now.length && old.last === now.last && old.scale === scale) return old.curve;
+  const y: (number | null)[] = values.slice(first);
+  for (let i = 0; i < y.length; i++) y[i] = Number.isFinite(y[i]) ? y[i]! * scale : null;
+  const curve = { x: times.slice(first), y };
+  kept.set(name, { ...now, curve });
+  return curve;
+}
+
+/** A line is not drawn across a silence; where that lasted longer than the value holds, it is shaded. */
+function withGaps({ x, y }: Pick<Curve, "x" | "y">, holds: number): Pick<Curve, "x" | "y"> & { gaps: [number, number][] } {
+  const silences: number[] = [];
+  for (let i = 1; i < x.length; i++) if (x[i]! - x[i - 1]! > holds) silences.push(i);
+  if (!silences.length) return { x, y, gaps: [] };
+  const [times, values] = [[...x], [...y]];
+  for (const i of [...silences].reverse()) {
+    times.splice(i, 0, (x[i]! + x[i - 1]!) / 2);
+    values.splice(i, 0, null);
+  }
+  return { x: times, y: values, gaps: silences.map((i): [number, number] => [x[i - 1]! + holds, x[i]!]) };
 }

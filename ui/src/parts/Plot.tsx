@@ -1,5 +1,5 @@
 // Every plot over time or hours is drawn here, by uPlot.
-import { type ReactNode, useEffect, useRef, useState } from "react";
+import { type ReactNode, type RefObject, useEffect, useMemo, useRef, useState } from "react";
 import uPlot, { type AlignedData } from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { csvOf, offer, svgOf } from "../lib/exports";
@@ -31,6 +31,7 @@ export interface PlotProps {
 }
 
 const DASH = [6, 4];
+const MANY = 6; // curves that are drawn thick
 
 function css(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -55,8 +56,11 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
   const { theme } = useShared(preferences);
   const [zoomed, setZoomed] = useState(false);
   const held = useRef(false);
-  const shape = curves.map((one) => `${one.name}|${one.dashed}|${one.color}`).join("\n");
+  const drawn = useRef<Curve[]>([]);
+  const words = useRef({ text: "", at: 0, of: "" });
   const some = curves.some((one) => one.x.length);
+  const seen = useSeen(box, some);
+  const shape = curves.map((one) => `${one.name}|${one.dashed}|${one.color}`).join("\n");
 
   useEffect(() => {
     const host = box.current;
@@ -79,7 +83,7 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
           ...curves.map((one, i) => ({
             label: one.name,
             stroke: css(`--c${(one.color ?? i) % 6}`),
-            width: 2,
+            width: curves.length > MANY ? 1 : 2,
             dash: one.dashed ? DASH : undefined,
             points: { show: one.x.length < 2 },
           })),
@@ -98,6 +102,7 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
       host,
     );
     plot.current = made;
+    drawn.current = curves;
     const observer = new ResizeObserver(() => made.setSize({ width: Math.max(host.clientWidth, 120), height }));
     observer.observe(host);
     return () => {
@@ -111,11 +116,17 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
 
   useEffect(() => {
     const now = plot.current;
-    if (!now) return;
-    const { min, max } = now.scales.x ?? {};
-    now.setData(joined(curves, log), !held.current);
-    if (held.current && min != null && max != null) now.setScale("x", { min, max });
-  }, [curves, log]);
+    const before = drawn.current;
+    const same = before.length === curves.length && curves.every((one, i) => one.x === before[i]!.x && one.y === before[i]!.y);
+    if (!now || !seen || same) return;
+    inTurn(box, () => {
+      if (now !== plot.current) return;
+      drawn.current = curves;
+      const { min, max } = now.scales.x ?? {};
+      now.setData(joined(curves, log), !held.current);
+      if (held.current && min != null && max != null) now.setScale("x", { min, max });
+    });
+  }, [curves, log, seen]);
 
   const reset = (): void => {
     held.current = false;
@@ -132,24 +143,19 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
     });
   };
 
-  const last = curves.map((one) => `${one.name} ${numberText(one.y.at(-1), 5)}`).join(", ");
-  const words = some ? `${title}, ${yLabel} over ${xLabel}. Latest: ${last}.` : `${title}: ${empty ?? "no data yet"}`;
+  const key = `${shape} ${some} ${yLabel}`;
+  if (key !== words.current.of || performance.now() - words.current.at > 1000) {
+    const last = curves.map((one) => `${one.name} ${numberText(one.y.at(-1), 5)}`).join(", ");
+    words.current = { text: some ? `${title}, ${yLabel} over ${xLabel}. Latest: ${last}.` : `${title}: ${empty ?? "no data yet"}`, at: performance.now(), of: key };
+  }
+  const legend = useMemo(() => <Legend curves={curves} />, [shape]); // eslint-disable-line react-hooks/exhaustive-deps
   return (
     <section className="plot card" aria-label={title}>
       <h3>
         {title} <span className="quiet small">{yLabel}</span>
       </h3>
-      <div className="legend" aria-hidden="true">
-        {curves.map((one, i) => (
-          <span key={one.name}>
-            <svg viewBox="0 0 26 8">
-              <path d="M0 4h26" stroke={`var(--c${(one.color ?? i) % 6})`} strokeWidth="2.5" strokeDasharray={one.dashed ? "6 4" : undefined} />
-            </svg>
-            {one.name}
-          </span>
-        ))}
-      </div>
-      {some ? <div ref={box} role="img" aria-label={words} /> : <p className="quiet">{empty ?? "No data yet."}</p>}
+      {legend}
+      {some ? <div ref={box} role="img" aria-label={words.current.text} /> : <p className="quiet">{empty ?? "No data yet."}</p>}
       {children}
       <div className="tools">
         <span className="small quiet grow">{xLabel}</span>
@@ -170,6 +176,50 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
       </div>
     </section>
   );
+}
+
+function Legend({ curves }: { curves: Curve[] }): ReactNode {
+  return (
+    <div className="legend" aria-hidden="true">
+      {curves.map((one, i) => (
+        <span key={one.name}>
+          <svg viewBox="0 0 26 8">
+            <path d="M0 4h26" stroke={`var(--c${(one.color ?? i) % 6})`} strokeWidth="2.5" strokeDasharray={one.dashed ? "6 4" : undefined} />
+          </svg>
+          {one.name}
+        </span>
+      ))}
+    </div>
+  );
+}
+
+/** Whether something can be seen: what cannot is not drawn. */
+function useSeen(box: RefObject<HTMLElement | null>, there: boolean): boolean {
+  const [seen, setSeen] = useState(true);
+  useEffect(() => {
+    const host = box.current;
+    if (!host) return;
+    const observer = new IntersectionObserver(([entry]) => setSeen(entry?.isIntersecting ?? true), { rootMargin: "100px" });
+    observer.observe(host);
+    return () => observer.disconnect();
+  }, [box, there]);
+  return seen;
+}
+
+const waiting = new Map<object, () => void>();
+
+/** One plot a frame, so that no frame takes long; what has come meanwhile is drawn in the place of what waits. */
+function inTurn(plot: object, draw: () => void): void {
+  if (!waiting.size) requestAnimationFrame(next);
+  waiting.set(plot, draw);
+}
+
+function next(): void {
+  const [first] = waiting;
+  if (!first) return;
+  waiting.delete(first[0]);
+  if (waiting.size) requestAnimationFrame(next);
+  first[1]();
 }
 
 /** A range around the data, never of no width: 0.9999 must not look like an empty plot. */

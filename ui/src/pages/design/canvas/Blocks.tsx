@@ -119,7 +119,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
     if (!drawing) return [];
     const common = { draggable: false, connectable: false, deletable: false };
     const found: Node[] = [
-      { ...common, id: "wires", type: "wires", position: { x: 0, y: 0 }, data: { drawing }, selectable: false, focusable: false, zIndex: 0, style: { pointerEvents: "none" } },
+      { ...common, id: "wires", type: "wires", position: { x: 0, y: 0 }, width: drawing.width, height: drawing.height, data: { drawing }, selectable: false, focusable: false, zIndex: 0, style: { pointerEvents: "none" } },
     ];
     drawing.boxes.forEach((box, i) =>
       found.push({
@@ -127,6 +127,8 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
         id: `box ${i}`,
         type: "box",
         position: { x: box.x, y: box.y },
+        width: box.width,
+        height: box.height,
         data: { box, chosen: !!box.part && chosen.includes(stem(box.part)), open, mark: "" },
         draggable: !!box.part && !whole && levelOf(stem(box.part)) === level,
         selectable: !!box.part,
@@ -136,7 +138,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
       }),
     );
     drawing.gates.forEach((gate, i) =>
-      found.push({ ...common, id: `gate ${i}`, type: "gate", position: { x: gate.x, y: gate.y - GATE / 2 }, data: { gate, mark: "" }, selectable: false, focusable: false, zIndex: 1 }),
+      found.push({ ...common, id: `gate ${i}`, type: "gate", position: { x: gate.x, y: gate.y - GATE / 2 }, width: gate.width, height: GATE, data: { gate, mark: "" }, selectable: false, focusable: false, zIndex: 1 }),
     );
     return found;
   }, [drawing, chosen, open, level, whole]);
@@ -226,7 +228,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
         {drag ? (
           <strong aria-live="polite">{drag.target ? `Drop it here: ${drag.target.words}` : "Drop it here: nothing changes"}</strong>
         ) : (
-          <span>▲ single point of failure. Double-click a module to open it; drag a box to move it (M); Shift+drag or Ctrl+click chooses several.</span>
+          <span className="hint-line">▲ single point of failure. Double-click a module to open it; drag a box to move it (M); Shift+drag or Ctrl+click chooses several.</span>
         )}
         {!drag && drawing?.notes.map((note) => <span key={note}>{note}</span>)}
       </div>

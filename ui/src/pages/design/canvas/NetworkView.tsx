@@ -164,7 +164,7 @@ export function NetworkView({ level, place, network, chosen, choose }: Props): R
       <div className="below small">
         <button onClick={() => setDialog("link")}>Add a link…</button>
         <button onClick={() => setDialog("node")}>Add a node…</button>
-        <span className="quiet">Drag from a dot to another node: a link. It works while a path of working parts leads from {network.from} to {network.to}.</span>
+        <span className="quiet hint-line">Drag from a dot to another node: a link. It works while a path of working parts leads from {network.from} to {network.to}.</span>
       </div>
       <details className="links small" open={!!link || undefined}>
         <summary>
@@ -192,8 +192,8 @@ export function NetworkView({ level, place, network, chosen, choose }: Props): R
                   ))}
                 </select>
               )}
-              <button aria-label={`Remove the link ${wordsOf(join)}`} onClick={() => remove(idOf(join))}>
-                Remove
+              <button className="icon" aria-label={`Remove the link ${wordsOf(join)}`} title="Remove" onClick={() => remove(idOf(join))}>
+                ×
               </button>
             </li>
           ))}
