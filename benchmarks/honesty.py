@@ -11,13 +11,14 @@ import os
 import secrets
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from robophm.calibration.fleet import CONTROLS, OURS, predict_fleet
 from robophm.calibration.score import Calibration, score
+from robophm.calibration.tasks import found_out
 from robophm.cli.calibrate import print_calibration
 from robophm.cli.output import console
 from robophm.simulation.fleet import simulate
@@ -29,11 +30,11 @@ COVERAGE = 0.015
 """How far the share of lives in an interval may be from what it should be."""
 
 FOUND_OUT = 1e-6
-"""A control's p-value, at most."""
+"""A control's p-value beside ours, at most."""
 
 
-def faults(calibration: Calibration) -> list[str]:
-    """What is not as honest predictions, and tests that see, would have it."""
+def faults(calibration: Calibration, controls: Mapping[str, float]) -> list[str]:
+    """What is not as honest predictions, and tests that see, would have it; of controls their p-values."""
     models = {one.model: one for one in calibration.models}
     ours = models["robophm"]
     assert ours.tasks
@@ -54,11 +55,11 @@ def faults(calibration: Calibration) -> list[str]:
         for one in ours.lives.coverage
         if abs(one.share - one.level) > COVERAGE
     ]
-    for name in CONTROLS:
-        control = models[name].tasks
-        assert control
-        if not control.p_value < FOUND_OUT:
-            found.append(f"{name} was not found out: p = {control.p_value:.2g}; expected < {FOUND_OUT:g}")
+    found += [
+        f"{name} was not found out: p = {p_value:.2g}; expected < {FOUND_OUT:g}"
+        for name, p_value in controls.items()
+        if not p_value < FOUND_OUT
+    ]
     return found
 
 
@@ -108,7 +109,10 @@ def main() -> int:
     out.print(f"\nPIT: {bars}; 99 % band {lives.band[0]:,} … {lives.band[1]:,}", highlight=False)
     for one in lives.coverage:
         out.print(f"{one.level:.0%} interval: {one.share:.2%} ({one.low:.2%} … {one.high:.2%})", highlight=False)
-    wrong = faults(calibration)
+    controls = {name: found_out(predictions.tasks[name], predictions.tasks["robophm"]) for name in CONTROLS}
+    told = ", ".join(f"{name} p = {p_value:.2g}" for name, p_value in controls.items())
+    out.print(f"\nby the ratio of likelihoods to ours: {told}", highlight=False)
+    wrong = faults(calibration, controls)
     out.print("\n".join(["", *wrong]) if wrong else "\nhonest", style="bold red" if wrong else "green", markup=False)
     return 1 if wrong else 0
 

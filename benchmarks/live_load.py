@@ -7,6 +7,7 @@ misses. Over DDS sender and watcher are alone, as rclpy is on no package index.
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import resource
@@ -17,7 +18,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
@@ -59,16 +60,15 @@ def send(ros: str, seconds: float) -> None:
             time.sleep(0.05)
         send_to = _sender1(node, publishers) if ros == "1" else _sender2(publishers)
         print("begun", flush=True)
-        begun, number, slowest = time.monotonic(), 0, 0.0
+        begun, number = time.monotonic(), 0
         per_step = round(RATE * STEP)
-        while (now := time.monotonic()) - begun < seconds:
+        while time.monotonic() - begun < seconds:
             stamp = time.time_ns()
             for _ in range(per_step):
                 topic, count = number % TOPICS, number // TOPICS
                 send_to(topic, count, *divmod(stamp, 1_000_000_000), 20 + count % 1000 / 100)
                 number += 1
-            slowest = max(slowest, time.monotonic() - now)
-            time.sleep(max(0.0, now + STEP - time.monotonic()))
+            time.sleep(max(0.0, begun + number / RATE - time.monotonic()))
         time.sleep(1)
         dropped = sum(count for what, count in node.notes.items() if what.startswith("slow subscriber"))
         print(json.dumps({"sent": number, "dropped": dropped}), flush=True)
@@ -111,13 +111,30 @@ def design() -> str:
 
 def listen(ros: str, seconds: float, journal: str) -> None:
     """The watcher, in this process: what it took, and how late it integrated and reported."""
+    from robophm.core.signal import CLOCK, Sample
     from robophm.design.file import parse
     from robophm.health.report import HealthReport
     from robophm.monitor import Monitor
     from robophm.transports.journal import Journal
     from robophm.transports.live import open_live
     from robophm.transports.sink import JudgedTask, ReportSink
+    from robophm.transports.source import LiveItem, LiveSource, TopicInfo
     from robophm.watching import watch
+
+    class Tapped(LiveSource):
+        """How late the clock's samples are where they are taken, for a tick begins with one."""
+
+        def __init__(self, source: LiveSource) -> None:
+            self.source, self.notes, self.late = source, source.notes, list[float]()
+
+        def topics(self) -> list[TopicInfo]:
+            return self.source.topics()
+
+        def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
+            for heard in self.source.listen(signals, topics):
+                if isinstance(heard, Sample) and heard.signal == CLOCK:
+                    self.late.append(time.time() % (PERIOD / 2))
+                yield heard
 
     class Clock(ReportSink):
         def __init__(self) -> None:
@@ -142,14 +159,17 @@ def listen(ros: str, seconds: float, journal: str) -> None:
         def judged(self, task: JudgedTask) -> None: ...
 
     robot, clock = parse(design()), Clock()
+    gc.collect()
+    gc.freeze()  # as the command does
     with open_live(ros, period=PERIOD).source as source, Journal(journal, robot.signals) as kept:
         threading.Timer(seconds, source.stop).start()
-        begun = resource.getrusage(resource.RUSAGE_SELF)
-        watch(robot, source, journal=kept, period=PERIOD, sinks=[clock], on_start=clock.start)
+        begun, tapped = resource.getrusage(resource.RUSAGE_SELF), Tapped(source)
+        watch(robot, tapped, journal=kept, period=PERIOD, sinks=[clock], on_start=clock.start)
         ended = resource.getrusage(resource.RUSAGE_SELF)
         print(json.dumps({
             "cpu": ended.ru_utime + ended.ru_stime - begun.ru_utime - begun.ru_stime,
-            "aged": clock.aged, "late": clock.late, "memory": clock.memory, "notes": dict(source.notes),
+            "begun": tapped.late, "aged": clock.aged, "late": clock.late, "memory": clock.memory,
+            "notes": dict(source.notes),
         }))  # fmt: skip
 
 
@@ -212,7 +232,8 @@ def run(ros: str, seconds: float) -> dict[str, Any]:
         "messages a second": sent["sent"] / seconds,
         "CPU a message [µs]": found["cpu"] / heard * 1e6, **peer,
         "ticks": len(found["aged"]), "of which without a report": len(found["aged"]) - len(found["late"]),
-        "lateness of a tick, p50, p99, worst [ms]": _late(found["aged"]),
+        "lateness of the clock where a tick begins, p50, p99, worst [ms]": _late(found["begun"]),
+        "lateness of a tick's end, p50, p99, worst [ms]": _late(found["aged"]),
         "lateness of its report, p50, p99, worst [ms]": _late(found["late"]),
         "memory after 10 s and at the end [MiB]": [round(found["memory"][min(10, len(found["memory"]) - 1)]),
                                                    round(found["memory"][-1])],

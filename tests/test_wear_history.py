@@ -142,7 +142,7 @@ def test_an_ambient_is_taken_off_as_it_was_last_heard(drives, history):
     for time, air, bearing in zip(drives.time.tolist(), drives.air.tolist(), drives.bearing.tolist(), strict=True):
         if time // SECOND % 5 == 0 and -40 <= air <= 60:
             last = time, air
-        is_known = last is not None and time - last[0] <= 10 * SECOND
+        is_known = last is not None and time - last[0] < 10 * SECOND
         known.append(is_known)
         above.append(bearing - last[1] if is_known else math.nan)
     found = drives.by_stretch(np.array(above), known)

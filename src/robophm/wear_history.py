@@ -82,7 +82,7 @@ def wear_history(
     for drive in drives:
         before: Array | None = looks[-1][1] if looks else np.zeros(len(index))
         with drive.open() as source:
-            ordered = _InOrder({signal for one in reducers for signal in one.signals})
+            ordered = _InOrder({signal for one in reducers for signal in one.signals}, notes)
             for block in _lived(source, drive, monitor):
                 times = [int(heard.times.min()) for heard in block.values() if len(heard.times)]
                 if before is not None and times:
@@ -102,7 +102,7 @@ def wear_history(
             rows, at = on_a_clock(reduced, [(when, float(ages[k])) for when, ages in looks], said)
             found[mode.path] = Readings(at, reduced.values[rows], None, dated=False, when=reduced.times[rows])
         notes.update({f"{mode.path}: {what}": count for what, count in said.items()})
-    return WearHistory(found, monitor, notes)
+    return WearHistory(found, monitor, notes + monitor.ledger.counts)
 
 
 def _lived(source: SignalSource, drive: Drive, monitor: Monitor) -> Iterator[Mapping[str, Heard]]:
@@ -138,9 +138,11 @@ def _block(gathered: Mapping[str, Sequence[tuple[int, int, float]]]) -> dict[str
 
 
 class _InOrder:
-    """Samples in order of their own time, which is at most STAMP_LIMIT before they arrived."""
+    """Samples in order of their own time, which is at most STAMP_LIMIT before they arrived; later ones do not count."""
 
-    def __init__(self, signals: set[str]) -> None:
+    def __init__(self, signals: set[str], notes: Counter[str]) -> None:
+        self._notes = notes
+        self._complete = np.iinfo(np.int64).min
         self._waiting: dict[str, list[tuple[Times, Array]]] = {signal: [] for signal in signals}
 
     def feed(self, block: Mapping[str, Heard]) -> Iterator[dict[str, tuple[Times, Array]]]:
@@ -152,7 +154,10 @@ class _InOrder:
         ready = {}
         for signal, parts in self._waiting.items():
             if signal in block:
-                parts.append((block[signal].times, block[signal].values))
+                heard = block[signal].rows(block[signal].times >= self._complete)
+                if late := len(block[signal].times) - len(heard.times):
+                    self._notes[f"too late, not counted: {signal}"] += late
+                parts.append((heard.times, heard.values))
             if not parts:
                 continue
             times, values = (np.concatenate(one) for one in zip(*parts, strict=True))
@@ -161,4 +166,5 @@ class _InOrder:
             count = int(np.searchsorted(times, until))
             ready[signal] = times[:count], values[:count]
             parts[:] = [(times[count:], values[count:])]
+        self._complete = max(self._complete, until)
         yield ready

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from robophm.calibration.predictions import Tasks
-from robophm.calibration.tasks import LEVEL, MOST_BINS, score_tasks
+from robophm.calibration.tasks import LEVEL, MOST_BINS, found_out, score_tasks
 from robophm.calibration.verdict import judge_tasks
+from robophm.core.errors import ModelError
 
 
 def tasks(failure, failed):
@@ -194,3 +195,50 @@ def test_a_single_task():
     assert score.p_value == pytest.approx(1)  # thrice 2 · 0.3
     assert judge_tasks(score).finding == "too little data"
     assert replace(score, expected=0.0).ratio == np.inf
+
+
+# One model beside another
+
+
+def test_a_right_model_is_found_out_as_rarely_as_said():
+    """Against any alternative p-values are uniform: of 2,000 draws 5 % lie below 0.05, and 1 % below 0.01."""
+    rng = np.random.default_rng(8)
+    p = risks(rng, 2000)
+    other = np.clip(p * np.exp(rng.normal(0, 0.5, p.size)), 0, 0.9)
+    values = []
+    for _ in range(2000):
+        failed = rng.random(p.size) < p
+        values.append(found_out(tasks(p, failed), tasks(other, failed)))
+    assert np.mean(np.array(values) < 0.05) == pytest.approx(0.05, abs=0.02)
+    assert np.mean(np.array(values) < 0.01) == pytest.approx(0.01, abs=0.008)
+
+
+def test_no_test_finds_more():
+    """Brute force: of five tasks, the outcomes of least p-value are those of the lemma of Neyman and Pearson."""
+    p, other = np.array([0.1, 0.3, 0.05, 0.5, 0.2]), np.array([0.2, 0.25, 0.3, 0.6, 0.2])
+    outcomes = [np.array([n >> i & 1 for i in range(5)], dtype=bool) for n in range(32)]
+
+    def likelihood(model, failed):
+        return np.prod(np.where(failed, model, 1 - model))
+
+    ratios = [likelihood(other, failed) / likelihood(p, failed) for failed in outcomes]
+    values = [found_out(tasks(p, failed), tasks(other, failed)) for failed in outcomes]
+    order = np.argsort(ratios)
+    assert np.all(np.diff(np.array(values)[order]) <= 1e-12)
+
+
+def test_it_is_found_out_far_sooner_than_by_its_own_score():
+    """A model that is wrong about one robot in ten alone."""
+    rng = np.random.default_rng(3)
+    truth = risks(rng, 20_000)
+    model = np.where(rng.random(truth.size) < 0.1, truth / 2, truth)
+    failed = rng.random(truth.size) < truth
+    assert found_out(tasks(model, failed), tasks(truth, failed)) < 1e-6 < score_tasks(tasks(model, failed)).p_value
+    assert found_out(tasks(truth, failed), tasks(model, failed)) > LEVEL
+
+
+def test_what_is_called_impossible_and_happens_finds_out():
+    assert found_out(tasks([0, 0.5], [1, 0]), tasks([0.1, 0.5], [1, 0])) == 0
+    assert found_out(tasks([0.5, 0.5], [1, 0]), tasks([0.5, 0.5], [1, 0])) == 1
+    with pytest.raises(ModelError, match="not of the same tasks"):
+        found_out(tasks([0.5], [1]), tasks([0.5], [0]))

@@ -63,7 +63,15 @@ def test_stress_and_repairs(inside, tmp_path):
 
 def test_mistakes_are_one_line(inside, lives, tmp_path):
     (tmp_path / "grit.csv").write_text("time [h],grit\n5,1\n6,1\n3,2\n2,2\n1,3\n")
+    for name, times in (("word", "five\n6\n7\n"), ("wide", "1e-300\n2\n1e300\n")):
+        (tmp_path / f"{name}.csv").write_text(f"time [h]\n{times}")
+    (tmp_path / "km.csv").write_text("time [km]\n5\n6\n7\n")
+    (tmp_path / "few.csv").write_text("item,time [h],censored\na,5,\na,9,yes\n")
     for words, said in (
+        (("word.csv",), "word.csv:2: time: 'five' is no time; expected a number with its unit"),
+        (("wide.csv",), "wide.csv:2: time: 1e-300 is no life; expected 1e-15 … 1e+15 h"),
+        (("few.csv", "--repairable"), "few.csv: 1 failures of repaired systems"),
+        (("km.csv", "--to", "robot.yaml", "--part", "pump"), "ages by h (operating clock), but km.csv counts km"),
         ((lives, "--distribution", "weibul"), "no distribution 'weibul'; did you mean 'weibull'"),
         ((lives, "--to", "robot.yaml"), "expected both"),
         ((lives, "--to", "robot.yaml", "--part", "pmp"), "no part 'pmp'; did you mean 'pump'"),
@@ -72,7 +80,7 @@ def test_mistakes_are_one_line(inside, lives, tmp_path):
         (("grit.csv", "--use", "grit"), "--use 'grit'; expected e.g. temperature="),
     ):
         failed = inside("fit", *words)
-        assert failed.returncode == 3
+        assert (failed.returncode, failed.stdout) == (3, "")
         assert said in failed.stderr
         assert failed.stderr.count("\n") == 1
     assert (tmp_path / "robot.yaml").read_text() == ROBOT

@@ -73,7 +73,12 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
         assert (failed.returncode, failed.stdout) == (3, "")
         assert said in failed.stderr
         assert failed.stderr.count("\n") == 1
-    assert "--horizon" in inside("maintain", robot, "costs.csv", "--horizon", "5").stderr
+    for option, value, said in (
+        ("--horizon", "5", "--horizon"),
+        ("--setup", "inf", "--setup inf: expected a finite cost"),
+        ("--horizon", "100000 year", "lives of parts of one robot, 2,000 times over; expected a shorter --horizon"),
+    ):
+        assert said in inside("maintain", robot, "costs.csv", option, value).stderr
 
 
 def test_redundancy(inside, tmp_path):

@@ -84,8 +84,16 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
     (tmp_path / "km.csv").write_text("time [km],value\n" + "".join(f"{i},{i}\n" for i in range(9)))
     (tmp_path / "back.csv").write_text("time [h],value\n5,1\n3,2\n")
     (tmp_path / "load.csv").write_text("time [h],value,load\n" + "".join(f"{i},{i},1\n" for i in range(200)))
+    (tmp_path / "before.csv").write_text("time [h],value\n-5,1\n3,2\n")
+    (tmp_path / "cold.csv").write_text("time [h],value,ambient\n5,1,20\n6,2,\n")
+    (tmp_path / "wide.csv").write_text("time [h],value\n" + "".join(f"{i},{i}e300\n" for i in range(150)))
+    (tmp_path / "two.yaml").write_text(ROBOT.replace("battery: {", "battery: {quantity: 2, "))
     words = ("--part", "battery", "--threshold", 0.7)
     for some, said in (
+        (("before.csv", *words), ":2: time: -5 is negative; expected the age of the part"),
+        (("cold.csv", *words), ":3: ambient: is empty; expected a number"),
+        (("wide.csv", *words), "a value or the threshold is beyond 1e+60"),
+        (("load.csv", *words, "--load", 1), "load.csv: the load does not change in the baseline"),
         (("capacity.csv", "--part", "batery", "--threshold", 1), "no part 'batery'; did you mean 'battery'"),
         (("km.csv", *words), "unit 'km' does not measure what 'h' does"),
         (("back.csv", *words), ":3: time: is no later than the reading before"),
@@ -97,6 +105,7 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
         assert failed.returncode == 3
         assert said in failed.stderr
         assert failed.stderr.count("\n") == 1
+    assert "'battery' is 2 equal parts" in inside("wear", "two.yaml", "capacity.csv", *words).stderr
 
 
 LISTENS = """
@@ -131,7 +140,7 @@ def listening(tmp_path):
     return tmp_path / "run.journal"
 
 
-def test_from_recordings_all_wear_counts_for_the_robot(inside, listening):
+def test_from_recordings_all_wear_counts_for_the_robot(inside, listening, tmp_path):
     done = inside("wear", "robot.yaml", "run.journal", "--baseline", 40, "--json")
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)
@@ -147,6 +156,11 @@ def test_from_recordings_all_wear_counts_for_the_robot(inside, listening):
     assert "bearing, mean of /t.bearing above /t.air: 120 readings over 0.33" in text
     assert "h, 2023-11-14 22:" in text  # when it had changed
     assert "motor" not in text
+    worn = (tmp_path / "robot.yaml").read_text().replace("threshold: 40", "threshold: 31")
+    (tmp_path / "worn.yaml").write_text(worn)
+    reached = inside("wear", "worn.yaml", "run.journal", "--baseline", 40, "--part", "bearing")
+    assert reached.returncode == 1
+    assert "Has reached 31" in reached.stdout
 
 
 def test_one_signal_that_says_too_little_does_not_hide_the_others(inside, listening):

@@ -1,5 +1,7 @@
 """Logs of failures: what they add up to by hand, and what is refused, and how."""
 
+import time
+
 import pytest
 
 from robophm.core.errors import DataError
@@ -143,3 +145,20 @@ def test_what_a_prior_may_be(seen, tmp_path, robot):
         learn(robot, only, "0 failures")
     with pytest.raises(DataError, match=r"no robot 'x'"):
         learn(robot, only, of="x")
+
+
+def test_dates_are_the_same_everywhere(tmp_path, monkeypatch):
+    """A date of no time zone is UTC: not a time that a summer somewhere leaves out."""
+    robot = parse("{schema_version: 1, name: R, components: {a: {rate: 1 FPMH}}}")
+    path = tmp_path / "log.csv"
+    rows = "a,r,2024-03-01T00:00Z,0 h,yes\na,r,2024-03-31T00:00,{hours} h,yes\n"
+    for zone in ("UTC", "Pacific/Kiritimati", "America/Los_Angeles"):
+        monkeypatch.setenv("TZ", zone)
+        time.tzset()
+        path.write_text("part,robot,when,exposure,censored\n" + rows.format(hours=30 * 24 + 24))
+        assert read_failure_log(path, robot).seen[0].exposure == 31 * 24
+        path.write_text("part,robot,when,exposure,censored\n" + rows.format(hours=30 * 24 + 25))
+        with pytest.raises(DataError, match="which is 720 h earlier by its date"):
+            read_failure_log(path, robot)
+    monkeypatch.undo()
+    time.tzset()

@@ -41,8 +41,8 @@ def test_of_a_power_it_is_the_gamma():
     lived = [Lived(0.0, float(age), float(age < 90), 1.0) for age in ages]
     n, E = sum(one.failures for one in lived), float(of.increment(np.zeros(30), ages).sum())
     found, expected = fit_scale(of, [lived], E, 2.0, 1.8), update(n, E, 2.0)
-    assert found.fleet.mean.shape == pytest.approx(expected.shape, rel=1e-6)
-    assert found.fleet.mean.mean == pytest.approx(expected.mean, rel=1e-6)
+    assert found.of_any.moments(1.8) == pytest.approx((expected.mean, expected.shape), rel=1e-6)
+    assert (found.fleet.mean.mean, found.fleet.mean.shape) == pytest.approx(found.of_any.moments(1.0))
     low, median, high = expected.interval
     for level, quantile in ((0.05, low), (0.5, median), (0.95, high)):
         assert found.of_any.quantile(level) ** 1.8 == pytest.approx(quantile, rel=1e-3)
@@ -84,10 +84,14 @@ def test_robots_that_differ_do_and_those_that_do_not_do_not():
     # Of each robot the mean of ln T is normal, of variance τ² + σ²/12: the likelihood of τ is greatest at
     logs = [np.mean([math.log(one.length) for one in some]) for some in robots]
     tau = math.sqrt(np.var(logs) - 0.5**2 / 12)
-    assert found.fleet.spread == pytest.approx(math.sqrt(math.expm1((2 * tau) ** 2)), rel=0.01)
+    assert found.fleet.spread == pytest.approx(math.sqrt(math.expm1(tau**2)), rel=0.01)
     held = [one.quantile(0.05) <= r <= one.quantile(0.95) for one, r in zip(found.of_robot, ratios, strict=True)]
     assert sum(held) >= 11  # less in one of a thousand
     assert np.mean([found.of_any.quantile(0.05) <= r <= found.of_any.quantile(0.95) for r in ratios]) >= 0.7
+    far = [[Lived(0.0, float(of.quantile(p)) / r, 1.0, 1.0) for p in rng.random(12)] for r in (0.1, 10.0) * 4]
+    logs = [np.mean([math.log(one.length) for one in some]) for some in far]
+    spread = math.sqrt(math.expm1(np.var(logs) - 0.5**2 / 12))
+    assert fit_scale(of, far, 96.0, 1.0, 2.0).fleet.spread == pytest.approx(spread, rel=0.02)
     alike = [fit_scale(of, lived(0.0)[1], 180.0, 1.0, 2.0).fleet.spread > 0 for _ in range(12)]
     assert sum(alike) <= 3
 

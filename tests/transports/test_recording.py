@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 import random
 import shutil
+import struct
 from collections.abc import Callable, Iterator
 from operator import attrgetter
 from pathlib import Path
@@ -391,6 +392,22 @@ def test_damaged_messages_are_counted(tmp_path: Path, write_messages: Callable[.
     with Recording(path) as recording:
         assert len(list(recording.samples(["/t.temperature"]))) == 2
         assert recording.notes == {"unreadable message on /t": 3}
+
+
+def test_sequences_of_what_takes_no_bytes_are_not_decoded(tmp_path: Path) -> None:
+    """Four bytes would say 4 billion elements; by the column nothing is made of them."""
+    from rosbags.rosbag1 import Writer
+
+    definition = "own/Nothing[] all\nfloat64 x\n" + "=" * 80 + "\nMSG: own/Nothing\n"
+    with Writer(tmp_path / "many.bag") as writer:
+        connection = writer.add_connection("/n", "own/msg/Many", msgdef=definition, md5sum="0" * 32)
+        for n, count in enumerate((0, 2, 2**32 - 1)):
+            writer.write(connection, T0 + n, struct.pack("<Id", count, n))
+    with Recording(tmp_path / "many.bag") as recording:
+        assert list(recording.samples(["/n.x"])) == []
+        assert recording.notes == {"unreadable message on /n": 3}
+        values = [value for block in recording.columns(["/n.x"], 0) for value in block["/n.x"].values.tolist()]
+    assert values == [0.0, 1.0, 2.0]
 
 
 # What cannot be read

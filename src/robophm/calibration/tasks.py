@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammainccinv, gammaincinv
-from scipy.stats import chi2
+from scipy.stats import chi2, norm
 
 from robophm.calibration.count import SMALLEST, Array, Count
 from robophm.calibration.predictions import Flags, Tasks
+from robophm.core.errors import ModelError
 
 Numbers = NDArray[np.intp]
 
@@ -172,3 +173,24 @@ def _seen(total: Count, expected: float) -> tuple[float, float]:
         return 0.0, np.inf
     below = float(gammainccinv(low, POWER)) / expected if low > 0 else 0.0
     return below, float(gammaincinv(high + 1, POWER)) / expected
+
+
+def found_out(model: Tasks, alternative: Tasks) -> float:
+    """The p-value of a model's probabilities, tested against those of another of the same tasks: the strongest test.
+
+    By the ratio of likelihoods (Neyman and Pearson 1933), beside its mean and deviation where the model is right: the
+    normal distribution of a sum over many tasks. 0 where what the model called impossible happened.
+
+    Raises ModelError where the tasks are not the same.
+    """
+    if not np.array_equal(model.failed, alternative.failed):
+        raise ModelError("two models' predictions are not of the same tasks")
+    if np.any(np.where(model.failed, model.failure, model.completion) == 0):
+        return 0.0
+    sides = (model.failure, model.completion, alternative.failure, alternative.completion)
+    unsure = np.min(sides, axis=0) > 0  # of the others the test does not speak
+    p, q, their_p, their_q = (side[unsure] for side in sides)
+    failed, completed = np.log(their_p / p), np.log(their_q / q)
+    surprise = np.where(model.failed[unsure], failed, completed) - (p * failed + q * completed)
+    deviation = float(np.sqrt(np.sum(p * q * (failed - completed) ** 2)))
+    return float(norm.sf(surprise.sum() / deviation)) if deviation > 0 else 1.0

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from robophm.cli import BREACHED
 from robophm.cli.output import Json
 
 Design = Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")]
@@ -155,12 +156,13 @@ def wear(
     seed: Annotated[int, typer.Option(help="of what is drawn", min=0)] = 0,
     as_json: Json = False,
 ) -> None:
-    """The wear that signals show: trend, change, and what remains of parts and robot."""
+    """The wear that signals show: trend, change, and what remains of parts and robot; exit code 1 at a threshold."""
     from robophm.cli.wear import Wishes, run
 
     kind: Literal["wiener", "gamma"] = "gamma" if process == "gamma" else "wiener"
     wishes = Wishes(part, threshold, kind, load, baseline, false_alarms, shift, store, skip_missing, seed, as_json)
-    run(design, signals, wishes)
+    if run(design, signals, wishes):
+        raise typer.Exit(BREACHED)
 
 
 def fmeca(

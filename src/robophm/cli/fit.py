@@ -55,7 +55,12 @@ def run(path: Path, wishes: Wishes) -> None:
             raise RobophmError(
                 "--repairable says how systems age, which is no life of a part; expected no --to or --report"
             )
-        _show_power_law(fit_power_law(*systems(data), level=wishes.level), data, wishes)
+        times, ends = systems(data)
+        try:
+            found = fit_power_law(times, ends, level=wishes.level)
+        except DataError as error:
+            raise DataError(f"{path}: {error}") from None
+        _show_power_law(found, data, wishes)
     elif data.stresses or wishes.use or wishes.laws:
         _stress(data, wishes)
     else:
@@ -73,6 +78,7 @@ def _plain(data: LifeData, wishes: Wishes) -> None:
     else:
         fits, refused = fit_all(data, level=wishes.level)
     best = fits[0]
+    design = _changed(best, wishes)  # what cannot be is said before anything else
     tested = goodness(best, wishes.refits, wishes.seed) if wishes.refits else None
     if wishes.as_json:
         print_json({
@@ -84,7 +90,7 @@ def _plain(data: LifeData, wishes: Wishes) -> None:
         _show(data, fits, refused, tested, wishes)
     if wishes.report:
         write(wishes.report, fit_page(fits, refused))
-    _into_design(best, wishes)
+    _into_design(best, design, wishes)
 
 
 def _stress(data: LifeData, wishes: Wishes) -> None:
@@ -93,13 +99,14 @@ def _stress(data: LifeData, wishes: Wishes) -> None:
         data, wishes.distribution or "weibull", reference=reference, laws=dict(_pairs(wishes.laws, "--law")),
         level=wishes.level,
     )  # fmt: skip
+    design = _changed(found, wishes)
     if wishes.as_json:
         print_json(_stress_json(found))
     else:
         _show_stress(found)
     if wishes.report:
         write(wishes.report, life_stress_page(found))
-    _into_design(found, wishes)
+    _into_design(found, design, wishes)
 
 
 def _pairs(texts: Sequence[str], option: str) -> list[tuple[str, str]]:
@@ -112,15 +119,20 @@ def _pairs(texts: Sequence[str], option: str) -> list[tuple[str, str]]:
     return pairs
 
 
-def _into_design(found: Fit | LifeStressFit, wishes: Wishes) -> None:
+def _changed(found: Fit | LifeStressFit, wishes: Wishes) -> str | None:
+    """The text of the design with this life in it; None where none is to be changed."""
+    if not (wishes.to and wishes.part):
+        return None
+    mode = named_mode(load(wishes.to), wishes.part)
+    return edited(read(wishes.to), str(wishes.to), {mode.path: design_keys(found, mode)})
+
+
+def _into_design(found: Fit | LifeStressFit, design: str | None, wishes: Wishes) -> None:
     out = console()
-    if wishes.to and wishes.part:
-        robot = load(wishes.to)
-        mode = named_mode(robot, wishes.part)
-        text = edited(read(wishes.to), str(wishes.to), {mode.path: design_keys(found, mode)})
-        put(wishes.to, text)
+    if wishes.to and design is not None:
+        put(wishes.to, design)
         if not wishes.as_json:
-            out.print(f"{wishes.to}: {mode.path} has this life now; as it was: {wishes.to.name}.bak", markup=False)
+            out.print(f"{wishes.to}: {wishes.part} has this life now; as it was: {wishes.to.name}.bak", markup=False)
     elif not wishes.as_json:
         try:
             lines = snippet(found)

@@ -20,13 +20,19 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.replacement import replacements
 from robophm.learning.costs import PartCosts, read_costs
-from robophm.learning.life_cycle import LifeCycle, Return, Upkept, return_on_watching, simulate
+from robophm.learning.life_cycle import TOGETHER, LifeCycle, Return, Upkept, return_on_watching, simulate
 from robophm.learning.maintenance import Costs, Policy, Visit, best_age, rescaled, together
 from robophm.learning.spares import spares
 from robophm.learning.standing import Standing
 from robophm.life.distribution import LifeDistribution
 from robophm.monitor import Monitor
 from robophm.report.words import duration_text, number_text
+
+MOST_LIVES = 2e9
+"""Of parts, in all repetitions."""
+
+MOST_TOGETHER = 1e7
+"""Of parts, in the repetitions that are in memory at a time."""
 
 _SURE = 0.99999
 """Below it a part that is down may leave the robot working."""
@@ -70,6 +76,9 @@ class _Plan:
 def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
     """Plan, simulate, print."""
     robot = load(design)
+    for option, value in (("--setup", wishes.setup), ("--downtime-cost", wishes.hour_down)):
+        if not math.isfinite(value):
+            raise RobophmError(f"{option} {value:g}: expected a finite cost")
     horizon, lead = _hours(wishes.horizon, "--horizon"), _hours(wishes.lead, "--lead")
     costs = read_costs(table_of_costs, robot, wishes.hour_down)
     plant = Plant(robot)
@@ -109,7 +118,7 @@ def _hours(text: str, option: str) -> float:
     except UnitError as error:
         raise RobophmError(f"{option}: {error}") from None
     if not 0 < hours < 1e9:
-        raise RobophmError(f"{option} {text}: expected a time above 0")
+        raise RobophmError(f"{option} {text}: expected a time above 0, below 1e9 h")
     return hours
 
 
@@ -167,9 +176,10 @@ def _cycle(parts: Mapping[str, Upkept], standing: Standing, horizon: float, wish
     work = sum(
         part.parts * (1 + horizon / max(min(part.age or math.inf, part.life.mean()), 1e-9)) for part in parts.values()
     )
-    if work * wishes.repetitions > 2e9:
+    if work * wishes.repetitions > MOST_LIVES or work * min(wishes.repetitions, TOGETHER) > MOST_TOGETHER:
         raise RobophmError(
-            "that is more than two thousand million lives; expected a shorter --horizon or fewer --repetitions"
+            f"that is some {work:.2g} lives of parts of one robot, {wishes.repetitions:,} times over; expected a "
+            "shorter --horizon or fewer --repetitions"
         )
     return simulate(parts, horizon, wishes.repetitions, wishes.seed, standing, wishes.hour_down)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import sys
 import time
@@ -96,6 +97,8 @@ def run(design: Path, asked: Watched) -> bool:
         to_terminal = out.is_terminal and not asked.as_json
         with Live(console=out, auto_refresh=False) if to_terminal else nullcontext() as live:
             shown = _OnTerminal(live) if live else _Lines(out, asked)
+            gc.collect()
+            gc.freeze()  # what is there now stays: not to be looked through again and again while the robot runs
             monitor = watch(
                 robot, source, store=kept, journal=written, period=asked.period, sinks=[*sinks, shown],
                 task_topics=_task_topics(asked), speed=speed, functions=asked.functions,

@@ -20,7 +20,7 @@ from robophm.health.prognosis import Outlook, RemainingLife
 from robophm.health.worn import remaining_life
 from robophm.learning.change import CORRELATED, Cusum, design
 from robophm.learning.evidence import named_mode
-from robophm.learning.wear import Array, Process, Wear, at_load, wear
+from robophm.learning.wear import FEWEST, Array, Process, Wear, at_load, wear
 from robophm.learning.wear_data import Readings, read_readings
 from robophm.monitor import Monitor
 from robophm.report.curve import sparkline
@@ -72,8 +72,8 @@ class _Found:
         return [float(self.readings.times[i]) for i in self.alarms]
 
 
-def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> None:
-    """Fit, look for a change, fuse with the hazards of all else, print."""
+def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
+    """Fit, look for a change, fuse with the hazards of all else, print; whether a threshold is reached."""
     robot = load(path)
     if any(signal.suffix.lower() in TABLES for signal in signals):
         found, monitor = [_of_table(robot, signals, wishes)], Monitor(robot)
@@ -87,15 +87,22 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> None:
         print_json(_json(robot, found, lives))
     else:
         _print(found, lives, wishes)
+    return any(one.wear.remaining.median == 0 for one in found)
 
 
 def _of_table(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> _Found:
     if len(signals) > 1:
-        raise DataError(f"{signals[0]} is a table, of one signal; expected it alone, or recordings")
+        (signal, *_) = [one for one in signals if one.suffix.lower() in TABLES]
+        raise DataError(f"{signal} is a table, of one signal; expected it alone, or recordings")
     (signal,) = signals
     if wishes.part is None:
         raise DataError(f"{signal}: whose wear is it? expected --part, the path of a part or of its failure mode")
     mode = named_mode(robot, wishes.part)
+    if (several := next(one.quantity for one in robot.all_components() if mode in one.modes)) > 1:
+        raise DataError(
+            f"'{mode.path}' is {several} equal parts, and one signal shows the wear of one; expected them as "
+            "components of their own"
+        )
     threshold = wishes.threshold
     if threshold is None and mode.wear:
         threshold = mode.wear.threshold
@@ -146,11 +153,15 @@ def _judged(mode: FailureMode, source: str, readings: Readings, threshold: float
     values, baseline = readings.values, wishes.baseline
     if len(values) <= baseline:
         raise DataError(f"{source}: {len(values)} readings, and a baseline of {baseline} (--baseline); expected more")
-    if readings.load is not None and wishes.load is not None:
-        values = at_load(values, readings.load, baseline, wishes.load)
-    falls = threshold < values[0]
     try:
-        found = wear(readings.times, values, threshold, process=wishes.process, falls=falls, seed=wishes.seed)
+        if readings.load is not None and wishes.load is not None:
+            values = at_load(values, readings.load, baseline, wishes.load)
+        begun = float(np.median(values[:FEWEST]))
+        if threshold == begun:
+            raise DataError(f"the signal begins at its threshold, {threshold:g}; expected one that it has yet to reach")
+        found = wear(
+            readings.times, values, threshold, process=wishes.process, falls=threshold < begun, seed=wishes.seed
+        )
         detector = design(values[:baseline], wishes.between_false_alarms, wishes.shift)
     except DataError as error:
         raise DataError(f"{source}: {error}") from None
@@ -206,7 +217,10 @@ def _print_one(found: _Found, wishes: Wishes) -> None:
     never = float(np.mean(np.isinf(found.wear.passage)))
     or_never = f"; never with {number_text(100 * never, 2)} %" if never > 0.005 else ""
     threshold = found.wear.threshold * (-1 if found.wear.turned else 1)
-    say(f"Reaches {threshold:g} in {median} {unit}, 90 % between {low} and {high}{or_never}")
+    if found.wear.remaining.median == 0:
+        say(f"Has reached {threshold:g}", "bold red")
+    else:
+        say(f"Reaches {threshold:g} in {median} {unit}, 90 % between {low} and {high}{or_never}")
     at = "none"
     if found.alarms:
         at = f"at {number_text(found.alarmed[0])} {unit}"

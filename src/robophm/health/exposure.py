@@ -134,8 +134,11 @@ class Exposure:
         """The stress factor ψ of every mode under what is known at the integrated-to time; shape (modes,)."""
         factor = np.ones(len(self.modes))
         if (now := ledger.integrated_to) is not None:
-            stretch = self._stretch(ledger, {}, [now])
-            observed = {key: stretch.held(key).at(stretch.bounds[:1]) for key in self.channels}
+            observed = {}
+            for key, channel in self.channels.items():
+                time, (said,) = ledger.last.get(key, (now - channel.max_age, (math.nan,)))
+                last = np.array([channel.scale * said + channel.offset])
+                observed[key] = Observed(last, np.array([now - time < channel.max_age]))
             for group, (value, _) in zip(self.groups, self._factors([observed] * len(self.groups)), strict=True):
                 if value is not None:
                     factor[group.members] = value[0]

@@ -192,6 +192,10 @@ class Stretch:
         gone = gone[(gone > self.start) & (gone < self.end)]
         extra = ascending(np.concatenate((self.bounds, gone))) if len(gone) else self._edges
         inside = slice(times.searchsorted(self.start, side="right"), times.searchsorted(self.end))
+        if len(extra) == 2 and inside.start and self.start - times[inside.start - 1] < max_age:
+            # as nearly always: one period, and no silence
+            edges = np.concatenate((extra[:1], times[inside], extra[1:]))
+            return Grid(self, edges, {key: Observed(values[inside.start - 1 : inside.stop], None)})
         times, values = times[inside], values[inside]
         place = times.searchsorted(extra)
         if len(times):
@@ -221,7 +225,7 @@ class Stretch:
         self.heard = max((int(times[-1]) for times in heard), default=None)
         begins, ends = [], []
         for times in heard:
-            silent = np.flatnonzero(times[1:] - times[:-1] > gap)
+            (silent,) = (times[1:] - times[:-1] > gap).nonzero()
             begins += [times[:1], times[silent + 1]] if len(silent) else [times[:1]]
             ends += [times[silent] + gap, times[-1:] + gap] if len(silent) else [times[-1:] + gap]
         name = self.robot.powered

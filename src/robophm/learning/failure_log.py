@@ -6,16 +6,17 @@ is that goes on: a new one begins at 0, a repaired one keeps a share of its age 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
-from datetime import datetime
 from pathlib import Path
 
-from robophm.core.errors import UnitError, nearest
+from robophm.core.errors import DataError, UnitError, nearest
 from robophm.core.units import quantity
 from robophm.design.robot import CLOCK_UNITS, Component, FailureMode, Robot
 from robophm.learning.scale import Lived
-from robophm.learning.table import YES, Row, read_table
+from robophm.learning.table import YES, Row, date_of, read_table
 
 COLUMNS: Mapping[str, Sequence[str]] = {
     "part": ("component", "failure mode", "mode"),
@@ -255,13 +256,11 @@ class _Reader:
 
 
 def _hours(row: Row) -> float:
-    """A date as hours since the epoch."""
-    written = row.text("when")
+    """A date, or seconds since the epoch, as hours since it."""
     try:
-        return datetime.fromisoformat(written).timestamp() / 3600
-    except ValueError:
-        pass
-    try:
-        return float(written) / 3600
-    except ValueError:
-        raise row.error(f"{written!r:.40} is no date; expected e.g. 2024-03-18 or 2024-03-18T14:30", "when") from None
+        return date_of(row, "when").timestamp() / 3600
+    except DataError:
+        with suppress(ValueError):
+            if math.isfinite(seconds := float(row.text("when"))):
+                return seconds / 3600
+        raise

@@ -33,7 +33,8 @@ class LearnedRate:
     exposure: float
     """[unit of its clock]"""
     of_fleet: FleetPosterior
-    """Of the hazard, as times the stated one; robots in the order of ``robots``."""
+    """Of the hazard, as times the stated one, of lives that are no power of age of the rate; robots in the order of
+    ``robots``."""
     robots: tuple[str, ...]
     factor: float
     """The rate is so many times the stated one, by the mean."""

@@ -14,6 +14,9 @@ from robophm.life.distribution import LifeDistribution
 
 Array = npt.NDArray[np.float64]
 
+TOGETHER = 500
+"""Repetitions at a time: when their parts were down is kept until it is known when the robots stood still."""
+
 
 @dataclass(frozen=True)
 class Watch:
@@ -76,22 +79,35 @@ def simulate(
     ``hour_down`` beside what the parts cost. Every part draws from a stream of its own by its name: two policies are
     compared on the same lives.
     """
-    cost, failures, precautions = np.zeros((3, repetitions))
-    down: dict[str, list[Downtimes]] = {}
-    for name, part in parts.items():
-        units = part.units or (name,)
-        for i in range(part.parts):
-            rng = np.random.default_rng([seed, i, *name.encode()])
-            found, downtimes = _part(part, horizon, repetitions, rng)
-            cost, failures, precautions = cost + found[0], failures + found[1], precautions + found[2]
-            down.setdefault(units[min(i, len(units) - 1)], []).append(downtimes)
-    stood = (standing or Standing()).hours(down, horizon, repetitions)
-    cost = cost + hour_down * stood
+    standing = standing or Standing()
+    found = [
+        _together(parts, horizon, min(TOGETHER, repetitions - begun), (seed, begun), standing, hour_down)
+        for begun in range(0, repetitions, TOGETHER)
+    ]
+    cost, failures, precautions, stood = np.concatenate(found, axis=1)
     low, high = np.quantile(cost, [0.05, 0.95])
     return LifeCycle(
         float(cost.mean()), float(low), float(high), float(cost.std(ddof=1) / np.sqrt(repetitions)),
         float(np.mean(1 - stood / horizon)), float(failures.mean()), float(precautions.mean()), cost,
     )  # fmt: skip
+
+
+def _together(
+    parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: tuple[int, int], standing: Standing,
+    hour_down: float,
+) -> Array:  # fmt: skip
+    """Cost, failures, precautions and how long the robot stood still in each repetition; shape (4, repetitions)."""
+    total = np.zeros((4, repetitions))
+    down: dict[str, list[Downtimes]] = {}
+    for name, part in parts.items():
+        units = part.units or (name,)
+        for i in range(part.parts):
+            found, downtimes = _part(part, horizon, repetitions, np.random.default_rng([*seed, i, *name.encode()]))
+            total[:3] += found
+            down.setdefault(units[min(i, len(units) - 1)], []).append(downtimes)
+    total[3] = standing.hours(down, horizon, repetitions)
+    total[0] += hour_down * total[3]
+    return total
 
 
 def _part(part: Upkept, horizon: float, repetitions: int, rng: np.random.Generator) -> tuple[Array, Downtimes]:

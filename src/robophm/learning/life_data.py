@@ -37,6 +37,10 @@ STRESS_UNITS: Mapping[str, str] = {
 """The unit inside of each stress that an acceleration of a design knows."""
 
 
+LONGEST = 1e15
+"""What a life may be, in the unit of its clock; the shortest is as far below 1."""
+
+
 @dataclass(frozen=True)
 class LifeData:
     """Lives between ``low`` and ``high``, equal where a failure was seen; shapes (rows,). Times count from 0."""
@@ -136,6 +140,8 @@ def _unit(rows: Sequence[Row]) -> str:
             inside = ""
             if stated:
                 inside = next((unit for unit in dict.fromkeys(CLOCK_UNITS.values()) if _converts(stated, unit)), "?")
+                if inside == "?" and not bare and stated == written:
+                    raise row.error(f"{written!r:.60} is no time; expected a number with its unit, e.g. 5 h", column)
                 if inside == "?":
                     said = f"'{stated:.40}' in its heading" if bare else f"{written!r:.60}"
                     raise row.error(f"{said} is no unit of life; expected h, km, cycles or starts", column)
@@ -180,6 +186,8 @@ def _bounds(row: Row, unit: str) -> tuple[float, float]:
         value = row.quantity(column, unit)
         if value < 0:
             raise row.error(f"{row.text(column)} is negative; expected a life, above 0", column)
+        if value > LONGEST or 0 < value < 1 / LONGEST:
+            raise row.error(f"{row.text(column)} is no life; expected {1 / LONGEST:g} … {LONGEST:g} {unit}", column)
         return value
 
     if "time" in row.cells:

@@ -211,7 +211,10 @@ def _steps(data: LifeData, z: Array, known: Array) -> dict[str, Any]:
         if not at > before:
             raise DataError(f"{data.source}: '{item}' has steps that end at {before:g} and then {at:g}; expected later")
         if data.count[row] != 1 or (data.failed[row] and data.low[row] != data.high[row]):
-            raise DataError(f"{data.source}: steps are of one part each, which fails at a known time or does not")
+            raise DataError(
+                f"{data.source}: steps are of one part each, which fails at a known time or does not (SurPyval's "
+                "likelihood of steps has no intervals); expected one time in each row, or fixed stresses"
+            )
         ends = clock + (at - before) * float(known[row])
         start.append(clock)
         begun.append(ends)

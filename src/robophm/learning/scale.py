@@ -32,6 +32,7 @@ MOST_LIVES = 50_000
 
 _WIDEST = 16.0  # of ln θ: ten million times off
 _COARSE, _FINE = 321, 401
+_APART = 7.0  # of ln θ of a robot from the fleet's: a thousand times
 _FAR = 40.0  # below the greatest of a log posterior, where nothing is left of it
 
 
@@ -78,7 +79,7 @@ class ScaleFit:
     """What lives say of how many times the stated rate the true one is."""
 
     fleet: FleetPosterior
-    """Of ξ; posteriors as gammas of the same mean and variance."""
+    """Of θ; posteriors as gammas of the same mean and variance."""
     of_any: Density
     """Of the ratio of one robot of this fleet, of which nothing is known."""
     of_robot: tuple[Density, ...]
@@ -189,14 +190,14 @@ def fit_scale(
     pooled = Density.of(grid, log_prior(grid) + likelihoods(grid).sum(axis=0))
 
     def posterior(density: Density, seen: float, counts: float = prior, sure: float = weight) -> Posterior:
-        mean, shape = density.moments(beta)
+        mean, shape = density.moments(1.0)
         return Posterior(seen, expected, counts, doubt, sure, shape, shape / mean)
 
     everyone = posterior(pooled, sum(failures))
     if np.count_nonzero(failures) == 0 or len(robots) < 2 or sum(failures) < 2:
         return ScaleFit(FleetPosterior(everyone, 0.0, math.nan, (everyone,) * len(robots)), pooled,
                         (pooled,) * len(robots))  # fmt: skip
-    wide = np.linspace(low - 3 / beta, high + 3 / beta, _FINE)  # robots may lie further apart than their mean is unsure
+    wide = np.linspace(low - _APART, high + _APART, 2 * _FINE)  # robots lie further apart than their mean is unsure
     each = likelihoods(wide)
     mean, spread, p = _between(wide, each)
     if p >= SURPRISE:
@@ -204,7 +205,7 @@ def fit_scale(
     of_mean = Density.of(wide, log_prior(wide) + _marginal(wide, each, spread).sum(axis=0))
     of_any = Density.of(wide, np.log(_normal(wide, wide, spread) @ of_mean.weight + 1e-300))
     own = tuple(Density.of(wide, one + np.log(_normal(wide, np.array([mean]), spread)[:, 0] + 1e-300)) for one in each)
-    variation = math.sqrt(math.expm1(min((beta * spread) ** 2, 50.0)))
+    variation = math.sqrt(math.expm1(min(spread**2, 50.0)))
     robots_own = tuple(posterior(one, n, 1 / variation**2, 1.0) for one, n in zip(own, failures, strict=True))
     return ScaleFit(FleetPosterior(posterior(of_mean, sum(failures)), variation, p, robots_own), of_any, own)
 
@@ -251,10 +252,10 @@ def _log_likelihoods(
 
 
 def _normal(x: Array, centre: Array, spread: float) -> Array:
-    """Of ln θ around each centre, adding up to 1 over the grid; shape (points, centres)."""
+    """Of ln θ around each centre, what is at each point of a grid; shape (points, centres)."""
+    step = float(x[1] - x[0])
     density: Array = np.exp(-0.5 * ((x[:, None] - centre[None, :]) / spread) ** 2)
-    total: Array = density.sum(axis=0)
-    return density / total
+    return density * (step / (spread * math.sqrt(2 * math.pi)))
 
 
 def _marginal(grid: Array, each: Array, spread: float) -> Array:

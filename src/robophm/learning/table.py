@@ -8,6 +8,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 
 from robophm.core.errors import DataError, DesignError, UnitError, nearest
@@ -74,6 +75,18 @@ class Row:
             if written == option or written in spellings:
                 return option
         raise self.error(f"{written!r:.60}; expected {' or '.join(options)}", column)
+
+
+def date_of(row: Row, column: str) -> datetime:
+    """A date in ISO 8601; of no time zone it is UTC, wherever it is read. Raises DataError."""
+    written = row.text(column)
+    if not written:
+        raise row.error("is empty; expected a date, e.g. 2024-03-18", column)
+    try:
+        date = datetime.fromisoformat(written)
+    except ValueError:
+        raise row.error(f"{written!r:.40} is no date; expected e.g. 2024-03-18 or 2024-03-18T14:30", column) from None
+    return date if date.tzinfo else date.replace(tzinfo=UTC)
 
 
 YES = {"yes": ("y", "true", "1", "x"), "no": ("n", "false", "0")}

@@ -25,6 +25,8 @@ Process = Literal["wiener", "gamma"]
 DRAWS = 4000
 FEWEST = 8
 """Readings from which a trend is told."""
+WIDEST = 1e60
+"""What a reading may be, up or down: its powers are numbers too."""
 MOST = 2000
 """Readings that are looked at; of more, means of neighbours."""
 
@@ -114,6 +116,8 @@ def wear(
         raise DataError(f"{len(t)} readings: too few for a trend; expected at least {FEWEST}")
     if np.any(np.diff(t) <= 0):
         raise DataError("times do not ascend; expected each reading later than the one before")
+    if max(np.abs(y).max(), abs(threshold)) > WIDEST:
+        raise DataError(f"a value or the threshold is beyond {WIDEST:g}: no sensor says that; expected smaller ones")
     if np.ptp(y) == 0:
         raise DataError(
             f"the signal is {y[0]:g} all the time: no trend, and no wear to be seen; expected one that changes"

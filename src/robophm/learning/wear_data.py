@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from robophm.learning.table import Row, read_table
+from robophm.learning.table import Row, date_of, read_table
 
 Array = npt.NDArray[np.float64]
 
@@ -42,7 +41,7 @@ def read_readings(path: Path, unit: str) -> Readings:
     """Readings in order of time, on a clock that counts a unit. Raises DataError, with the line."""
     rows = read_table(path, COLUMNS, "readings")
     dated = "when" in rows[0].cells
-    times = [_date(row) if dated else row.quantity("time", unit) for row in rows]
+    times = [_date(row) if dated else _age(row, unit) for row in rows]
     for before, after, row in zip(times, times[1:], rows[1:], strict=False):
         if not after > before:
             column = "when" if dated else "time"
@@ -50,13 +49,17 @@ def read_readings(path: Path, unit: str) -> Readings:
     with_load = any("load" in row.cells for row in rows)
     load = np.array([row.number("load") for row in rows]) if with_load else None
     origin = times[0] if dated else 0.0
-    values = [row.number("value") - row.number("ambient", 0.0) for row in rows]
+    with_ambient = any("ambient" in row.cells for row in rows)  # one that is missing is not 0
+    values = [row.number("value") - (row.number("ambient") if with_ambient else 0.0) for row in rows]
     return Readings(np.array(times) - origin, np.array(values), load, dated)
 
 
+def _age(row: Row, unit: str) -> float:
+    value = row.quantity("time", unit)
+    if value < 0:
+        raise row.error(f"{row.text('time')} is negative; expected the age of the part, at least 0", "time")
+    return value
+
+
 def _date(row: Row) -> float:
-    written = row.text("when")
-    try:
-        return datetime.fromisoformat(written).timestamp() / 3600
-    except ValueError:
-        raise row.error(f"{written!r:.40} is no date; expected e.g. 2024-03-18T14:30", "when") from None
+    return date_of(row, "when").timestamp() / 3600

@@ -19,11 +19,12 @@ import numpy.typing as npt
 from robophm.core.errors import DataError
 from robophm.core.signal import SECOND
 from robophm.design.robot import Gauge, WearSignal
+from robophm.learning.wear import WIDEST
 
 Array = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]
 
-MOST_STRETCHES = 1_000_000
+MOST_STRETCHES = 200_000
 """Of one signal."""
 
 FEW = 0.25
@@ -142,7 +143,7 @@ class _Beside:
         if not len(self._times):
             return np.full(len(times), np.nan)
         index = np.searchsorted(self._times, times, side="right") - 1
-        old = (index < 0) | (times - self._times[index] > self._gauge.max_age)
+        old = (index < 0) | (times - self._times[index] >= self._gauge.max_age)
         return np.where(old, np.nan, self._values[index])
 
 
@@ -165,7 +166,7 @@ class Reducer:
             if beside and gauge:
                 beside.add(*block.get(gauge.signal, nothing))
         times, values = block.get(wear.gauge.signal, nothing)
-        sound = np.isfinite(values) & (values >= wear.gauge.low) & (values <= wear.gauge.high)
+        sound = (np.abs(values) <= WIDEST) & (values >= wear.gauge.low) & (values <= wear.gauge.high)
         self._left_out(sound, "samples that are no number within their range")
         times, values = times[sound], values[sound]
         if self._load and wear.load:

@@ -34,6 +34,7 @@ MOST_LINES = 2000
 _NUMBERS = {"bool", "byte", "char", "float32", "float64", "float128"} | {
     f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
 }
+_ONLY_IN_CDR = "structure_needs_at_least_one_member"
 _STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
 _COMPILING = threading.Lock()
 """rosbags compiles in a module of one name: one after the other."""
@@ -54,6 +55,8 @@ class MessageType:
     """The recording does not define the type; Humble's is taken."""
     store: Typestore
     """What rosbags has compiled."""
+    bounded: bool
+    """A message decodes to no more than its bytes say; otherwise ``decode`` refuses: four bytes can say 4 billion."""
 
     @property
     def types(self) -> dict[str, Any]:
@@ -84,15 +87,40 @@ def _compiled_type(name: str, definition: MessageDefinition, encoding: str) -> M
     decode = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
     stamped = any(field == "header" and part[1] == HEADER for field, part in store.fielddefs[name][1])
     stamp = attrgetter("header.stamp.sec", "header.stamp.nanosec") if stamped else None
-    return MessageType(
-        name, store.fielddefs, encoding == "ros1", partial(decode, typename=name), stamp, borrowed, store
-    )
+    bounded = not _bottomless(store.fielddefs)
+    decoding = partial(decode, typename=name) if bounded else _refuse
+    return MessageType(name, store.fielddefs, encoding == "ros1", decoding, stamp, borrowed, store, bounded)
 
 
 def serialized(type_: MessageType, message: Any) -> bytes:
     """The bytes of a message. Raises whatever rosbags raises where it is not of the type."""
     serialize = type_.store.serialize_ros1 if type_.packed else type_.store.serialize_cdr
     return bytes(serialize(message, type_.name))
+
+
+def _refuse(raw: bytes) -> Any:
+    raise ValueError("a sequence of messages that take no bytes")
+
+
+def _bottomless(definitions: Typesdict) -> bool:
+    """Whether a type has a sequence of messages that take no bytes, so that four bytes can say 4 billion."""
+    from rosbags.interfaces import Nodetype
+
+    known: dict[str, bool] = {}
+
+    def nothing(node: Any, detail: Any) -> bool:
+        if node == Nodetype.ARRAY:
+            return bool(detail[1] == 0 or nothing(*detail[0]))
+        if node != Nodetype.NAME:
+            return False
+        if detail not in known:
+            known[detail] = True
+            fields = definitions[detail][1]
+            known[detail] = all(name == _ONLY_IN_CDR or nothing(*part) for name, part in fields)
+        return known[detail]
+
+    parts = (part for _, fields in definitions.values() for _, part in fields)
+    return any(node == Nodetype.SEQUENCE and nothing(*cast(Any, detail)[0]) for node, detail in parts)
 
 
 def _size(definitions: Typesdict, type_: str, known: dict[str, int]) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -17,14 +17,13 @@ from robophm.transports.message_type import HEADER, MessageType, field_getter
 from robophm.transports.notes import TypeRefusedError
 
 if TYPE_CHECKING:
-    from rosbags.interfaces.typing import Typesdict
+    pass
 
 LARGE = 1 << 18
 """Bytes of a message, beyond which it is not decoded but walked: a byte can decode to an object of 150."""
 
 _SECONDS, _NANOSECONDS = "header.stamp.sec", "header.stamp.nanosec"
 _SEQUENCE = "header.seq"
-_ONLY_IN_CDR = "structure_needs_at_least_one_member"
 
 
 class Numbers(NamedTuple):
@@ -59,7 +58,7 @@ class Reading:
                 raise TypeRefusedError(f"topic '{topic}' {error}", f"no field {split_signal(signal)[1]}") from None
             self._getters.append((signal, getter))
         self._program = self._compiled()
-        self._longest_decoded = -1 if _bottomless(self.type.definitions) else LARGE
+        self._longest_decoded = LARGE if self.type.bounded else -1
 
     def _compiled(self) -> Program | None:
         fields = [split_signal(signal)[1] for signal, _ in self._getters]
@@ -121,24 +120,3 @@ class Reading:
             raise ValueError("not as its type says")
         absent = [slot for slot, absent in enumerate(found.absent) if absent[0]]
         return self._numbers([values[0].item() for values in found.values], absent)
-
-
-def _bottomless(definitions: Typesdict) -> bool:
-    """Whether a type has a sequence of messages that take no bytes, so that four of them can say 4 billion."""
-    from rosbags.interfaces import Nodetype
-
-    known: dict[str, bool] = {}
-
-    def nothing(node: Any, detail: Any) -> bool:
-        if node == Nodetype.ARRAY:
-            return bool(detail[1] == 0 or nothing(*detail[0]))
-        if node != Nodetype.NAME:
-            return False
-        if detail not in known:
-            known[detail] = True
-            fields = definitions[detail][1]
-            known[detail] = all(name == _ONLY_IN_CDR or nothing(*part) for name, part in fields)
-        return known[detail]
-
-    parts = (part for _, fields in definitions.values() for _, part in fields)
-    return any(node == Nodetype.SEQUENCE and nothing(*cast(Any, detail)[0]) for node, detail in parts)

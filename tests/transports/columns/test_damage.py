@@ -351,6 +351,20 @@ def test_a_chunk_whose_length_lies_is_lost_alone(checksums: bool, numbered: Path
         assert any("lost" in note for note in columns.notes)
 
 
+@pytest.mark.parametrize("believed", [True, False])
+def test_a_chunk_whose_length_spans_others_hides_none(believed: bool, numbered: Path) -> None:
+    """What it holds is said by another number."""
+    path = in_chunks(numbered)
+    content = bytearray(path.read_bytes())
+    chunks = records(content, CHUNK)
+    struct.pack_into("<Q", content, chunks[3] + 1, 1500)
+    if not believed:
+        content[chunks[0]] = 7  # so that the index is not believed
+    path.write_bytes(content)
+    left = values(list(read_columns(path, [SIGNAL])))
+    assert left[-80:] == [float(n) for n in range(20, 100)]
+
+
 @pytest.mark.parametrize("opcode", [0, *(n for n in range(1, 20) if n != CHUNK), 128, 255])
 def test_a_chunk_that_says_it_is_something_else_is_lost_alone(opcode: int, numbered: Path) -> None:
     path = in_chunks(numbered)
@@ -360,6 +374,23 @@ def test_a_chunk_that_says_it_is_something_else_is_lost_alone(opcode: int, numbe
     assert 80 < len(left) < 100
     assert left[:10] + left[-50:] == whole[:10] + whole[-50:]
     assert columns.notes
+
+
+def test_a_record_whose_length_spans_chunks_hides_none(numbered: Path) -> None:
+    """As where the index behind a chunk says that it is an unknown record of thousands of bytes."""
+    path = in_chunks(numbered)
+    content = path.read_bytes()
+    chunks, indices = records(content, CHUNK), records(content, MESSAGE_INDEX)
+    path.write_bytes(content)
+    for opcode, end in ((63, chunks[-1] + 1), (63, len(content) - 50), (CHUNK_INDEX, chunks[5] + 3)):
+        lying = bytearray(content)
+        lying[chunks[2]] = 7  # so that the index is not believed
+        struct.pack_into("<BQ", lying, indices[3], opcode, end - indices[3] - 9)
+        path.write_bytes(lying)
+        columns = read_columns(path, [SIGNAL])
+        left = values(list(columns))
+        assert 80 < len(left) < 100
+        assert left[-50:] == [float(n) for n in range(50, 100)]
 
 
 def test_definitions_in_chunks_are_better_than_a_damaged_summary(numbered: Path) -> None:

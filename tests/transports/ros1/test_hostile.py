@@ -350,7 +350,7 @@ def test_mutated_messages_are_read_or_counted(ros: System, live: Ros1, evil: Cal
 
 
 LISTENER = """
-import json, pathlib, sys, threading
+import json, pathlib, sys, threading, time
 from robophm.transports.ros1 import Ros1
 source = Ros1(sys.argv[1])
 samples = source.samples(sys.argv[2:])
@@ -358,6 +358,10 @@ print("ready", flush=True)
 values = []
 threading.Thread(target=lambda: values.extend(s for s in samples if s.signal != "clock")).start()
 sys.stdin.readline()
+before = None
+while before != (now := (len(values), source.notes.copy())):  # a busy machine takes its time
+    before = now
+    time.sleep(1)
 (peak,) = [l.split()[1] for l in pathlib.Path("/proc/self/status").read_text().splitlines() if l.startswith("VmHWM")]
 print(json.dumps({"peak": int(peak), "notes": source.notes.copy(), "values": len(values)}), flush=True)
 source.close()
@@ -378,7 +382,6 @@ def listened(ros: System, topics: list[str], done: list[str]) -> dict[str, Any]:
             assert listener.stdout is not None
             assert listener.stdout.readline() == "ready\n"
             within(60, lambda: len(done) >= len(topics))
-            time.sleep(0.5)
             found: dict[str, Any] = json.loads(listener.communicate("\n", timeout=60)[0])
         finally:
             listener.kill()

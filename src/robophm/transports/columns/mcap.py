@@ -8,8 +8,9 @@ from __future__ import annotations
 import heapq
 import struct
 from array import array
+from bisect import bisect_left, bisect_right
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -143,8 +144,11 @@ class McapFile(ChunkedFile):
             self.lost(f"{len(content) - behind} bytes of the chunk", chunk.offset)
         return _by_channel(found, content, wanted)
 
-    def _scan(self, content: Bytes, position: int) -> tuple[NDArray[Any], int]:
-        """All messages, and where whole records end; schemas and channels are kept, of the file itself chunks too."""
+    def _scan(self, content: Bytes, position: int, places: Sequence[int] = ()) -> tuple[NDArray[Any], int]:
+        """All messages, and where whole records end; schemas and channels are kept, of the file itself chunks too.
+
+        A record that would reach beyond one of the ``places`` where chunks lie has a length that lies.
+        """
         whole_file = content is self.content
         repeated = False
         view, size = content.data, len(content)
@@ -153,6 +157,10 @@ class McapFile(ChunkedFile):
             opcode, length = struct.unpack_from("<BQ", view, position)
             end = position + 9 + length
             if end > size or opcode == 0 or (opcode == MESSAGE and length < 22):
+                break
+            within = places[bisect_right(places, position) : bisect_left(places, end)]
+            beyond = next(filter(self._lies_at, within), end)
+            if beyond < end and opcode != CHUNK:  # which says itself how much it holds
                 break
             if opcode == MESSAGE:
                 channel, _, time = struct.unpack_from("<HIQ", view, position + 9)
@@ -175,8 +183,15 @@ class McapFile(ChunkedFile):
                 self.chunks[-1].indices[channel] = position  # type: ignore[index]
             elif whole_file and opcode == FOOTER and end == size - len(MAGIC):  # elsewhere it is a damaged record
                 return _table(found), size
-            position = end
+            position = beyond
         return _table(found), position
+
+    def _lies_at(self, place: int) -> bool:
+        """Whether a chunk lies there."""
+        with suppress(DamageError):
+            self.chunk_at(place)
+            return True
+        return False
 
     def _define(self, opcode: int, content: memoryview) -> None:
         """Keep a schema or a channel; what was said first holds."""
@@ -250,16 +265,17 @@ class McapFile(ChunkedFile):
 
     def _look_through(self) -> None:
         """Find chunks and messages from record to record; what is defined in chunks only is looked for there."""
-        found, behind = self._scan(self.content, len(MAGIC))
+        places = sorted(self._places())
+        found, behind = self._scan(self.content, len(MAGIC), places)
         parts = [found]
-        places = iter(sorted(self._places()))
+        following = iter(places)
         while behind < self.size:
             try:
-                place = self.next_chunk(behind, places)
+                place = self.next_chunk(behind, following)
             except DamageError:
                 self._cut(behind)
                 break
-            found, behind = self._scan(self.content, place)
+            found, behind = self._scan(self.content, place, places)
             parts.append(found)
         if self.chunks:  # of its index maybe not all is there
             self.chunks[-1] = _unindexed(self.chunks[-1])

@@ -20,9 +20,9 @@ MOST_HELD = 128 << 20
 MOST_GUESTS = 200
 """Connections that others have made to us, beyond which one more is refused."""
 
-_READ = 1 << 16
-"""Bytes received at once. Memory for more is asked of the operating system for every message, which takes longer than
-all that is done with it."""
+_READ, _MOST_READ = 1 << 16, 1 << 20
+"""Bytes received at once, twice as many as before where there were so many. Memory for more is asked of the operating
+system each time, which for a small message takes longer than all that is done with it."""
 
 
 class Peer:
@@ -39,6 +39,7 @@ class Peer:
         self.received = bytearray()
         self.sending: deque[memoryview] = deque()
         self.closed = False
+        self._room = _READ
         connection.setblocking(False)
 
     def taken(self) -> None:
@@ -77,7 +78,7 @@ class Peer:
     def read(self) -> None:
         """Receive, once, so that no connection starves another."""
         try:
-            data = self.connection.recv(_READ)
+            data = self.connection.recv(self._room)
         except BlockingIOError:
             return
         except OSError:
@@ -85,7 +86,9 @@ class Peer:
         if not data:
             self.close()
             return
-        self.loop.behind |= len(data) == _READ
+        full = len(data) == self._room
+        self._room = min(2 * self._room, _MOST_READ) if full else _READ
+        self.loop.behind |= full
         before = len(self.received)
         self.received += data
         try:
