@@ -14,6 +14,7 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -97,9 +98,9 @@ def _copy(process: subprocess.Popen[str], name: str, kept: list[str]) -> None:
         print(f"{name:>9} | {line}", end="", flush=True)
 
 
-def _until(so: object) -> bool:
+def _until(so: Callable[[], object]) -> bool:
     deadline = time.monotonic() + PATIENCE
-    while not so():  # type: ignore[operator]
+    while not so():
         if time.monotonic() > deadline:
             return False
         time.sleep(0.1)

@@ -129,7 +129,7 @@ def main(server: str) -> None:
             before = executive.state
             for topic, content in executive.step(now, here):
                 if topic == "/ota/goal":
-                    x, y, speed = content  # type: ignore[misc]
+                    x, y, speed = content
                     goal({"header": header("odom"), "pose": {"pose": {"position": {"x": x, "y": y}}},
                           "twist": {"twist": {"linear": {"x": speed}}}})  # fmt: skip
                 else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -139,18 +139,7 @@ Working = Annotated[list[str] | None, typer.Option(metavar="PART", help="is know
 Draws = Annotated[int, typer.Option(help="of uncertain rates and loads; 0 for none", min=0, max=100_000)]
 
 
-def _known_future(name: str) -> str:
-    from robophm.core.errors import nearest
-
-    if name not in FUTURES:
-        raise typer.BadParameter(f"no future '{name}'{nearest(name, FUTURES)}")
-    return name
-
-
-FUTURES = ("recent", "last", "nominal")
-Future_ = Annotated[
-    str, typer.Option("--future", help="stress and usage to come: recent, last or nominal", callback=_known_future)
-]
+Future_ = Annotated[Literal["recent", "last", "nominal"], typer.Option("--future", help="stress and usage to come")]
 
 
 @app.command()

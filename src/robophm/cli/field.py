@@ -15,12 +15,6 @@ Design = Annotated[Path, typer.Argument(help="the robot's design file", metavar=
 Force = Annotated[bool, typer.Option("--force", help="also where that file exists")]
 
 
-def _known_way(by: str) -> str:
-    if by not in ("likelihood", "ranks"):
-        raise typer.BadParameter(f"no way '{by}'; expected likelihood or ranks")
-    return by
-
-
 def learn(
     design: Design,
     logs: Annotated[
@@ -67,7 +61,7 @@ def fit(
         str | None, typer.Option(help="exponential, weibull, weibull3, lognormal, normal, gamma, loglogistic, gumbel")
     ] = None,
     by: Annotated[
-        str, typer.Option(help="likelihood, or ranks: a line through median ranks", callback=_known_way)
+        Literal["likelihood", "ranks"], typer.Option(help="likelihood, or ranks: a line through median ranks")
     ] = "likelihood",
     use: Annotated[
         list[str] | None, typer.Option(metavar="STRESS=VALUE", help="of use, e.g. temperature='40 degC'")
@@ -89,9 +83,8 @@ def fit(
     """Fit life data: distributions, lives at stress, repaired systems (needs robophm[fit])."""
     from robophm.cli.fit import Wishes, run
 
-    how: Literal["likelihood", "ranks"] = "ranks" if by == "ranks" else "likelihood"
     wishes = Wishes(
-        distribution, how, level, tuple(use or ()), tuple(law or ()), repairable, refits, seed, report, to, part,
+        distribution, by, level, tuple(use or ()), tuple(law or ()), repairable, refits, seed, report, to, part,
         as_json,
     )  # fmt: skip
     run(lives, wishes)
@@ -119,12 +112,6 @@ def maintain(
     run(design, costs, Wishes(store, setup, downtime_cost, horizon, robots, level, lead, repetitions, seed, as_json))
 
 
-def _known_process(name: str) -> str:
-    if name not in ("wiener", "gamma"):
-        raise typer.BadParameter(f"no process '{name}'; expected wiener or gamma")
-    return name
-
-
 def wear(
     design: Design,
     signals: Annotated[
@@ -142,7 +129,7 @@ def wear(
     threshold: Annotated[
         float | None, typer.Option(help="of a table: at which it has failed; of a signal that falls, below the first")
     ] = None,
-    process: Annotated[str, typer.Option(help="wiener, or gamma: it only grows", callback=_known_process)] = "wiener",
+    process: Annotated[Literal["wiener", "gamma"], typer.Option(help="gamma: it only grows")] = "wiener",
     load: Annotated[
         float | None, typer.Option(help="of a table: at which readings are compared, by their column load")
     ] = None,
@@ -159,8 +146,7 @@ def wear(
     """The wear that signals show: trend, change, and what remains of parts and robot; exit code 1 at a threshold."""
     from robophm.cli.wear import Wishes, run
 
-    kind: Literal["wiener", "gamma"] = "gamma" if process == "gamma" else "wiener"
-    wishes = Wishes(part, threshold, kind, load, baseline, false_alarms, shift, store, skip_missing, seed, as_json)
+    wishes = Wishes(part, threshold, process, load, baseline, false_alarms, shift, store, skip_missing, seed, as_json)
     if run(design, signals, wishes):
         raise typer.Exit(BREACHED)
 
