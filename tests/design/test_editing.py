@@ -230,14 +230,17 @@ def test_parts_in_series_are_put_in_order_and_a_group_is_left_whole():
 
 def test_a_network_is_made_of_parts_beside_each_other():
     plain = "schema_version: 1\nname: R\ncomponents: {a: {rate: 1 FIT}, b: {rate: 1 FIT}, in: {rate: 1 FIT}}\n"
-    found = document_of(edited(lambda d: editing.group(d, [], ["a", "b"], "network"), plain))
+    network = edited(lambda d: editing.group(d, [], ["a", "b"], "network"), plain)
+    found = document_of(network)
     assert found["diagram"]["series"][0] == {
         "network": {"from": "in 2", "to": "out", "links": [["in 2", "a", "out"], ["in 2", "b", "out"]]}
     }
+    with pytest.raises(Fault, match="a: in a network"):
+        edited(lambda d: editing.place(d, [], ["in"], ["a"]), network)
+    apart = document_of(edited(lambda d: editing.ungroup(d, [], ["a", "b"]), network))
+    assert apart["diagram"] == {"series": ["a", "b", "in"]}
     one = math.exp(-1e-6)  # of 1 FIT for 1000 h
-    assert at_1000_hours(edited(lambda d: editing.group(d, [], ["a", "b"], "network"), plain)) == pytest.approx(
-        (1 - (1 - one) ** 2) * one, rel=1e-14
-    )
+    assert at_1000_hours(network) == pytest.approx((1 - (1 - one) ** 2) * one, rel=1e-14)
 
 
 @pytest.mark.parametrize(

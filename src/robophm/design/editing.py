@@ -191,6 +191,11 @@ def _beside(diagram: Any, beside: set[str], before: bool, path: Path) -> tuple[M
     for blocks in _rows(diagram):
         holding = [i for i, block in enumerate(blocks) if beside & set(map(_stem, leaves(block)))]
         if beside <= {_stem(name) for i in holding for name in leaves(blocks[i])}:
+            if any(isinstance(blocks[i], MutableMapping) and "network" in blocks[i] for i in holding):
+                raise Fault(
+                    (*path, "diagram"),
+                    f"{', '.join(sorted(beside))}: in a network, whose links say what is beside what",
+                )
             return blocks, holding[0] if before else holding[-1] + 1
     raise Fault((*path, "diagram"), f"{', '.join(sorted(beside))} are drawn in no group of this level")
 
@@ -231,7 +236,7 @@ def ungroup(document: Any, path: Sequence[str], members: Sequence[str]) -> None:
     if best is None or not wanted:
         raise Fault((*path, "diagram"), "these parts are in no group of this level")
     _, blocks, i = best
-    blocks[i : i + 1] = _members(blocks[i])
+    blocks[i : i + 1] = _members(blocks[i], {*_names(level)})
     level["diagram"] = _tidy(outer)
 
 
@@ -286,7 +291,10 @@ def _lists(block: Any) -> Iterator[MutableSequence[Any]]:
     yield from (row for row in _rows(block) if not any(row is one for one in dependent))
 
 
-def _members(block: Any) -> list[Any]:
+def _members(block: Any, names: set[str]) -> list[Any]:
+    """What a group is of; of a network its parts."""
+    if "network" in block:
+        return [name for name in dict.fromkeys(leaves(block)) if _stem(name) in names]
     inner = next(iter(block.values()))
     return list(inner["of"] if isinstance(inner, MutableMapping) else inner)
 

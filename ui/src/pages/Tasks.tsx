@@ -22,7 +22,9 @@ export function Tasks(): ReactNode {
   useEffect(() => void get("/api/tasks/arrived").then((found) => setArrived(found.tasks)).catch(() => undefined), [beat]);
   useEffect(() => {
     if (!list.length && design?.valid)
-      get("/api/tasks/design").then((found) => setList(found.tasks.map((one) => ({ ...one, name: one.name || "the design's task" })))).catch(() => undefined);
+      get("/api/tasks/design")
+        .then((found) => setList((now) => (now.length ? now : found.tasks.map((one) => ({ ...one, name: one.name || "the design's task" })))))
+        .catch(() => undefined);
     // only when a design comes
     // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [design?.valid]);
@@ -48,7 +50,7 @@ export function Tasks(): ReactNode {
     }
   }
 
-  const add = (task: Task): void => setList([...list, task]);
+  const add = (task: Task): void => setList((now) => [...now, task]);
   if (!design) return null;
   return (
     <>
