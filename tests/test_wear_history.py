@@ -156,6 +156,7 @@ def test_they_stand_on_the_parts_own_clock(drives, history):
     assert readings.times == pytest.approx(expected, abs=61 / HOUR)  # a minute when a drive begins
     assert readings.times[-1] - readings.times[0] == pytest.approx(expected[-1] - expected[0], abs=61 / HOUR)
     assert history.monitor.ledger.clocks.value[0] > 1
+    assert readings.width == pytest.approx(EVERY / HOUR, rel=1e-3)
 
 
 def test_what_does_not_count_is_said(history):

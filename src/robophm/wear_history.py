@@ -6,7 +6,7 @@ The recordings become exposure as in a replay, which says how far each part's cl
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 
@@ -63,9 +63,12 @@ def worn_modes(robot: Robot, part: str | None = None) -> list[FailureMode]:
 
 
 def wear_history(
-    robot: Robot, recorded: Recorded | Sequence[Recorded], modes: Sequence[FailureMode], *, skip_missing: bool = False
-) -> WearHistory:
+    robot: Robot, recorded: Recorded | Sequence[Recorded], modes: Sequence[FailureMode], *, skip_missing: bool = False,
+    advance: Callable[[int, int], None] = lambda done, total: None,
+) -> WearHistory:  # fmt: skip
     """The readings of failure modes (``worn_modes``) in recordings, in the order of their time.
+
+    ``advance`` is told how many drives of how many are done.
 
     Raises SourceError as ``replay``, DataError where a signal has too many stretches.
     """
@@ -79,7 +82,8 @@ def wear_history(
             looks.append((now, ledger.age.value[index]))
 
     monitor, notes = Monitor(robot, on_tick=lambda monitor: look(monitor.ledger)), Counter[str]()
-    for drive in drives:
+    for done, drive in enumerate(drives):
+        advance(done, len(drives))
         before: Array | None = looks[-1][1] if looks else np.zeros(len(index))
         with drive.open() as source:
             ordered = _InOrder({signal for one in reducers for signal in one.signals}, notes)
@@ -99,8 +103,11 @@ def wear_history(
         said: Counter[str] = reducer.notes
         reduced = reducer.stretches.readings(reducer.wear.reading, said)
         if len(reduced.times):
-            rows, at = on_a_clock(reduced, [(when, float(ages[k])) for when, ages in looks], said)
-            found[mode.path] = Readings(at, reduced.values[rows], None, dated=False, when=reduced.times[rows])
+            here = on_a_clock(reduced, reducer.wear.every, [(when, float(ages[k])) for when, ages in looks], said)
+            found[mode.path] = Readings(
+                here.ages, reduced.values[here.rows], None, dated=False, when=reduced.times[here.rows],
+                width=0.0 if reducer.wear.reading in ("highest", "lowest") else here.width,
+            )  # fmt: skip
         notes.update({f"{mode.path}: {what}": count for what, count in said.items()})
     return WearHistory(found, monitor, notes + monitor.ledger.counts)
 

@@ -17,9 +17,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 
-from ros import Ros, header
-
 from robophm.core.signal import Sample
+from ros import Ros, header
 
 NEAR = 0.05
 """How near a waypoint is reached [m]."""

@@ -120,8 +120,8 @@ def _of_recordings(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> tup
         if said is not None:
             raise DataError(f"{option} is of a table; of recordings the design says it, at the part's `wear`")
     modes = worn_modes(robot, wishes.part)
-    with counted(progress_console(), "reading"):
-        history = wear_history(robot, signals, modes, skip_missing=wishes.skip_missing)
+    with counted(progress_console(), "reading") as advance:
+        history = wear_history(robot, signals, modes, skip_missing=wishes.skip_missing, advance=advance)
     for what, count in sorted(history.notes.items()):
         warn(f"{what} ({count:,} times)" if count > 1 else what)
     found: list[_Found] = []
@@ -160,8 +160,9 @@ def _judged(mode: FailureMode, source: str, readings: Readings, threshold: float
         if threshold == begun:
             raise DataError(f"the signal begins at its threshold, {threshold:g}; expected one that it has yet to reach")
         found = wear(
-            readings.times, values, threshold, process=wishes.process, falls=threshold < begun, seed=wishes.seed
-        )
+            readings.times, values, threshold, process=wishes.process, falls=threshold < begun,
+            width=readings.width, seed=wishes.seed,
+        )  # fmt: skip
         detector = design(values[:baseline], wishes.between_false_alarms, wishes.shift)
     except DataError as error:
         raise DataError(f"{source}: {error}") from None

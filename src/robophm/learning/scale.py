@@ -270,11 +270,13 @@ def _between(grid: Array, each: Array) -> tuple[float, float, float]:
     together = each.sum(axis=0)
     step = float(grid[1] - grid[0])
 
+    top = each.max(axis=1)
+    likelihood = np.exp(each - top[:, None])
+
     def log_likelihood(mean: float, log_spread: float) -> float:
         around = _normal(grid, np.array([mean]), math.exp(log_spread))[:, 0]
-        top = each.max(axis=1)
         with np.errstate(divide="ignore"):
-            return float(np.sum(top + np.log(np.exp(each - top[:, None]) @ around)))
+            return float(np.sum(top + np.log(likelihood @ around)))
 
     first = float(grid[together.argmax()])
     narrowest, widest = math.log(2 * step), math.log(float(grid[-1] - grid[0]))

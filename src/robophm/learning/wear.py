@@ -101,10 +101,11 @@ class Wear:
 
 def wear(
     times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, *, process: Process = "wiener", falls: bool = False,
-    seed: int = 0, draws: int = DRAWS,
+    width: float = 0.0, seed: int = 0, draws: int = DRAWS,
 ) -> Wear:  # fmt: skip
     """The wear that readings show, and when it reaches a threshold; ``falls``: the signal falls as wear grows.
 
+    ``width``: of the stretch around its time over which each reading is a mean; 0: it is of a moment.
     Raises DataError where there are too few readings, or they cannot be of such a process.
     """
     t, y = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
@@ -122,32 +123,39 @@ def wear(
         raise DataError(
             f"the signal is {y[0]:g} all the time: no trend, and no wear to be seen; expected one that changes"
         )
-    t, y = _thinned(t, y)
+    t, y, width = _thinned(t, y, width)
     y, threshold = (-y, -threshold) if falls else (y, threshold)
     rng = np.random.default_rng(seed)
     if process == "gamma":
         return _gamma(t, y, threshold, falls, rng, draws)
-    return _wiener(t, y, threshold, falls, rng, draws)
+    return _wiener(t, y, threshold, falls, width, rng, draws)
 
 
-def _thinned(t: Array, y: Array) -> tuple[Array, Array]:
+def _thinned(t: Array, y: Array, width: float) -> tuple[Array, Array, float]:
+    """Means of neighbours where there are too many, and the width of a reading then."""
     if len(t) <= MOST:
-        return t, y
+        return t, y, width
     groups = np.array_split(np.arange(len(t)), MOST)
-    return np.array([t[g].mean() for g in groups]), np.array([y[g].mean() for g in groups])
+    times = np.array([t[g].mean() for g in groups])
+    return times, np.array([y[g].mean() for g in groups]), float(np.median(np.diff(times)))
 
 
-def _wiener(t: Array, y: Array, threshold: float, falls: bool, rng: np.random.Generator, draws: int) -> Wear:
+def _wiener(
+    t: Array, y: Array, threshold: float, falls: bool, width: float, rng: np.random.Generator, draws: int
+) -> Wear:
     """Exact but for the grid of noise ratios: μ flat, σ² by Jeffreys, the first level flat."""
     dt, dy = np.diff(t), np.diff(y)
+    # A mean of a wandering level over w wanders less from one to the next, by w/3, and follows on by w/6 [σ²].
+    within = np.minimum(width, dt)
+    shared = np.minimum(within[1:], within[:-1]) / 6
     n, typical = len(dy), float(np.median(dt))
     weights, parts = np.empty(len(_RATIOS)), []
     for k, ratio in enumerate(_RATIOS):
         tau = ratio * typical
-        # Of increments: variance dt + 2τ, covariance with the next −τ [σ²]; cholesky of that band.
+        # Of increments of moments: variance dt + 2τ, covariance with the next −τ [σ²]; cholesky of that band.
         band = np.zeros((2, n))
-        band[1] = dt + 2 * tau
-        band[0, 1:] = -tau
+        band[1] = dt - within / 3 + 2 * tau
+        band[0, 1:] = shared - tau
         root = cholesky_banded(band)
         white = [_whitened(root, one) for one in (dt, dy)]
         information = float(white[0] @ white[0])
@@ -155,7 +163,7 @@ def _wiener(t: Array, y: Array, threshold: float, falls: bool, rng: np.random.Ge
         rest = white[1] - drift * white[0]
         squares = float(rest @ rest)
         weights[k] = -float(np.log(root[1]).sum()) - 0.5 * math.log(information) - 0.5 * (n - 1) * math.log(squares)
-        parts.append((drift, information, squares, *_filtered(dt, y, tau)))
+        parts.append((drift, information, squares, *_filtered(dt, y, tau + float(within[-1]) / 12)))
     share = _PRIOR * np.exp(weights - weights.max())
     chosen = rng.choice(len(_RATIOS), draws, p=share / share.sum())
     table = np.array(parts)[chosen].T

@@ -35,6 +35,8 @@ class Readings:
     """Whether its times are dates, and so the calendar's."""
     when: npt.NDArray[np.int64] | None = None
     """Of recordings [ns since the epoch]."""
+    width: float = 0.0
+    """Of recordings, the stretch of the clock over which each is a mean."""
 
 
 def read_readings(path: Path, unit: str) -> Readings:

@@ -186,16 +186,30 @@ class Reducer:
             self.notes[f"{why}, left out"] += missing
 
 
-def on_a_clock(reduced: Reduced, looks: Sequence[tuple[int, float]], notes: Counter[str]) -> tuple[Times, Array]:
-    """Which readings are later than the one before on a clock that was looked at [ns, ascending; age], and where.
+class OnClock(NamedTuple):
+    """Readings on a clock; shapes (readings,)."""
 
-    Shapes (readings,). Between two looks the clock is taken to go evenly.
+    rows: npt.NDArray[np.intp]
+    """Those that are later on it than the one before."""
+    ages: Array
+    """Where it stood."""
+    width: float
+    """How far it usually went in a stretch."""
+
+
+def on_a_clock(reduced: Reduced, every: int, looks: Sequence[tuple[int, float]], notes: Counter[str]) -> OnClock:
+    """Readings of stretches of ``every`` [ns] on a clock that was looked at [ns, ascending; age].
+
+    Between two looks the clock is taken to go evenly.
     """
     when, ages = (np.array(column) for column in zip(*looks, strict=True))
     ages = np.maximum.accumulate(ages.astype(float))
-    at = np.interp((reduced.times - when[0]) / SECOND, (when - when[0]) / SECOND, ages)
-    later = np.diff(np.maximum.accumulate(at), prepend=-math.inf) > 0
+
+    def at(times: Times) -> Array:
+        return np.asarray(np.interp((times - when[0]) / SECOND, (when - when[0]) / SECOND, ages))
+
+    stood, begin = at(reduced.times), reduced.times // every * every
+    later = np.diff(np.maximum.accumulate(stood), prepend=-math.inf) > 0
     if still := int((~later).sum()):
         notes["readings while the part did not age, left out"] += still
-    rows: Times = np.flatnonzero(later).astype(np.int64)
-    return rows, at[later]
+    return OnClock(np.flatnonzero(later), stood[later], float(np.median((at(begin + every) - at(begin))[later])))

@@ -171,3 +171,15 @@ def test_mistakes_of_ours_are_one_line(ros: System) -> None:
                 Publisher(node, "/x", "std_msgs/Float64")
             with pytest.raises(SourceError, match="message on /x is no std_msgs/Float64"):
                 out.publish(out.types["std_msgs/msg/Float64"](data="many"))
+
+
+def test_two_who_take_all_topics_of_a_large_robot(ros: System) -> None:
+    """240 connections to one node."""
+    topics = [f"/large/t{number}" for number in range(120)]
+    with Node(None, ros.uri) as node:
+        publishers = [Publisher(node, topic, "std_msgs/Float64") for topic in topics]
+        with Ros1(ros.uri) as one, Ros1(ros.uri) as other:
+            for source in (one, other):
+                source.samples([f"{topic}.data" for topic in topics])
+            within(20, lambda: all(publisher.subscribers == 2 for publisher in publishers))
+        assert not node.notes

@@ -17,8 +17,9 @@ from robophm.transports.notes import Notes
 MOST_HELD = 128 << 20
 """Bytes of unfinished messages over all sockets, beyond which the one that holds most is closed."""
 
-MOST_GUESTS = 200
-"""Connections that others have made to us, beyond which one more is refused."""
+MOST_GUESTS = 500
+"""Connections that others have made to us, beyond which one more is refused: two who take all topics of a robot of 200
+parts, and well below the 1,024 files that a process may commonly have open."""
 
 _READ, _MOST_READ = 1 << 16, 1 << 20
 """Bytes received at once, twice as many as before where there were so many. Memory for more is asked of the operating
