@@ -95,7 +95,7 @@ def test_the_same_by_the_keyboard(courier, visit):
     assert module(courier, "see")["diagram"] == "camera"
     page.locator(".react-flow__node-box", has_text="encoder").wait_for()
     page.keyboard.press("Control+z")
-    page.get_by_text("There is no part drive/lidar").wait_for()
+    page.get_by_role("heading", name="drive").wait_for()  # where it was
     assert module(courier, "see")["diagram"] == {"parallel": ["lidar", "camera"]}
 
 

@@ -33,6 +33,13 @@ export function Design(): ReactNode {
 
   const first = chosen[0] ?? "";
   const part = design ? findPart(design, first) : undefined;
+  const gone = design !== null && !part && first !== rest; // undone, moved or deleted by somebody else: what it was in is shown
+  useEffect(() => {
+    if (!gone || !design) return;
+    let above = levelOf(first);
+    while (above && !findPart(design, above)) above = levelOf(above);
+    choose([above]);
+  }, [gone, first, design, choose]);
   const shownLevel = design && findPart(design, level)?.kind !== "component" && findPart(design, level) ? level : "";
 
   if (!design || !tree) return null;
@@ -134,7 +141,7 @@ export function Design(): ReactNode {
       <section className="side right" aria-label="Inspector">
         {part ? (
           <Inspector key={part.path} part={part} several={parts.length} design={design} />
-        ) : (
+        ) : gone ? null : (
           <div className="trouble">
             There is no part {first}. <button onClick={() => go("design")}>To the robot</button>
           </div>
