@@ -231,3 +231,10 @@ def test_what_may_never_fail_counts_for_less() -> None:
         lambda hours: structure.probability(*state(hours)[:2])[::-1],
     )
     assert found[0] == pytest.approx(-math.expm1(-1), rel=1e-9)
+
+
+def test_beside_next_to_no_failure_a_sure_one_is_infinitely_worse():
+    """1/1e-312 is no number that floating point has."""
+    found = importance(Structure(Series(Unit("a"), Unit("b"))), 0.0, [1e-312, 1e-312], 1.0)
+    assert found.achievement.tolist() == [math.inf, math.inf]
+    assert_allclose(found.criticality, 0.5, rtol=1e-9)

@@ -57,7 +57,7 @@ def importance(structure: Structure, before: ArrayLike, during: ArrayLike, after
     works = np.asarray(system.fails + system.survives)
     fails = np.asarray(system.fails)
     caused = c * hangs
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # beside next to nothing all is infinite
         return Importance(
             birnbaum=(c + s) * hangs / works,
             criticality=caused / fails,
