@@ -116,7 +116,7 @@ def test_catkin_builds_both(tmp_path: Path) -> None:
     (tmp_path / "src").mkdir()
     for package in ("phm_msgs", "robophm_ros"):
         (tmp_path / "src" / package).symlink_to(ROS / package)
-    environment = {**SYSTEM, "ROS_VERSION": "1", "HOME": str(tmp_path)}
+    environment = {**SYSTEM, "ROS_VERSION": "1", "HOME": str(tmp_path), "PWD": str(tmp_path)}  # where it builds
     command = ["catkin_make", "-DPYTHON_EXECUTABLE=/usr/bin/python3"]
     subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, check=True, timeout=500)
     made = tmp_path / "devel" / "lib" / "python3" / "dist-packages"
