@@ -103,7 +103,7 @@ def next_task(server: str) -> list[Waypoint] | None:
 
 def main(server: str) -> None:
     """Until SIGTERM or SIGINT."""
-    executive, place, asked = Executive(), {"x": math.nan, "y": math.nan}, 0.0
+    executive, place = Executive(), {"x": math.nan, "y": math.nan}
     with Ros("/ota_executive") as ros:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: ros.source.close())
@@ -112,6 +112,7 @@ def main(server: str) -> None:
             for topic in ("/robot_task_list", "/task_time", "/task_position")
         }
         goal = ros.publisher("/ota/goal", "nav_msgs/msg/Odometry", latched=True)
+        asked = time.monotonic()  # who listens to tasks has a second to find us before the first
         signals = {f"/ota/odom.pose.pose.position.{axis}": axis for axis in "xy"}
         for heard in ros.listen(signals, ()):
             if isinstance(heard, Sample) and heard.signal in signals:
