@@ -94,7 +94,7 @@ def group(document: Any, path: Sequence[str], members: Sequence[str], kind: Kind
         diagram = {"series": list(_names(level))}
     elif not (isinstance(diagram, MutableMapping) and "series" in diagram):
         diagram = {"series": [diagram]}
-    for blocks in _lists(diagram):
+    for blocks in _rows(diagram, dependent=False):
         inside = [i for i, block in enumerate(blocks) if set(leaves(block)) <= wanted]
         if {name for i in inside for name in leaves(blocks[i])} == wanted:
             break
@@ -165,7 +165,8 @@ def place(
     row, at = _beside(diagram, set(beside), before, tuple(path))
     taken = [deepcopy(block) for block in _whole(diagram, wanted)]
     taken += [name for name in members if name not in {_stem(leaf) for block in taken for leaf in leaves(block)}]
-    if any(row is one for one in _dependent(diagram)) and not all(isinstance(block, str) for block in taken):
+    free = any(row is one for one in _rows(diagram, dependent=False))
+    if not free and not all(isinstance(block, str) for block in taken):
         raise Fault(tuple(path), "standby and load sharing are of parts and modules, not of groups")
     row.insert(at, _HERE)
     diagram = rewrite(diagram, lambda name: None if _stem(name) in wanted else name)
@@ -228,7 +229,7 @@ def ungroup(document: Any, path: Sequence[str], members: Sequence[str]) -> None:
     wanted = set(members)
     best: tuple[int, MutableSequence[Any], int] | None = None
     outer: Any = {"series": [level.get("diagram")]}
-    for blocks in _lists(outer):
+    for blocks in _rows(outer, dependent=False):
         for i, block in enumerate(blocks):
             held = set(leaves(block)) if not isinstance(block, str) else set()
             if wanted <= held and (best is None or len(held) <= best[0]):
@@ -266,29 +267,14 @@ def _own_lists(block: Any) -> Iterator[MutableSequence[Any]]:
             yield inner
 
 
-def _rows(block: Any) -> Iterator[MutableSequence[Any]]:
-    """The lists of members in a diagram, inner before outer."""
+def _rows(block: Any, *, dependent: bool = True) -> Iterator[MutableSequence[Any]]:
+    """The lists of members in a diagram, inner before outer; or only those in which groups can stand."""
     if isinstance(block, MutableMapping):
         for inner in _own_lists(block):
             for one in inner:
-                yield from _rows(one)
-            yield inner
-
-
-def _dependent(block: Any) -> Iterator[MutableSequence[Any]]:
-    """Those of standby and load sharing."""
-    if isinstance(block, MutableMapping):
-        for inner in _own_lists(block):
-            for one in inner:
-                yield from _dependent(one)
-            if "standby" in block or "load_sharing" in block:
+                yield from _rows(one, dependent=dependent)
+            if dependent or not block.keys() & {"standby", "load_sharing"}:
                 yield inner
-
-
-def _lists(block: Any) -> Iterator[MutableSequence[Any]]:
-    """The lists in which groups can stand, inner before outer."""
-    dependent = list(_dependent(block))
-    yield from (row for row in _rows(block) if not any(row is one for one in dependent))
 
 
 def _members(block: Any, names: set[str]) -> list[Any]:
