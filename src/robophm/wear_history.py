@@ -17,6 +17,7 @@ from robophm.core.signal import CLOCK, SECOND
 from robophm.design.robot import FailureMode, Robot
 from robophm.drives import Drive, Recorded, drives_of
 from robophm.health.ledger import Ledger
+from robophm.health.window import in_time
 from robophm.learning.wear_data import Readings
 from robophm.learning.wear_signal import Array, Reducer, Times, on_a_clock
 from robophm.monitor import Monitor
@@ -167,9 +168,7 @@ class _InOrder:
                 parts.append((heard.times, heard.values))
             if not parts:
                 continue
-            times, values = (np.concatenate(one) for one in zip(*parts, strict=True))
-            order = np.lexsort((values, times))
-            times, values = times[order], values[order]
+            times, values = in_time(*(np.concatenate(one) for one in zip(*parts, strict=True)))
             count = int(np.searchsorted(times, until))
             ready[signal] = times[:count], values[:count]
             parts[:] = [(times[count:], values[count:])]

@@ -145,15 +145,12 @@ class Stretch:
     def channel(self, key: str, channel: Channel) -> None:
         """Hold what a channel takes of its signal, in the model's unit."""
         times, raw = self.raw.get(channel.signal, _NOTHING)
-        if not len(times):
-            held = self.hold(key, times, raw, channel.max_age)
-            self._held[key] = held._replace(values=channel.scale * held.values + channel.offset)
-            return
-        values = channel.scale * raw + channel.offset
-        valid = (values >= channel.low) & (values <= channel.high)
-        if not valid.all():
-            self._rejected[channel.signal] = self._rejected.get(channel.signal, False) | ~valid
-            times, raw, values = times[valid], raw[valid], values[valid]
+        if len(times):
+            values = channel.scale * raw + channel.offset
+            valid = (values >= channel.low) & (values <= channel.high)
+            if not valid.all():
+                self._rejected[channel.signal] = self._rejected.get(channel.signal, False) | ~valid
+                times, raw = times[valid], raw[valid]
         held = self.hold(key, times, raw, channel.max_age)  # what is kept for the next stretch is as it came
         self._held[key] = held._replace(values=channel.scale * held.values + channel.offset)
 

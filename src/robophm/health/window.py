@@ -50,7 +50,7 @@ class Window:
 
     def columns(self) -> Columns:
         """What each signal said."""
-        return {signal: _in_time(np.array(times), np.array(values)) for signal, (times, values) in self._own.items()}
+        return {signal: in_time(np.array(times), np.array(values)) for signal, (times, values) in self._own.items()}
 
     def samples(self) -> list[Sample]:
         """All of it."""
@@ -85,7 +85,8 @@ def parted(columns: Columns, time: int) -> tuple[Columns, Columns]:
     return ready, rest
 
 
-def _in_time(times: Times, values: Array) -> tuple[Times, Array]:
+def in_time(times: Times, values: Array) -> tuple[Times, Array]:
+    """Samples ascending in time [ns], of equal times the greatest value last."""
     if (times[1:] > times[:-1]).all():
         return times, values
     order = np.lexsort((values, times))
