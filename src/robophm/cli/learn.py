@@ -18,7 +18,6 @@ from robophm.learning.learn import LearnedRate, learn
 from robophm.learning.scale import Lived
 from robophm.report.words import number_text
 
-TABLES = (".csv", ".tsv", ".yaml", ".yml")
 STORES = (".db", ".sqlite", ".sqlite3")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,9 +15,6 @@ from robophm.transports.columns.single import Single
 from robophm.transports.columns.walk import Program
 from robophm.transports.message_type import HEADER, MessageType, field_getter
 from robophm.transports.notes import TypeRefusedError
-
-if TYPE_CHECKING:
-    pass
 
 LARGE = 1 << 18
 """Bytes of a message, beyond which it is not decoded but walked: a byte can decode to an object of 150."""

@@ -91,8 +91,10 @@ def watch(
         for heard in _listen(source, robot.signals, task_topics):
             if isinstance(heard, Told):
                 if judged := tasks.hear(heard):
-                    for tell in (*(sink.judged for sink in sinks), *([on_task] if on_task else [])):
-                        tell(judged)
+                    for sink in sinks:
+                        sink.judged(judged)
+                    if on_task:
+                        on_task(judged)
                 continue
             if isinstance(heard, Gap):
                 if journal:

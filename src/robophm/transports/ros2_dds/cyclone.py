@@ -198,7 +198,7 @@ class Writer:
             policy.Durability.TransientLocal if latched else policy.Durability.Volatile,
             policy.History.KeepLast(1 if latched else PUBLISHED),
             policy.DataRepresentation(use_cdrv0_representation=True),
-            policy.Userdata(f"typehash={definition.hash};".encode()),
+            policy.Userdata(definition.user_data),
         )
         self._entity = dds.pub.DataWriter(participant.entity, participant.topic(topic, definition), qos)
         self._write = dds._clayer.ddspy_write
@@ -235,7 +235,7 @@ class Reader:
             policy.History.KeepLast(HISTORY),
             policy.DataRepresentation(use_cdrv0_representation=True),
             policy.TypeConsistency.AllowTypeCoercion(),
-            policy.Userdata(f"typehash={definition.hash};".encode()),
+            policy.Userdata(definition.user_data),
         )
         self.entity = dds.sub.DataReader(participant.entity, participant.topic(topic, definition), qos)
         status = dds.core.DDSStatus

@@ -45,6 +45,11 @@ class Definition:
     origin: str
     """Where it was found."""
 
+    @property
+    def user_data(self) -> bytes:
+        """How a reader or writer tells others its hash."""
+        return f"typehash={self.hash};".encode()
+
 
 def ros2_name(name: str) -> str:
     """``std_msgs/msg/Float64``, also of a name without the middle, as ROS 1 spells it. Raises SourceError."""
