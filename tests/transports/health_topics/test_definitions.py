@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robophm.transports.health_topics.compose import compose
-from robophm.transports.health_topics.definitions import definition, typestore
+from robophm.transports.health_topics.definitions import Generation, definition, typestore
 from robophm.transports.health_topics.names import topics_of
 
 HASHES = {
@@ -27,16 +27,17 @@ def test_type_hashes_are_those_of_rosidl(name: str) -> None:
 
 @pytest.mark.parametrize("generation", [1, 2])
 @pytest.mark.parametrize("name", HASHES)
-def test_a_definition_has_all_parts(name: str, generation: int) -> None:
-    text = definition(f"phm_msgs/msg/{name}", generation)  # type: ignore[arg-type]
+def test_a_definition_has_all_parts(name: str, generation: Generation) -> None:
+    text = definition(f"phm_msgs/msg/{name}", generation)
     assert ("MSG: std_msgs/Header" in text) == (name in ("Health", "TaskCompletion"))
     assert ("MSG: phm_msgs/PotcInfo" in text) == (name == "Potc")
     assert ("builtin_interfaces/Time" in text) == (generation == 2 and name != "PotcInfo")
 
 
 def test_what_is_not_said_of_a_message_is_zero() -> None:
-    for generation in (1, 2):
-        store = typestore(generation)  # type: ignore[arg-type]
+    generations: tuple[Generation, ...] = (1, 2)
+    for generation in generations:
+        store = typestore(generation)
         message = compose(store, "nav_msgs/msg/Odometry", {"pose": {"pose": {"position": {"x": 2.0}}}})
         assert (message.pose.pose.position.x, message.pose.pose.position.y, message.child_frame_id) == (2.0, 0, "")
         assert message.pose.covariance.tolist() == [0.0] * 36

@@ -102,7 +102,10 @@ def test_the_same_by_the_keyboard(courier, visit):
 def test_a_network_is_drawn_and_edited(bridge, visit):
     look = visit(bridge)
     page = look.open("design")
-    network = lambda: bridge.get("/api/design")["document"]["diagram"]["network"]  # noqa: E731
+
+    def network():
+        return bridge.get("/api/design")["document"]["diagram"]["network"]
+
     node = page.locator(".react-flow__node-place")
     expect(node).to_have_count(4)
     drag(page, page.locator("[data-id=a] .react-flow__handle-right"), page.locator("[data-id=b]"))
