@@ -41,7 +41,6 @@ export function Live(): ReactNode {
       VIEWS.map(([view, words], i) => ({ name: words, ...clip(`${name}.${view}:${path}`, scale), dashed: i === 1, color: i }));
     return { clip, both };
     // a frozen version keeps what is shown
-    // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [frozen.current, names, seconds, path]);
 
   const rates = useMemo(() => shown.both("hazard_rate", RATE_UNITS[unit].factor), [shown, unit]);

@@ -26,7 +26,6 @@ export function Tasks(): ReactNode {
         .then((found) => setList((now) => (now.length ? now : found.tasks.map((one) => ({ ...one, name: one.name || "the design's task" })))))
         .catch(() => undefined);
     // only when a design comes
-    // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [design?.valid]);
 
   async function ask(tasks: Task[]): Promise<void> {

@@ -48,7 +48,7 @@ export function FormulaForm({ given, use, done }: { given: Values; use: string; 
         .catch((error: Error) => setWrong(error.message));
     }, 200);
     return () => clearTimeout(timer);
-    // eslint-disable-next-line react-hooks/exhaustive-deps
+    // the key says when variables or formula are others; their objects are new at every drawing
   }, [key]);
 
   const vary = (i: number, change: Partial<Variable>): void => setVariables(variables.map((one, n) => (n === i ? { ...one, ...change } : one)));

@@ -111,7 +111,6 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
       plot.current = null;
     };
     // curves' points are put in by the effect below; only their look makes the plot anew
-    // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [shape, log, height, theme, some, time]);
 
   useEffect(() => {
@@ -148,7 +147,8 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
     const last = curves.map((one) => `${one.name} ${numberText(one.y.at(-1), 5)}`).join(", ");
     words.current = { text: some ? `${title}, ${yLabel} over ${xLabel}. Latest: ${last}.` : `${title}: ${empty ?? "no data yet"}`, at: performance.now(), of: key };
   }
-  const legend = useMemo(() => <Legend curves={curves} />, [shape]); // eslint-disable-line react-hooks/exhaustive-deps
+  // names, dashes and colours are in the shape; points are nothing to a legend
+  const legend = useMemo(() => <Legend curves={curves} />, [shape]);
   return (
     <section className="plot card" aria-label={title}>
       <h3>

@@ -28,7 +28,6 @@ export function Design(): ReactNode {
     const part = design ? findPart(design, rest) : undefined;
     if (part) setLevel(part.kind === "component" ? levelOf(part.path) : part.path);
     // when somebody goes to a part, not whenever the design changes
-    // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [rest, known]);
 
   const first = chosen[0] ?? "";
