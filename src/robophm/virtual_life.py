@@ -20,6 +20,9 @@ Flags = npt.NDArray[np.bool_]
 ENOUGH = 500_000
 """Samples that are gone through at once."""
 
+PERIODS = 1024
+"""Whose ends are looked for at once, at most."""
+
 MOST_WAITING = 4_000_000
 """Samples that the open period holds at most; a flood beyond it is integrated early or dropped, as a monitor's is."""
 
@@ -124,9 +127,9 @@ class VirtualLife:
 
     def _late(self, new: Mapping[str, Heard], begun: int) -> dict[str, Flags]:
         """Of each signal that has them, which samples lie in a period that was over when they came."""
-        lags = [(heard.arrived - heard.times, int(heard.times.min())) for heard in new.values()]
-        slowest, fastest = (max(int(lag.max()) for lag, _ in lags), min(int(lag.min()) for lag, _ in lags))
-        if slowest - fastest < WINDOW and min(first for _, first in lags) > begun:
+        lags = [_lags(heard) for heard in new.values()]
+        first = min(int(heard.times.min()) for heard in new.values())
+        if max(slowest for _, slowest in lags) - min(fastest for fastest, _ in lags) < WINDOW and first > begun:
             return {}  # whatever came before a sample is less than the window ahead of it
         arrived, times, values = _joined([*new.values()])
         order = np.argsort(arrived, kind="stable")
@@ -141,26 +144,29 @@ class VirtualLife:
     def _ends(self, begun: int, new: Sequence[Heard]) -> Iterator[tuple[int, int]]:
         """The ends of periods that a monitor integrates to, and when the sample arrived that made it do so."""
         period = self.monitor.period
-        newest = [(heard.arrived, np.maximum.accumulate(heard.times)) for heard in new]
-        while True:
-            due = (begun // period + 1) * period + WINDOW
-            found = [
-                (int(arrived[row]), order, int(times[row]))
-                for order, (arrived, times) in enumerate(newest)
-                if (row := int(np.searchsorted(times, due))) < len(times)
-            ]
-            if not found:
-                return
-            arrived, _, time = min(found)
-            begun = (time - WINDOW) // period * period
-            yield begun, arrived
+        newest = [
+            (heard.arrived, heard.times if _ascends(heard) else np.maximum.accumulate(heard.times)) for heard in new
+        ]
+        last = (max(int(times[-1]) for _, times in newest) - WINDOW) // period
+        while (first := begun // period + 1) <= last:
+            ahead = np.arange(first, min(last, first + PERIODS) + 1)  # few: a gap may be of any length
+            over, arrived = np.zeros(len(ahead), dtype=np.int64), np.full(len(ahead), np.iinfo(np.int64).max)
+            for own, times in newest:  # of samples that arrived at once, the first signal's counts
+                rows = np.searchsorted(times, ahead * period + WINDOW)
+                known = int(np.searchsorted(rows, len(times)))
+                sooner = np.flatnonzero(own[rows[:known]] < arrived[:known])
+                over[sooner], arrived[sooner] = (times[rows[sooner]] - WINDOW) // period, own[rows[sooner]]
+            while begun // period < ahead[-1]:
+                place = begun // period + 1 - first
+                begun = int(over[place]) * period
+                yield begun, int(arrived[place])
 
     def _integrate(self, ends: Sequence[int]) -> None:
         columns, self.ledger.pending = {}, Window()
         for signal, heard in self._waiting.items():
             split = int(np.searchsorted(heard.times, ends[-1], side="right"))
             columns[signal] = heard.times[:split], heard.values[:split]
-            self._waiting[signal] = heard.rows(slice(split, None))
+            self._waiting[signal] = _once(heard.rows(slice(split, None)))
         self.monitor.exposure.integrate_columns(self.ledger, columns, ends)
 
     def _tick(self, arrived: int) -> None:
@@ -213,11 +219,33 @@ def _some(waiting: Mapping[str, Heard], signal: str) -> list[Heard]:
 def _joined(parts: Sequence[Heard]) -> Heard:
     if len(parts) == 1:
         return parts[0]
-    return Heard(*(np.concatenate([part[column] for part in parts]) for column in range(3)))
+    times, values = (np.concatenate([part[column] for part in parts]) for column in (1, 2))
+    if all(part.arrived is part.times for part in parts):
+        return Heard(times, times, values)
+    return Heard(np.concatenate([part.arrived for part in parts]), times, values)
 
 
 def _in_time(parts: Sequence[Heard]) -> Heard:
     """Samples in order of time; of equal times the greatest value last."""
     heard = _joined([part for part in parts if len(part.times)])
-    times = heard.times
-    return heard if (times[1:] > times[:-1]).all() else heard.rows(np.lexsort((heard.values, times)))
+    return heard if _ascends(heard) else heard.rows(np.lexsort((heard.values, heard.times)))
+
+
+def _once(heard: Heard) -> Heard:
+    """Times of arrival that are the samples' own are not kept a second time."""
+    arrived, times, values = heard
+    if arrived is not times and len(times) and arrived[0] == times[0] and np.array_equal(arrived, times):
+        return Heard(times, times, values)
+    return heard
+
+
+def _ascends(heard: Heard) -> bool:
+    return bool((heard.times[1:] > heard.times[:-1]).all())
+
+
+def _lags(heard: Heard) -> tuple[int, int]:
+    """How long after their time samples arrived, at least and at most [ns]."""
+    if heard.arrived is heard.times:
+        return 0, 0
+    lag = heard.arrived - heard.times
+    return int(lag.min()), int(lag.max())

@@ -8,11 +8,11 @@ import numpy as np
 
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.robot import MeasuredClock
-from robophm.health.stretch import Grid, Held, Stretch, ascending
+from robophm.health.stretch import Grid, Held, Part, Stretch, ascending
 from robophm.health.window import Array, Times
 
 
-@dataclass
+@dataclass(frozen=True)
 class Clock:
     """One clock of a robot's parts."""
 
@@ -22,15 +22,20 @@ class Clock:
     """Per operating hour, where nothing measures it."""
 
     def advance(self, grid: Grid) -> Array:
-        """How far it goes in each interval of a grid [unit of the clock]."""
+        """How far it goes in each interval of a grid: one that goes by itself in nanoseconds."""
         if self.clock == "calendar":
-            hours: Array = np.diff(grid.edges) / HOUR
-            return hours
+            return np.diff(grid.edges).astype(float)
         if self.measured is None:
-            return grid.operating * (self.usage / HOUR)
+            return grid.operating
         return {"position": self._path, "speed": self._speed, "edge": self._rises}[self.measured.kind](
             grid, self.measured
         )
+
+    def units(self, advance: Array) -> Array:
+        """Such a way, or a sum of them, in the unit of the clock."""
+        if self.clock == "calendar":
+            return advance / HOUR
+        return advance * (self.usage / HOUR) if self.measured is None else advance
 
     @property
     def keys(self) -> tuple[tuple[str, str], ...]:
@@ -38,24 +43,29 @@ class Clock:
         measured = self.measured
         return tuple((signal, f"{measured.kind} {signal}") for signal in measured.signals) if measured else ()
 
-    def hold(self, stretch: Stretch) -> None:
+    @property
+    def signals(self) -> set[str]:
+        """That drive it."""
+        return {signal for signal, _ in self.keys}
+
+    def hold(self, part: Part) -> None:
         """Hold what the signals say that drive it."""
         if self.measured:
             for signal, key in self.keys:
-                stretch.signal(signal, key, self.measured.max_age)
+                part.signal(signal, key, self.measured.max_age)
 
-    def count_silence(self, stretch: Stretch) -> None:
+    def count_silence(self, part: Part) -> None:
         """Count the nanoseconds of operation in which a speed had no valid value."""
         if self.measured and self.measured.kind == "speed":
             ((signal, key),) = self.keys
-            grid = stretch.grid((key,))
+            grid = part.grid((key,))
             fresh = grid.observed[key].fresh
             if fresh is not None and (silence := round(float(np.sum(grid.operating, where=~fresh)))):
-                stretch.ledger.stale[signal] += silence
+                part.stale[signal] += silence
 
     def _path(self, grid: Grid, measured: MeasuredClock) -> Array:
         stretch = grid.stretch
-        coordinates = [stretch.held(key) for _, key in self.keys]
+        coordinates = [grid.part.held(key) for _, key in self.keys]
         when = ascending(np.concatenate([held.times for held in coordinates]))
         first = max(_first(held, stretch) for held in coordinates)
         when = when[when >= first]
@@ -70,7 +80,7 @@ class Clock:
         return self._steps(grid, when[1:], kilometres) + self._unheard(grid, measured, first)
 
     def _rises(self, grid: Grid, measured: MeasuredClock) -> Array:
-        held = grid.stretch.held(self.keys[0][1])
+        held = grid.part.held(self.keys[0][1])
         above = held.values > measured.threshold
         rises = held.times[1:][above[1:] & ~above[:-1]]
         unheard = self._unheard(grid, measured, _first(held, grid.stretch))
@@ -93,7 +103,7 @@ class Clock:
 
     def _speed(self, grid: Grid, measured: MeasuredClock) -> Array:
         key = self.keys[0][1]
-        fine = grid.stretch.grid((*grid.observed, key))
+        fine = grid.part.grid((*grid.observed, key))
         speed, fresh = fine.observed[key]
         rate = np.abs(speed) * (measured.scale * 1e-3 / SECOND)
         if fresh is not None:  # silence is not standstill: the design's usage holds

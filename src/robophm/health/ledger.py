@@ -42,6 +42,16 @@ class Total:
         self.low = self.low + ((self.high - (total - shifted)) + (more - shifted))
         self.high = total
 
+    @classmethod
+    def add_each(cls, totals: Sequence[Total], rows: Sequence[Array]) -> None:
+        """Add to each of some totals rows of its own, one after the other; shapes (rows, n)."""
+        cuts = np.cumsum([len(total.high) for total in totals])[:-1]
+        joined = cls(*(np.concatenate([getattr(total, name) for total in totals]) for name in ("high", "low")))
+        for row in np.concatenate(rows, axis=1):
+            joined.add(row)
+        for total, high, low in zip(totals, np.split(joined.high, cuts), np.split(joined.low, cuts), strict=True):
+            total.high, total.low = high, low
+
     @property
     def value(self) -> Array:
         """The sums, shape (n,)."""
@@ -69,10 +79,10 @@ class Step(NamedTuple):
 
     def then(self, later: Step) -> Step:
         """Both as one."""
-        inputs = self.inputs | {
-            key: (value + self.inputs.get(key, (0.0, 0.0))[0], time + self.inputs.get(key, (0.0, 0.0))[1])
-            for key, (value, time) in later.inputs.items()
-        }
+        inputs = self.inputs.copy()
+        for key, (value, time) in later.inputs.items():
+            before = inputs.get(key, (0.0, 0.0))
+            inputs[key] = before[0] + value, before[1] + time
         return Step(
             later.end,
             self.calendar + later.calendar,

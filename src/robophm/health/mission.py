@@ -19,7 +19,7 @@ from robophm.blocks.reliability import Transition
 from robophm.core.errors import DesignError
 from robophm.design.robot import FailureMode, Stress
 from robophm.design.task import Plan, Task
-from robophm.health.exposure import channel_key
+from robophm.health.bundle import channel_key
 from robophm.health.future import Future
 from robophm.health.plant import Mission, Need, column
 from robophm.health.prognosis import Outlook

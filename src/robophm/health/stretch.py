@@ -6,7 +6,8 @@ periods one after the other, bit for bit.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -21,7 +22,7 @@ from robophm.health.window import Array, Columns, Times
 Flags = npt.NDArray[np.bool_]
 
 _NEVER = np.iinfo(np.int64).min
-_NOTHING: tuple[Times, Array] = np.empty(0, dtype=np.int64), np.empty(0)
+_ALWAYS = np.iinfo(np.int64).max
 
 
 def ascending(times: Times) -> Times:
@@ -36,11 +37,45 @@ def ascending(times: Times) -> Times:
     return each
 
 
+class Said(NamedTuple):
+    """What one signal said, ascending in time."""
+
+    times: Times
+    values: Array
+    shortest: int
+    """Time between two samples [ns]; of fewer than two as long as can be."""
+    longest: int
+
+    @classmethod
+    def of(cls, times: Times, values: Array) -> Said:
+        """What these samples say."""
+        if len(times) < 2:
+            return cls(times, values, _ALWAYS, 0)
+        between = times[1:] - times[:-1]
+        return cls(times, values, int(between.min()), int(between.max()))
+
+    def after(self, time: int, value: float) -> Said:
+        """With a sample before it."""
+        times = np.concatenate((np.array([time]), self.times))
+        since = int(times[1]) - time if len(self.times) else None
+        return Said(
+            times,
+            np.concatenate((np.array([value]), self.values)),
+            self.shortest if since is None else min(self.shortest, since),
+            self.longest if since is None else max(self.longest, since),
+        )
+
+
+_NOTHING = Said.of(np.empty(0, dtype=np.int64), np.empty(0))
+
+
 class Held(NamedTuple):
     """What one signal said: each time once, with its last value; each value holds for ``max_age``."""
 
     times: Times
     values: Array
+    longest: int
+    """Time between two samples [ns], at most."""
     max_age: int
 
     def at(self, times: Times) -> Observed:
@@ -62,8 +97,9 @@ class Observed(NamedTuple):
 class Grid:
     """A stretch cut wherever what is asked about changes, and between periods."""
 
-    def __init__(self, stretch: Stretch, edges: Times, observed: Mapping[str, Observed]) -> None:
-        self.stretch = stretch
+    def __init__(self, part: Part, edges: Times, observed: Mapping[str, Observed]) -> None:
+        self.part = part
+        self.stretch = part.stretch
         self.edges = edges
         self.observed = observed
         """By key, over the interval that each edge but the last begins."""
@@ -71,8 +107,7 @@ class Grid:
     @cached_property
     def operating(self) -> Array:
         """Nanoseconds that the robot was on in each interval."""
-        until = self.stretch.operating(self.edges)
-        return (until[1:] - until[:-1]).astype(float)
+        return self.stretch.operating.between(self.edges).astype(float)
 
     @cached_property
     def first(self) -> npt.NDArray[np.intp]:
@@ -109,54 +144,122 @@ class Stretch:
         self.end = ends[-1]
         self.bounds: Times = np.array([self.start, *ends], dtype=np.int64)
         """The start, and where each period ends."""
-        self.raw = {signal: own for signal, own in columns.items() if len(own[0]) and signal != CLOCK}
-        self._last: dict[str, tuple[int, tuple[float, ...]]] = {}
-        self._rejected: dict[str, Flags] = {}
-        """Of each signal's samples, which a channel did not take."""
-        self._held: dict[str, Held] = {}
-        self._grids: dict[tuple[str, ...], Grid] = {}
+        self.raw = {signal: Said.of(*own) for signal, own in columns.items() if len(own[0]) and signal != CLOCK}
+        self._powered: dict[str, tuple[int, tuple[float, ...]]] = {}
         self.operating = self._operating()
         self.off = _NEVER if ledger.off is None else ledger.off
         """When it was off last before this stretch."""
 
     @cached_property
-    def _edges(self) -> Times:
+    def edges(self) -> Times:
         """The bounds, each once."""
         return ascending(self.bounds)
 
-    def hold(self, key: str, times: Times, values: Array, max_age: int) -> Held:
-        """What a signal said, with what it said last before; kept under a key, also for the next stretch."""
-        if key in self.ledger.last:
-            time, (value,) = self.ledger.last[key]
-            times, values = np.concatenate((np.array([time]), times)), np.concatenate((np.array([value]), values))
-        again = times[1:] == times[:-1]
-        if again.any():
-            keep = np.concatenate((~again, [True]))
-            times, values = times[keep], values[keep]
-        if len(times):
-            self._last[key] = int(times[-1]), (float(values[-1]),)
-        self._held[key] = Held(times, values, max_age)
-        return self._held[key]
+    def _operating(self) -> Operating:
+        """When the robot was on: as its powered signal says, or else heard within max_gap."""
+        gap = self.robot.max_gap
+        heard = [(said.times, said.longest) for said in self.raw.values()]
+        if self.ledger.heard is not None:
+            heard.append((np.array([self.ledger.heard], dtype=np.int64), 0))
+        self.heard = max((int(times[-1]) for times, _ in heard), default=None)
+        begins, ends = [], []
+        for times, longest in heard:
+            silent = np.flatnonzero(times[1:] - times[:-1] > gap) if longest > gap else slice(0)
+            begins += [times[:1], times[1:][silent]]
+            ends += [times[:-1][silent] + gap, times[-1:] + gap]
+        name = self.robot.powered
+        power = Held(_NOTHING.times, _NOTHING.values, 0, 0)
+        if name:
+            part = Part(self)
+            power, self._powered = part.signal(name, name, 0), part.last
+        if self.start == self.end:
+            return Operating(self.bounds[:1], np.zeros(1, dtype=np.int64))
+        changes = [self.bounds[[0, -1]], *begins, *ends, power.times]
+        edges = np.concatenate(changes)
+        edges = ascending(edges[(edges >= self.start) & (edges <= self.end)])
+        at = edges[:-1]
+        on = np.zeros(len(at), dtype=bool)
+        if heard:
+            begun, ended = np.sort(np.concatenate(begins)), np.sort(np.concatenate(ends))
+            on = np.searchsorted(begun, at, side="right") > np.searchsorted(ended, at, side="right")
+        if len(power.times):
+            index = np.searchsorted(power.times, at, side="right") - 1
+            on = np.where(index < 0, on, power.values[index] > 0.5)
+        change = np.append(True, on[1:] != on[:-1])
+        return Operating(np.append(at[change], self.end), on[change].astype(np.int64))
+
+    def close(self, parts: Iterable[Part]) -> None:
+        """Leave in the ledger what the next stretch starts from, and what was noticed on the way."""
+        ledger = self.ledger
+        ledger.last |= self._powered
+        for part in parts:
+            ledger.last |= part.last
+            ledger.counts.update({f"out of range: {signal}": int(out.sum()) for signal, out in part.rejected.items()})
+            ledger.stale.update(part.stale)
+            ledger.extrapolated.update(part.extrapolated)
+        ledger.heard = self.heard if self.heard is not None else ledger.heard
+        resting = np.flatnonzero(self.operating.on == 0)
+        if len(resting) and self.start < self.end:
+            ledger.off = int(self.operating.edges[resting[-1] + 1])
+        ledger.integrated_to = self.end
+
+
+class Part:
+    """Some of the signals of a stretch: what they said, how that cuts the time, and what was noticed."""
+
+    def __init__(self, stretch: Stretch) -> None:
+        self.stretch = stretch
+        self.last: dict[str, tuple[int, tuple[float, ...]]] = {}
+        """By key, for the next stretch."""
+        self.rejected: dict[str, Flags] = {}
+        """Of each signal's samples, which a channel did not take."""
+        self.stale: Counter[str] = Counter()
+        """Nanoseconds of operation without a valid value, by key."""
+        self.extrapolated: Counter[str] = Counter()
+        """Nanoseconds of operation out of the range of a model, by failure mode."""
+        self._held: dict[str, Held] = {}
+        self._grids: dict[tuple[str, ...], Grid] = {}
 
     def signal(self, name: str, key: str, max_age: int) -> Held:
-        """All that a signal said, as it is."""
-        return self.hold(key, *self.raw.get(name, _NOTHING), max_age)
+        """Hold all that a signal said, as it is."""
+        return self._hold(key, self.stretch.raw.get(name, _NOTHING), max_age)
 
     def channel(self, key: str, channel: Channel) -> None:
         """Hold what a channel takes of its signal, in the model's unit."""
-        times, raw = self.raw.get(channel.signal, _NOTHING)
+        said = self.stretch.raw.get(channel.signal, _NOTHING)
+        if len(said.times):
+            extremes = channel.scale * np.array([said.values.min(), said.values.max()]) + channel.offset
+            if not (channel.low <= extremes.min() and extremes.max() <= channel.high):
+                values = channel.scale * said.values + channel.offset
+                valid = (values >= channel.low) & (values <= channel.high)
+                self.rejected[channel.signal] = self.rejected.get(channel.signal, False) | ~valid
+                said = Said.of(said.times[valid], said.values[valid])
+        held = self._hold(key, said, channel.max_age)  # what is kept for the next stretch is as it came
+        if (channel.scale, channel.offset) != (1.0, 0.0):
+            self._held[key] = held._replace(values=channel.scale * held.values + channel.offset)
+
+    def _hold(self, key: str, said: Said, max_age: int) -> Held:
+        """With what was said last before; kept under a key, also for the next stretch."""
+        if key in self.stretch.ledger.last:
+            time, (value,) = self.stretch.ledger.last[key]
+            said = said.after(time, value)
+        times, values = said.times, said.values
+        if said.shortest == 0:
+            keep = np.append(times[1:] != times[:-1], True)
+            times, values = times[keep], values[keep]
         if len(times):
-            values = channel.scale * raw + channel.offset
-            valid = (values >= channel.low) & (values <= channel.high)
-            if not valid.all():
-                self._rejected[channel.signal] = self._rejected.get(channel.signal, False) | ~valid
-                times, raw = times[valid], raw[valid]
-        held = self.hold(key, times, raw, channel.max_age)  # what is kept for the next stretch is as it came
-        self._held[key] = held._replace(values=channel.scale * held.values + channel.offset)
+            self.last[key] = int(times[-1]), (float(values[-1]),)
+        self._held[key] = Held(times, values, said.longest, max_age)
+        return self._held[key]
 
     def held(self, key: str) -> Held:
         """What is held under a key."""
         return self._held[key]
+
+    def let_go(self) -> None:
+        """Of all that is held: grids know their part, and would stay until Python looks for cycles."""
+        self._held.clear()
+        self._grids.clear()
 
     def grid(self, keys: tuple[str, ...]) -> Grid:
         """The stretch cut where what is held under one of these keys, or whether it holds, changes."""
@@ -166,7 +269,7 @@ class Stretch:
 
     def _of_many(self, keys: tuple[str, ...]) -> Grid:
         grids = [self.grid((key,)) for key in dict.fromkeys(keys)]
-        edges = self._edges
+        edges = self.stretch.edges
         if grids:
             edges = grids[0].edges
             if not all(np.array_equal(edges, grid.edges) for grid in grids[1:]):
@@ -182,14 +285,15 @@ class Stretch:
 
     def _of_one(self, key: str) -> Grid:
         """Its times are many and in order: the few other edges are put in between."""
-        times, values, max_age = held = self._held[key]
-        gone = times + max_age
-        lost = gone[:-1] < times[1:]
-        gone = np.concatenate((gone[:-1][lost], gone[-1:])) if lost.any() else gone[-1:]
-        gone = gone[(gone > self.start) & (gone < self.end)]
-        extra = ascending(np.concatenate((self.bounds, gone))) if len(gone) else self._edges
-        inside = slice(times.searchsorted(self.start, side="right"), times.searchsorted(self.end))
-        if len(extra) == 2 and inside.start and self.start - times[inside.start - 1] < max_age:
+        times, values, longest, max_age = held = self._held[key]
+        start, end = self.stretch.start, self.stretch.end
+        gone = times[-1:] + max_age
+        if longest > max_age:
+            gone = np.append(times[:-1][times[1:] - times[:-1] > max_age] + max_age, gone)
+        gone = gone[(gone > start) & (gone < end)]
+        extra = ascending(np.concatenate((self.stretch.bounds, gone))) if len(gone) else self.stretch.edges
+        inside = slice(times.searchsorted(start, side="right"), times.searchsorted(end))
+        if len(extra) == 2 and inside.start and start - times[inside.start - 1] < max_age:
             # as nearly always: one period, and no silence
             edges = np.concatenate((extra[:1], times[inside], extra[1:]))
             return Grid(self, edges, {key: Observed(values[inside.start - 1 : inside.stop], None)})
@@ -213,48 +317,6 @@ class Stretch:
             fresh = fresh[:-1]
         return Grid(self, edges, {key: Observed(heard[:-1], fresh)})
 
-    def _operating(self) -> Operating:
-        """When the robot was on: as its powered signal says, or else heard within max_gap."""
-        gap = self.robot.max_gap
-        heard = [times for times, _ in self.raw.values()]
-        if self.ledger.heard is not None:
-            heard.append(np.array([self.ledger.heard], dtype=np.int64))
-        self.heard = max((int(times[-1]) for times in heard), default=None)
-        begins, ends = [], []
-        for times in heard:
-            (silent,) = (times[1:] - times[:-1] > gap).nonzero()
-            begins += [times[:1], times[silent + 1]] if len(silent) else [times[:1]]
-            ends += [times[silent] + gap, times[-1:] + gap] if len(silent) else [times[-1:] + gap]
-        name = self.robot.powered
-        power = self.signal(name, name, 0) if name else Held(*_NOTHING, 0)
-        if self.start == self.end:
-            return Operating(self.bounds[:1], np.zeros(1, dtype=np.int64))
-        changes = [self.bounds[[0, -1]], *begins, *ends, power.times]
-        edges = np.concatenate(changes)
-        edges = ascending(edges[(edges >= self.start) & (edges <= self.end)])
-        at = edges[:-1]
-        on = np.zeros(len(at), dtype=bool)
-        if heard:
-            begun, ended = np.sort(np.concatenate(begins)), np.sort(np.concatenate(ends))
-            on = np.searchsorted(begun, at, side="right") > np.searchsorted(ended, at, side="right")
-        if len(power.times):
-            index = np.searchsorted(power.times, at, side="right") - 1
-            on = np.where(index < 0, on, power.values[index] > 0.5)
-        change = np.append(True, on[1:] != on[:-1])
-        return Operating(np.append(at[change], self.end), on[change].astype(np.int64))
-
-    def close(self) -> None:
-        """Leave in the ledger what the next stretch starts from."""
-        ledger = self.ledger
-        ledger.last |= self._last
-        ledger.counts.update({f"out of range: {signal}": int(out.sum()) for signal, out in self._rejected.items()})
-        ledger.heard = self.heard if self.heard is not None else ledger.heard
-        resting = np.flatnonzero(self.operating.on == 0)
-        if len(resting) and self.start < self.end:
-            ledger.off = int(self.operating.edges[resting[-1] + 1])
-        ledger.integrated_to = self.end
-        self._grids.clear()  # they know the stretch, and would stay until Python looks for cycles
-
 
 class Operating:
     """How long the robot was on since the stretch began [ns]: whole, so that differences are exact."""
@@ -271,3 +333,8 @@ class Operating:
             piece = np.clip(np.searchsorted(self.edges, at, side="right") - 1, 0, len(self.on) - 1)
         until: Times = self._total[piece] + (at - self.edges[piece]) * self.on[piece]
         return until
+
+    def between(self, edges: Times) -> Times:
+        """From each of these times to the next."""
+        until = edges if self.on.all() else self(edges)
+        return until[1:] - until[:-1]

@@ -39,14 +39,15 @@ class Heard(NamedTuple):
     """Samples of one signal, in order of arrival."""
 
     arrived: NDArray[np.int64]
-    """[ns]"""
+    """[ns]; the times themselves where they are those of arrival."""
     times: NDArray[np.int64]
     """[ns]"""
     values: NDArray[np.float64]
 
     def rows(self, rows: Any) -> Heard:
         """Some of them."""
-        return Heard(self.arrived[rows], self.times[rows], self.values[rows])
+        times = self.times[rows]
+        return Heard(times if self.arrived is self.times else self.arrived[rows], times, self.values[rows])
 
 
 class SignalSource(ABC):

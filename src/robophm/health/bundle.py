@@ -1,0 +1,157 @@
+"""What measured stress does to failure modes: those that share clock and stresses, and the signals that drive them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from robophm.design.robot import Channel, Stress
+from robophm.health.clock import Clock
+from robophm.health.stretch import Flags, Observed
+from robophm.health.window import Array
+
+
+@dataclass
+class Bundle:
+    """Groups, and the channels and measured clocks that drive them."""
+
+    groups: tuple[Group, ...]
+    channels: Mapping[str, Channel]
+    clocks: tuple[Clock, ...]
+
+    @cached_property
+    def _alike(self) -> tuple[list[int], ...]:
+        alike: dict[tuple[object, ...], list[int]] = {}
+        for i, group in enumerate(self.groups):
+            if group.stresses:
+                alike.setdefault(group.law, []).append(i)
+        return tuple(alike.values())
+
+    def factors(self, observed: Sequence[Mapping[str, Observed]]) -> list[tuple[Array | None, Flags]]:
+        """ψ of each interval of each group, None where nothing is measured; and where a model's range is left.
+
+        Groups whose stresses differ in nothing but their sensors are asked about together.
+        """
+        found: list[tuple[Array | None, Flags]] = [(None, np.zeros((), dtype=bool))] * len(self.groups)
+        for alike in self._alike:
+            lines = [(i, self.groups[i].lines(observed[i])) for i in alike]
+            asked = [(i, own) for i, own in lines if len(own[0])]  # no model is asked about no time at all
+            if not asked:
+                continue
+            columns = zip(*(own for _, own in asked), strict=True)
+            together = [np.concatenate(column) if len(asked) > 1 else column[0] for column in columns]
+            factor, outside = self.groups[alike[0]].factor(together)
+            begin = 0
+            for i, own in asked:
+                part = slice(begin, begin := begin + len(own[0]))
+                found[i] = factor[part], outside[part]
+        return found
+
+    def apart(self) -> Iterator[Bundle]:
+        """Bundles that have no signal in common."""
+        of_groups, of_clocks = [group.signals for group in self.groups], [clock.signals for clock in self.clocks]
+        silent = tuple(group for group, own in zip(self.groups, of_groups, strict=True) if not own)
+        yield Bundle(silent, {}, ())
+        for together in _joined([*of_groups, *of_clocks]):
+            yield Bundle(
+                tuple(group for group, own in zip(self.groups, of_groups, strict=True) if own & together),
+                {key: channel for key, channel in self.channels.items() if channel.signal in together},
+                tuple(clock for clock, own in zip(self.clocks, of_clocks, strict=True) if own & together),
+            )
+
+
+def _joined(sets: Iterable[set[str]]) -> list[set[str]]:
+    """Sets that share nothing, made by joining those that do."""
+    found: list[set[str]] = []
+    for one in sets:
+        if one:
+            found = [other for other in found if not one & other] + [one.union(*(o for o in found if one & o))]
+    return found
+
+
+@dataclass(frozen=True)
+class Input:
+    """One measured input of one stress: the value without a sensor, and the one that ages fastest."""
+
+    name: str
+    key: str
+    stale: str
+    nominal: float
+    worst: float
+
+    @classmethod
+    def of(cls, stress: Stress, name: str, channel: Channel) -> Input:
+        """An input of a stress."""
+        worst = nominal = float(stress.design[name])
+        if channel.stale == "worst":
+            candidates = np.linspace(channel.low, channel.high, 257)
+            worst = float(candidates[np.argmax(stress.factor({name: candidates}).value)])
+        return cls(name, channel_key(channel), channel.stale, nominal, worst)
+
+    def observed(self, observed: Observed) -> Array:
+        """Its value in each interval, also where none is known."""
+        values, fresh = observed
+        if fresh is None:
+            return values
+        kept = ~np.isnan(values) if self.stale == "hold" else fresh
+        return np.where(kept, values, self.worst if self.stale == "worst" else self.nominal)
+
+
+@dataclass
+class Group:
+    """Failure modes that share clock and stresses: their factor is evaluated once."""
+
+    clock: Clock
+    stresses: tuple[tuple[Stress, tuple[Input, ...]], ...]
+    members: list[int]
+
+    @classmethod
+    def of(cls, clock: Clock, stresses: Iterable[Stress]) -> Group:
+        """No failure modes yet."""
+        inputs = (
+            (stress, tuple(Input.of(stress, name, channel) for name, channel in stress.channels.items()))
+            for stress in stresses
+        )
+        return cls(clock, tuple(inputs), [])
+
+    @property
+    def signals(self) -> set[str]:
+        """That drive it."""
+        channels = {channel.signal for stress, _ in self.stresses for channel in stress.channels.values()}
+        return channels | self.clock.signals
+
+    @cached_property
+    def channel_keys(self) -> tuple[str, ...]:
+        """Of all its inputs."""
+        return tuple(one.key for _, inputs in self.stresses for one in inputs)
+
+    @cached_property
+    def law(self) -> tuple[object, ...]:
+        """Equal where two groups have the same factor for the same inputs."""
+        return tuple((stress.law, *(one.name for one in inputs)) for stress, inputs in self.stresses)
+
+    def lines(self, observed: Mapping[str, Observed]) -> list[Array]:
+        """Every measured input of each interval."""
+        return [one.observed(observed[one.key]) for _, inputs in self.stresses for one in inputs]
+
+    def factor(self, lines: Sequence[Array]) -> tuple[Array, Flags]:
+        """ψ for measured inputs, and where a model's range is left."""
+        some = iter(lines)
+        (product, outside), *others = [
+            stress.factor({one.name: next(some) for one in inputs}) for stress, inputs in self.stresses
+        ]
+        for value, beyond in others:
+            product, outside = product * value, outside | beyond
+        return product, outside
+
+    def inputs(self, observed: Mapping[str, Observed]) -> dict[str, Array]:
+        """Every measured input of each interval, by name."""
+        return {one.name: one.observed(observed[one.key]) for _, inputs in self.stresses for one in inputs}
+
+
+def channel_key(channel: Channel) -> str:
+    """What a channel's last value is kept under: a signal, and what of it is valid."""
+    return f"{channel.signal} {channel.scale!r} {channel.offset!r} {channel.low!r} {channel.high!r}"
