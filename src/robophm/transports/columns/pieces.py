@@ -10,7 +10,7 @@ import bz2
 import mmap
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
@@ -36,8 +36,8 @@ LARGEST_CHUNK = 1 << 27
 LONGEST_TEXT = 1 << 24
 """Bytes of a name or a definition, beyond which its length is taken to be a lie."""
 
-BATCH = 4 << 20
-"""Bytes of the file that are handled at once where they need no unpacking."""
+BATCH = 4_500_000
+"""Bytes of messages that are handled at once, as far as chunks are not larger: more no longer stay in the cache."""
 
 MOST_TIME = 2**63 - 1
 """Nanoseconds; later times do not exist."""
@@ -199,39 +199,59 @@ class ChunkedFile(MappedFile):
         return min((chunk.first for chunk in self.chunks), default=MOST_TIME)
 
     def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
-        """Chunks in order of time, as many at once as need no unpacking; else one, and the next is unpacked beside."""
+        """Chunks in order of time, some at once; the next ones are unpacked beside."""
         some = [
             chunk
             for chunk in sorted(self.chunks, key=lambda chunk: (chunk.first, chunk.offset))
             if chunk.last >= start and chunk.first < end and (chunk.indices is None or chunk.indices.keys() & wanted)
         ]
         with ThreadPoolExecutor(1, "unpacking") as beside:
-            ahead: Future[Bytes] | None = None
+            ahead: Future[list[Bytes | DamageError]] | None = None
 
-            def load(batch: list[Chunk], following: Chunk | None) -> list[Messages]:
+            def load(batch: list[Chunk], following: list[Chunk] | None) -> list[Messages]:
                 nonlocal ahead
-                ready = [ahead.result] if ahead else [partial(self.unpacked, chunk) for chunk in batch]
-                ahead = beside.submit(self.unpacked, following) if following and following.packed else None
-                return self._load(zip(batch, ready, strict=True), wanted)
+                contents = ahead.result() if ahead else self._contents(batch)
+                buffer, places = self._together(batch, contents)
+                del contents  # before the next ones come
+                ahead = beside.submit(self._contents, following) if following and following[0].packed else None
+                return self._load(buffer, places, wanted)
 
             batches = [*_batches(some)]
             for batch, following in zip_longest(batches, batches[1:]):
-                yield Piece(batch[0].first, partial(load, batch, following[0] if following else None))
+                yield Piece(batch[0].first, partial(load, batch, following))
 
-    def _load(self, chunks: Iterable[tuple[Chunk, Callable[[], Bytes]]], wanted: Collection[int]) -> list[Messages]:
-        found: dict[int, list[Messages]] = {}
-        for chunk, unpacked in chunks:
+    def _contents(self, chunks: Iterable[Chunk]) -> list[Bytes | DamageError]:
+        contents: list[Bytes | DamageError] = []
+        for chunk in chunks:
             try:
-                content = unpacked()
+                contents.append(self.unpacked(chunk))
             except DamageError as error:
-                self.lost(str(error), chunk.offset)
+                contents.append(error)
+        return contents
+
+    def _together(
+        self, chunks: Sequence[Chunk], contents: Sequence[Bytes | DamageError]
+    ) -> tuple[Bytes, list[tuple[Chunk, int, int]]]:
+        """One buffer, and where in it each chunk begins and ends: what was unpacked, or else the file itself."""
+        sound: list[Bytes] = []
+        places, end = [], 0
+        for chunk, content in zip(chunks, contents, strict=True):
+            if isinstance(content, DamageError):
+                self.lost(str(content), chunk.offset)
                 continue
-            for messages in self._indexed(chunk, content, wanted):
-                if not chunk.packed:  # all in the one buffer that is the file, to be walked at once
-                    messages = messages._replace(
-                        buffer=self.content, starts=messages.starts + chunk.start, ends=messages.ends + chunk.start
-                    )
-                found.setdefault(messages.connection, []).append(messages)
+            sound.append(content)
+            begin = end if chunk.packed else chunk.start
+            places.append((chunk, begin, end := begin + len(content)))
+        if not sound or not chunks[0].packed:
+            return self.content, places
+        return (np.concatenate(sound) if len(sound) > 1 else sound[0]), places
+
+    def _load(self, buffer: Bytes, places: Iterable[tuple[Chunk, int, int]], wanted: Collection[int]) -> list[Messages]:
+        found: dict[int, list[Messages]] = {}
+        for chunk, begin, end in places:
+            for messages in self._indexed(chunk, buffer[begin:end], wanted):
+                moved = messages._replace(buffer=buffer, starts=messages.starts + begin, ends=messages.ends + begin)
+                found.setdefault(messages.connection, []).append(moved)
         return [joined(parts) for parts in found.values()]
 
     def unpacked(self, chunk: Chunk) -> Bytes:
@@ -285,12 +305,12 @@ class ChunkedFile(MappedFile):
 
 
 def _batches(chunks: Iterable[Chunk]) -> Iterator[list[Chunk]]:
-    """What is read at once: a chunk that is packed, or some that are not."""
+    """What is read at once: some that are packed, or some that are not."""
     batch: list[Chunk] = []
     size = 0
     for chunk in chunks:
         size += chunk.size
-        if batch and (size > BATCH or chunk.packed or batch[0].packed):
+        if batch and (size > BATCH or chunk.packed != batch[0].packed):
             yield batch
             batch, size = [], chunk.size
         batch.append(chunk)
