@@ -12,7 +12,7 @@ help:
 	@echo "make demo-ros   the case study live: a simulated robot over real ROS 1, or over DDS (ROS=2)"
 	@echo "make test       all checks and tests"
 	@echo "make calibrate  predictions against 20,000 robots that really fail (docs/calibration.md)"
-	@echo "make fuzz       300,000 damaged recordings, half an hour to an hour (docs/guides/columns.md)"
+	@echo "make fuzz       300,000 damaged recordings, ten minutes to an hour (docs/guides/columns.md)"
 	@echo "make bench      speed, as ratios against named peers (docs/benchmarks.md)"
 	@echo "make clean      remove what the others made"
 
