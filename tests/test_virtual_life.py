@@ -18,6 +18,9 @@ from robophm import virtual_life
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
+from robophm.health import exposure
+from robophm.health.exposure import Exposure
+from robophm.health.ledger import Ledger
 from robophm.monitor import Monitor
 from robophm.replaying import replay
 from robophm.stores.memory import MemoryStore
@@ -156,20 +159,51 @@ def stream(seed: int, count: int, *, rough: bool) -> Arrivals:
     st.sampled_from([60 * SECOND, 600 * SECOND]),
     st.lists(st.integers(1, 200), max_size=5),
     st.sampled_from([1, 100, 10**6]),
+    st.sampled_from([-1, 10**6]),
+    st.sampled_from([1, 3, 1024]),
 )
 def test_a_life_out_of_columns_is_the_monitors_bit_for_bit(
     arrivals: Arrivals, max_age: float, gap: float, stale: str, powered: bool, period: int, step: int,
-    sizes: list[int], enough: int,
+    sizes: list[int], enough: int, each: int, periods: int,
 ) -> None:  # fmt: skip
     robot = shop(max_age, gap, stale, powered=powered)
     expected, looks = stepwise(robot, arrivals, period, step)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(virtual_life, "ENOUGH", enough)
+        patch.setattr(virtual_life, "PERIODS", periods)
+        patch.setattr(exposure, "EACH", each)
         found, seen = by_columns(robot, arrivals, period, step, sizes)
     state, other = in_order(found.ledger.to_json()), in_order(expected.ledger.to_json())
     assert {key for key in state if state[key] != other[key]} == set()
     assert seen == looks
     assert found.report() == expected.report()
+
+
+@pytest.mark.parametrize("bad", [(START + 200 * SECOND, np.nan), (START, 20.0)])
+def test_a_block_of_nothing_but_bad_samples_is_counted(bad: tuple[int, float]) -> None:
+    robot = shop(5.0, 20.0, "nominal", powered=False)
+    time, value = bad
+    arrivals = [(START + i * SECOND, Sample(START + i * SECOND, "/a.t", 20.0)) for i in range(200)]
+    arrivals += [(START + i * SECOND, Sample(time, "/a.t", value)) for i in range(200, 220)]
+    expected, _ = stepwise(robot, arrivals, 60, 60 * SECOND)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(virtual_life, "ENOUGH", 1)
+        found, _ = by_columns(robot, arrivals, 60, 60 * SECOND, [200])
+    assert sum(found.ledger.counts.values()) == 20
+    assert found.ledger.to_json() == expected.ledger.to_json()
+
+
+def test_long_silence_is_counted_to_the_nanosecond() -> None:
+    """Beyond 2**53 ns, 104 days, a double would lose some."""
+    robot = shop(0.3, 59.999999999, "nominal", powered=False)
+    times = [START + i * 60 * SECOND for i in range(170_002)]  # on for all but the last nanosecond of each minute
+    ledger = Ledger.new(robot)
+    ledger.started = times[0]
+    Exposure(robot).integrate(ledger, [Sample(time, "/o.v", 1.0) for time in times], times[-1])
+    on = 170_001 * (60 * SECOND - 1)
+    assert on > 2**53
+    assert ledger.stale["/a.t 1.0 0.0 -40.0 125.0"] == on
+    assert ledger.stale["/o.v"] == on - 170_001 * 3 * SECOND // 10
 
 
 class Samples(Recording):

@@ -21,7 +21,7 @@ ENOUGH = 500_000
 """Samples that are gone through at once."""
 
 PERIODS = 1024
-"""Whose ends are looked for at once, at most."""
+"""That are looked for, and gone through, at once at most."""
 
 MOST_WAITING = 4_000_000
 """Samples that the open period holds at most; a flood beyond it is integrated early or dropped, as a monitor's is."""
@@ -83,6 +83,9 @@ class VirtualLife:
                 self._tick(arrived)
                 ends = []
             before = end
+            if len(ends) == PERIODS:
+                self._integrate(ends)
+                ends = []
         if ends:
             self._integrate(ends)
         newest = max((int(heard.times[-1]) for heard in self._waiting.values() if len(heard.times)), default=before)
@@ -147,9 +150,10 @@ class VirtualLife:
         newest = [
             (heard.arrived, heard.times if _ascends(heard) else np.maximum.accumulate(heard.times)) for heard in new
         ]
-        last = (max(int(times[-1]) for _, times in newest) - WINDOW) // period
+        last = (max((int(times[-1]) for _, times in newest), default=begun) - WINDOW) // period
+        few = 64  # a gap may be of any length: behind it, most of what was looked up would be for nothing
         while (first := begun // period + 1) <= last:
-            ahead = np.arange(first, min(last, first + PERIODS) + 1)  # few: a gap may be of any length
+            ahead = np.arange(first, min(last + 1, first + few))
             over, arrived = np.zeros(len(ahead), dtype=np.int64), np.full(len(ahead), np.iinfo(np.int64).max)
             for own, times in newest:  # of samples that arrived at once, the first signal's counts
                 rows = np.searchsorted(times, ahead * period + WINDOW)
@@ -160,6 +164,7 @@ class VirtualLife:
                 place = begun // period + 1 - first
                 begun = int(over[place]) * period
                 yield begun, int(arrived[place])
+            few = min(2 * few, PERIODS) if begun // period == ahead[-1] else 1
 
     def _integrate(self, ends: Sequence[int]) -> None:
         columns, self.ledger.pending = {}, Window()

@@ -53,23 +53,29 @@ class Bundle:
     def apart(self) -> Iterator[Bundle]:
         """Bundles that have no signal in common."""
         of_groups, of_clocks = [group.signals for group in self.groups], [clock.signals for clock in self.clocks]
-        silent = tuple(group for group, own in zip(self.groups, of_groups, strict=True) if not own)
-        yield Bundle(silent, {}, ())
-        for together in _joined([*of_groups, *of_clocks]):
-            yield Bundle(
-                tuple(group for group, own in zip(self.groups, of_groups, strict=True) if own & together),
-                {key: channel for key, channel in self.channels.items() if channel.signal in together},
-                tuple(clock for clock, own in zip(self.clocks, of_clocks, strict=True) if own & together),
-            )
+        place = _joined([*of_groups, *of_clocks])
+        some: dict[int, tuple[list[Group], dict[str, Channel], list[Clock]]] = {}
+
+        def at(own: Iterable[str]) -> tuple[list[Group], dict[str, Channel], list[Clock]]:
+            return some.setdefault(next((place[signal] for signal in own), -1), ([], {}, []))
+
+        for group, own in zip(self.groups, of_groups, strict=True):
+            at(own)[0].append(group)
+        for key, channel in self.channels.items():
+            at([channel.signal])[1][key] = channel
+        for clock, own in zip(self.clocks, of_clocks, strict=True):
+            at(own)[2].append(clock)
+        for groups, channels, clocks in some.values():
+            yield Bundle(tuple(groups), channels, tuple(clocks))
 
 
-def _joined(sets: Iterable[set[str]]) -> list[set[str]]:
-    """Sets that share nothing, made by joining those that do."""
-    found: list[set[str]] = []
+def _joined(sets: Iterable[set[str]]) -> dict[str, int]:
+    """A number for each that is in a set, equal where sets that share something join them."""
+    found: dict[str, set[str]] = {}
     for one in sets:
-        if one:
-            found = [other for other in found if not one & other] + [one.union(*(o for o in found if one & o))]
-    return found
+        together = one.union(*(found[each] for each in one if each in found))
+        found.update(dict.fromkeys(together, together))
+    return {each: id(together) for each, together in found.items()}
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,7 @@ class Clock:
             ((signal, key),) = self.keys
             grid = part.grid((key,))
             fresh = grid.observed[key].fresh
-            if fresh is not None and (silence := round(float(np.sum(grid.operating, where=~fresh)))):
+            if fresh is not None and (silence := int(grid.on[~fresh].sum())):
                 part.stale[signal] += silence
 
     def _path(self, grid: Grid, measured: MeasuredClock) -> Array:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -21,9 +22,9 @@ from robophm.health.ledger import RECENT, Ledger, Step, Total
 from robophm.health.stretch import Observed, Part, Stretch
 from robophm.health.window import Array, Columns, Window
 
-MANY = 50_000
-"""Samples beyond which those of signals that have nothing to do with each other are gone through one by one: what is
-made on the way then stays in the processor's cache."""
+EACH = 2_500
+"""Samples for each bundle of signals, beyond which bundles are gone through one by one: what is made on the way then
+stays in the processor's cache."""
 
 Witness = Callable[[Sequence[int], Array, Array, Mapping[str, Array]], None]
 """Is told what some failure modes went through: which, by index; of each interval how far their clock went (a calendar
@@ -56,7 +57,6 @@ class Exposure:
         self.groups = tuple(groups.values())
         self.channels: Mapping[str, Channel] = channels
         self._whole = Bundle(self.groups, channels, tuple(clock for clock in self.clocks if clock.measured))
-        self._bundles = tuple(self._whole.apart())
         self.initial = np.array([mode.initial_exposure for mode in self.modes])
         self._by_hazard = [mode.scaling == "hazard" for mode in self.modes]
 
@@ -82,9 +82,9 @@ class Exposure:
                 went.add(clock, whole)
         whole.let_go()
         duty = np.ones(len(self.modes)) if duty is None else duty
-        many = sum(len(said.times) for said in stretch.raw.values()) > MANY
+        many = sum(len(said.times) for said in stretch.raw.values()) > EACH * len(self._apart)
         parts = []
-        for bundle in self._bundles if many else [self._whole]:
+        for bundle in self._apart if many else [self._whole]:
             parts.append(part := Part(stretch))
             self._go_through(bundle, part, went, duty)
             part.let_go()
@@ -97,6 +97,10 @@ class Exposure:
             hours = float(calendar[period]), float(operating[period])
             ledger.remember(Step(end, *hours, age[period].copy(), effective[period].copy(), means))
         stretch.close(parts)
+
+    @cached_property
+    def _apart(self) -> tuple[Bundle, ...]:
+        return tuple(self._whole.apart())
 
     def _go_through(self, bundle: Bundle, part: Part, went: _Went, duty: Array) -> None:
         """What the signals of a bundle did to what they drive."""
@@ -122,7 +126,7 @@ class Exposure:
                 if self._witness:
                     on = grid.operating / HOUR if clock.clock == "calendar" else clock.units(steps)
                     self._witness(members, on, factor, group.inputs(grid.observed))
-            if np.any(outside) and (over := round(float(np.sum(grid.operating, where=outside)))):
+            if np.any(outside) and (over := int(np.sum(grid.on, where=outside))):
                 part.extrapolated.update({self.modes[i].path: over for i in members})
         if by_hazard:
             modes = [i for i, *_ in by_hazard]
@@ -225,14 +229,14 @@ def _inputs(part: Part, key: str) -> list[tuple[float, float] | None]:
     """
     grid = part.grid((key,))
     values, fresh = grid.observed[key]
-    on = grid.operating
     if fresh is None:
-        always = part.stretch.operating.between(part.stretch.bounds).astype(float)
-        return list(zip(grid.sums(values * on).tolist(), always.tolist(), strict=True))
-    if silent := round(float(np.sum(on, where=~fresh))):
+        always = part.stretch.operating.between(part.stretch.bounds)
+        return list(zip(grid.sums(values * grid.operating).tolist(), always.astype(float).tolist(), strict=True))
+    if silent := int(grid.on[~fresh].sum()):
         part.stale[key] += silent
-    on, ever = np.where(fresh, on, 0.0), grid.sums(fresh.astype(float)).tolist()
-    sums = zip(grid.sums(np.where(fresh, values, 0.0) * on).tolist(), grid.sums(on).tolist(), strict=True)
+    on, ever = np.where(fresh, grid.on, 0), grid.sums(fresh.astype(float)).tolist()
+    times = grid.sums(on).astype(float).tolist()
+    sums = zip(grid.sums(np.where(fresh, values, 0.0) * on).tolist(), times, strict=True)
     return [both if some else None for both, some in zip(sums, ever, strict=True)]
 
 

@@ -107,7 +107,12 @@ class Grid:
     @cached_property
     def operating(self) -> Array:
         """Nanoseconds that the robot was on in each interval."""
-        return self.stretch.operating.between(self.edges).astype(float)
+        return self.on.astype(float)
+
+    @cached_property
+    def on(self) -> Times:
+        """The same, whole: sums of many are exact."""
+        return self.stretch.operating.between(self.edges)
 
     @cached_property
     def first(self) -> npt.NDArray[np.intp]:

@@ -206,7 +206,7 @@ class ChunkedFile(MappedFile):
             if chunk.last >= start and chunk.first < end and (chunk.indices is None or chunk.indices.keys() & wanted)
         ]
         with ThreadPoolExecutor(1, "unpacking") as beside:
-            ahead: Future[list[Bytes | DamageError]] | None = None
+            ahead: Future[list[Bytes | str]] | None = None
 
             def load(batch: list[Chunk], following: list[Chunk] | None) -> list[Messages]:
                 nonlocal ahead
@@ -220,24 +220,25 @@ class ChunkedFile(MappedFile):
             for batch, following in zip_longest(batches, batches[1:]):
                 yield Piece(batch[0].first, partial(load, batch, following))
 
-    def _contents(self, chunks: Iterable[Chunk]) -> list[Bytes | DamageError]:
-        contents: list[Bytes | DamageError] = []
+    def _contents(self, chunks: Iterable[Chunk]) -> list[Bytes | str]:
+        """What they hold, or what is wrong: an error would keep this list alive by its traceback."""
+        contents: list[Bytes | str] = []
         for chunk in chunks:
             try:
                 contents.append(self.unpacked(chunk))
             except DamageError as error:
-                contents.append(error)
+                contents.append(str(error))
         return contents
 
     def _together(
-        self, chunks: Sequence[Chunk], contents: Sequence[Bytes | DamageError]
+        self, chunks: Sequence[Chunk], contents: Sequence[Bytes | str]
     ) -> tuple[Bytes, list[tuple[Chunk, int, int]]]:
         """One buffer, and where in it each chunk begins and ends: what was unpacked, or else the file itself."""
         sound: list[Bytes] = []
         places, end = [], 0
         for chunk, content in zip(chunks, contents, strict=True):
-            if isinstance(content, DamageError):
-                self.lost(str(content), chunk.offset)
+            if isinstance(content, str):
+                self.lost(content, chunk.offset)
                 continue
             sound.append(content)
             begin = end if chunk.packed else chunk.start
