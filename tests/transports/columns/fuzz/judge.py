@@ -7,7 +7,7 @@ import sqlite3
 import traceback
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import closing
 from functools import lru_cache
 from pathlib import Path
@@ -122,33 +122,30 @@ def counted(rows: Rows, topics: Iterable[str]) -> Counter[tuple[str, int, str]]:
 
 def compare(ours: Read | SourceError, mutant: Mutant, path: Path) -> Iterator[tuple[str, str]]:
     """What every peer makes of the file: 'refuses', 'agrees', 'ours says what is lost', or where they differ."""
-    there = counted(truth(mutant.ros), mutant.topics)
-    found = counted({} if isinstance(ours, SourceError) else ours.rows, mutant.topics)
-    others = {name: _asked(peer, path, mutant) for name, peer in PEERS[mutant.suffix]}
-    for name, other in others.items():
-        if other is None:
+    for name, peer in PEERS[mutant.suffix]:
+        try:
+            theirs = peer(path, mutant.ros)
+        except Exception:  # peers let anything through
             yield f"{name} refuses", ""
-        elif found == other:
+            continue
+        other, there = counted(theirs, mutant.topics), counted(truth(mutant.ros), mutant.topics)
+        found = counted({} if isinstance(ours, SourceError) else ours.rows, mutant.topics)
+        if found == other:
             yield f"{name} agrees", ""
         elif isinstance(ours, SourceError):
             yield f"{name} reads what ours refuses", ""  # a refusal is said; where it must not be, judge() finds it
-        elif found == there or (not other - found and not found - other - there):  # a peer may stop where we go on
+        elif found == there or (not other - found and _sent(found - other) <= _sent(there)):
+            # a peer may stop where we go on; whether a number that was changed there was protected, _answer() asks
             yield f"{name} differs, ours is what was written", ""
         elif any(map(_SAID.search, ours.notes)):
             yield f"{name} differs, ours says why", ""
-        elif found in others.values():
-            yield f"{name} differs, another peer agrees", ""
         else:
             more, less = [*(found - other)][:3], [*(other - found)][:3]
             yield f"{name} differs", f"only ours: {more}; only {name}: {less}; notes {dict(ours.notes)}"
 
 
-def _asked(peer: Callable[[Path, int], Rows], path: Path, mutant: Mutant) -> Counter[tuple[str, int, str]] | None:
-    """What a peer reads, None where it does not."""
-    try:
-        return counted(peer(path, mutant.ros), mutant.topics)
-    except Exception:  # peers let anything through
-        return None
+def _sent(rows: Iterable[tuple[str, int, str]]) -> set[tuple[str, int]]:
+    return {(topic, time) for topic, time, _ in rows}
 
 
 @lru_cache(maxsize=64)
