@@ -75,7 +75,7 @@ class Clock:
                 squares += np.diff(held.at(when).values) ** 2
         # A step while the robot was off, if only in part, is none: odometers begin anew at every boot.
         here = np.maximum(when, stretch.start)
-        driven = (np.diff(stretch.operating(here)) == np.diff(here)) & (when[:-1] >= stretch.off)
+        driven = (stretch.operating.between(here) == np.diff(here)) & (when[:-1] >= stretch.off)
         kilometres = np.sqrt(squares) * driven * measured.scale / 1000
         return self._steps(grid, when[1:], kilometres) + self._unheard(grid, measured, first)
 
@@ -98,8 +98,8 @@ class Clock:
         """What counts until the first value: once that is max_age late, the design's usage. No silence is a zero."""
         stretch = grid.stretch
         late = max((stretch.ledger.started or 0) + measured.max_age, stretch.start)
-        unheard = np.diff(stretch.operating(np.clip(grid.edges, late, max(first, late))))
-        return unheard * (self.usage / HOUR)
+        on = stretch.operating.between(np.clip(grid.edges, late, max(first, late)))
+        return on.astype(float) * (self.usage / HOUR)
 
     def _speed(self, grid: Grid, measured: MeasuredClock) -> Array:
         key = self.keys[0][1]

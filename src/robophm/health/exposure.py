@@ -88,7 +88,7 @@ class Exposure:
             parts.append(part := Part(stretch))
             self._go_through(bundle, part, went, duty)
             part.let_go()
-        operating, calendar = np.diff(stretch.operating(stretch.bounds)) / HOUR, np.diff(stretch.bounds) / HOUR
+        operating, calendar = stretch.operating.between(stretch.bounds) / HOUR, np.diff(stretch.bounds) / HOUR
         clocks = np.stack([operating, calendar, *(went.clocks[clock] for clock in self.odometers)], 1)
         totals = ledger.age, ledger.effective, ledger.hazard, ledger.clocks
         Total.add_each(totals, (duty * age, duty * effective, hazard, clocks))

@@ -22,7 +22,6 @@ from robophm.health.window import Array, Columns, Times
 Flags = npt.NDArray[np.bool_]
 
 _NEVER = np.iinfo(np.int64).min
-_ALWAYS = np.iinfo(np.int64).max
 
 
 def ascending(times: Times) -> Times:
@@ -42,27 +41,29 @@ class Said(NamedTuple):
 
     times: Times
     values: Array
-    shortest: int
-    """Time between two samples [ns]; of fewer than two as long as can be."""
+    again: bool
+    """Whether two samples have one time."""
     longest: int
+    """Time between two samples [ns]."""
 
     @classmethod
     def of(cls, times: Times, values: Array) -> Said:
         """What these samples say."""
         if len(times) < 2:
-            return cls(times, values, _ALWAYS, 0)
+            return cls(times, values, False, 0)
         between = times[1:] - times[:-1]
-        return cls(times, values, int(between.min()), int(between.max()))
+        return cls(times, values, bool(between.min() == 0), int(between.max()))
 
     def after(self, time: int, value: float) -> Said:
         """With a sample before it."""
-        times = np.concatenate((np.array([time]), self.times))
-        since = int(times[1]) - time if len(self.times) else None
+        if not len(self.times):
+            return Said.of(np.array([time]), np.array([value]))
+        since = int(self.times[0]) - time
         return Said(
-            times,
+            np.concatenate((np.array([time]), self.times)),
             np.concatenate((np.array([value]), self.values)),
-            self.shortest if since is None else min(self.shortest, since),
-            self.longest if since is None else max(self.longest, since),
+            self.again or since == 0,
+            max(self.longest, since),
         )
 
 
@@ -249,7 +250,7 @@ class Part:
             time, (value,) = self.stretch.ledger.last[key]
             said = said.after(time, value)
         times, values = said.times, said.values
-        if said.shortest == 0:
+        if said.again:
             keep = np.append(times[1:] != times[:-1], True)
             times, values = times[keep], values[keep]
         if len(times):
