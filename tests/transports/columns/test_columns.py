@@ -307,9 +307,10 @@ def test_memory_does_not_grow_with_the_recording(name: str, tmp_path: Path) -> N
                 writer.write(connection, T0 + number, raw)
     if name == "damaged.mcap":
         with path.open("rb") as file:
-            chunks = make_reader(file).get_summary().chunk_indexes  # type: ignore[union-attr]
+            summary = make_reader(file).get_summary()
+        assert summary
         content = bytearray(path.read_bytes())
-        for chunk in chunks[::3]:
+        for chunk in summary.chunk_indexes[::3]:
             content[chunk.chunk_start_offset + 33] ^= 255  # of its checksum
         path.write_bytes(content)
     read_columns(path, ["/a.x"]).close()  # what is imported and compiled at first is not the recording's

@@ -134,9 +134,10 @@ def compare(ours: Read | SourceError, mutant: Mutant, path: Path) -> Iterator[tu
             yield f"{name} agrees", ""
         elif isinstance(ours, SourceError):
             yield f"{name} reads what ours refuses", ""  # a refusal is said; where it must not be, judge() finds it
-        elif found == there or (not other - found and _sent(found - other) <= _sent(there)):
-            # a peer may stop where we go on; whether a number that was changed there was protected, _answer() asks
+        elif found == there or (not other - found and not found - other - there):  # a peer may stop where we go on
             yield f"{name} differs, ours is what was written", ""
+        elif not other - found and _one_changed(found - other - there, there - found):
+            yield f"{name} differs, ours goes on and has one message changed", ""
         elif any(map(_SAID.search, ours.notes)):
             yield f"{name} differs, ours says why", ""
         else:
@@ -144,8 +145,9 @@ def compare(ours: Read | SourceError, mutant: Mutant, path: Path) -> Iterator[tu
             yield f"{name} differs", f"only ours: {more}; only {name}: {less}; notes {dict(ours.notes)}"
 
 
-def _sent(rows: Iterable[tuple[str, int, str]]) -> set[tuple[str, int]]:
-    return {(topic, time) for topic, time, _ in rows}
+def _one_changed(more: Counter[tuple[str, int, str]], missing: Counter[tuple[str, int, str]]) -> bool:
+    """Whether one message stands where one that was written does not; if that was protected, _answer() has said so."""
+    return more.total() == 1 and {row[:2] for row in more} <= {row[:2] for row in missing}
 
 
 @lru_cache(maxsize=64)
