@@ -34,6 +34,18 @@ def browser() -> Iterator[Browser]:
         yield playwright.chromium.launch(executable_path=chromium, args=FLAGS)
 
 
+LATE = """
+let seed = %d;
+const ask = window.fetch;
+window.fetch = async (...words) => {
+  const answer = await ask(...words);
+  seed = (seed * 16807) %% 2147483647;
+  await new Promise((go) => setTimeout(go, seed / 2147483647 * 600));
+  return answer;
+};
+"""
+
+
 class Visit:
     """A page of a service, and what went wrong in it."""
 
@@ -80,11 +92,16 @@ class Visit:
 
 @pytest.fixture
 def visit(browser: Browser) -> Iterator[Callable[..., Visit]]:
-    """Opens a service in a browser of its own; at the end nothing may have gone wrong."""
+    """Opens a service in a browser of its own; at the end nothing may have gone wrong.
+
+    With ``late``, a seed, the answers of the service come up to 0.6 s late, and not in their order.
+    """
     visits: list[Visit] = []
 
-    def begin(served: Served, **options: Any) -> Visit:
+    def begin(served: Served, late: int = 0, **options: Any) -> Visit:
         context = browser.new_context(viewport={"width": 1400, "height": 900}, **options)
+        if late:
+            context.add_init_script(LATE % late)
         visits.append(Visit(context.new_page(), served))
         return visits[-1]
 

@@ -38,7 +38,8 @@ def bridge(tmp_path_factory):
 
 
 def drag(page, source, target, *, share=0.5):
-    """By the mouse: from the middle of one to a place along the other."""
+    """By the mouse, once the canvas shows the design as it is: from the middle of one to a place along the other."""
+    page.locator(".canvas[aria-busy=false]").wait_for()
     start, end = source.bounding_box(), target.bounding_box()
     page.mouse.move(start["x"] + start["width"] / 2, start["y"] + start["height"] / 2)
     page.mouse.down()
@@ -48,7 +49,8 @@ def drag(page, source, target, *, share=0.5):
 
 
 def undo(page, *, to):
-    page.get_by_role("button", name="Undo", exact=True).first.click()
+    with page.expect_response("**/api/design/undo"):
+        page.get_by_role("button", name="Undo", exact=True).first.click()
     to.wait_for()
 
 
@@ -56,8 +58,9 @@ def module(served, name):
     return served.get("/api/design")["document"]["modules"][name]
 
 
-def test_a_box_is_dragged_into_a_module_and_into_a_group(courier, visit):
-    page = visit(courier).open("design/drive")
+@pytest.mark.parametrize("late", [0, 2222, 6666666])
+def test_a_box_is_dragged_into_a_module_and_into_a_group(courier, visit, late):
+    page = visit(courier, late).open("design/drive")
     box = page.locator(".react-flow__node-box")
     drag(page, box.filter(has_text="encoder"), page.get_by_role("treeitem", name="see"), share=0.3)
     page.get_by_text("Moved encoder to see").wait_for()

@@ -83,29 +83,38 @@ export const useUnit = (): RateUnit => useShared(preferences).unit;
 export const design = new Shared<DesignState | null>(null);
 export const unreachable = new Shared<string>("");
 
+/** Whatever changes the design takes turns: each edit is made of the revision that the answer before it gave. */
+let turn: Promise<unknown> = Promise.resolve();
+
+function inTurn<T>(work: () => Promise<T>): Promise<T> {
+  const mine = turn.then(work);
+  turn = mine.catch(() => undefined);
+  return mine;
+}
+
 let asking: Promise<void> | null = null;
 
 /** Ask for the design; whoever asks while that is under way waits for the same answer. */
 export function refresh(): Promise<void> {
-  asking ??= get("/api/design")
-    .then((found) => {
-      design.set(found);
+  asking ??= inTurn(async () => {
+    try {
+      design.set(await get("/api/design"));
       unreachable.set("");
-    })
-    .catch((error: unknown) => unreachable.set(error instanceof Error ? error.message : String(error)))
-    .finally(() => (asking = null));
+    } catch (error) {
+      unreachable.set(error instanceof Error ? error.message : String(error));
+    } finally {
+      asking = null;
+    }
+  });
   return asking;
 }
 
-/** Edits take turns: each is made of the revision that the one before gave. */
-let turn: Promise<unknown> = Promise.resolve();
-
-function inTurn(write: (revision: number) => Promise<DesignState>, retry: () => void): Promise<boolean> {
-  const mine = turn.then(async () => {
+function write(ask: (revision: number) => Promise<DesignState>, retry: () => void): Promise<boolean> {
+  return inTurn(async () => {
     const now = design.get();
     if (!now) return false;
     try {
-      design.set(await write(now.revision));
+      design.set(await ask(now.revision));
       return true;
     } catch (error) {
       if (error instanceof Refused && error.status === 409 && error.current) {
@@ -118,12 +127,10 @@ function inTurn(write: (revision: number) => Promise<DesignState>, retry: () => 
       return false;
     }
   });
-  turn = mine;
-  return mine;
 }
 
 export function edit(operations: Operation[], what: string): Promise<boolean> {
-  return inTurn(
+  return write(
     (revision) => post("/api/design/edits", { revision, operations, what: what.slice(0, 200) }),
     () => void edit(operations, what),
   );
@@ -136,20 +143,20 @@ export async function editWithUndo(operations: Operation[], what: string): Promi
 }
 
 export function replaceText(text: string, what: string): Promise<boolean> {
-  return inTurn(
+  return write(
     (revision) => put("/api/design/text", { revision, text, what }),
     () => void replaceText(text, what),
   );
 }
 
 export const undo = (): Promise<boolean> =>
-  inTurn((revision) => post("/api/design/undo", { revision }), () => void undo());
+  write((revision) => post("/api/design/undo", { revision }), () => void undo());
 
 export const redo = (): Promise<boolean> =>
-  inTurn((revision) => post("/api/design/redo", { revision }), () => void redo());
+  write((revision) => post("/api/design/redo", { revision }), () => void redo());
 
 export async function save(): Promise<void> {
-  if (await inTurn((revision) => post("/api/design/save", { revision }), () => void save())) say(`Saved ${design.get()?.file}`);
+  if (await write((revision) => post("/api/design/save", { revision }), () => void save())) say(`Saved ${design.get()?.file}`);
 }
 
 export const useDesign = (): DesignState | null => useShared(design);

@@ -82,6 +82,8 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
   const unit = useUnit();
   const flow = useReactFlow();
   const [drawing, setDrawing] = useState<Shapes["Drawing"] | null>(null);
+  const [drawn, setDrawn] = useState(""); // what the drawing is of
+  const [fitted, setFitted] = useState<Shapes["Drawing"] | null>(null);
   const [wrong, setWrong] = useState("");
   const [whole, setWhole] = useState(false);
   const host = useRef<HTMLDivElement>(null);
@@ -95,6 +97,8 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
     return () => observer.disconnect();
   }, []);
 
+  const wanted = JSON.stringify([level, unit, whole, width, design?.state]);
+  const busy = !wrong && (drawn !== wanted || fitted !== drawing);
   useEffect(() => {
     const asked = new AbortController();
     if (!design?.valid) {
@@ -105,15 +109,19 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
     get("/api/design/drawing", { path: level, width: whole ? Math.max(width, 1200) : width, unit, whole }, asked.signal)
       .then((found) => {
         setDrawing(found);
+        setDrawn(wanted);
         setWrong("");
       })
       .catch((error: unknown) => !asked.signal.aborted && setWrong(error instanceof Error ? error.message : String(error)));
     return () => asked.abort();
-  }, [level, unit, whole, width, design?.state, design?.valid]);
+  }, [wanted, design?.valid]);
 
   useEffect(() => {
-    if (drawing) requestAnimationFrame(() => void flow.fitView({ padding: 0.06, maxZoom: 1.15 }));
-  }, [drawing?.path, drawing?.width, drawing?.height, flow]);
+    if (!drawing) return;
+    const same = drawing.path === fitted?.path && drawing.width === fitted.width && drawing.height === fitted.height;
+    if (same) setFitted(drawing); // seen as the user left it
+    else requestAnimationFrame(() => void flow.fitView({ padding: 0.06, maxZoom: 1.15 }).then(() => setFitted(drawing)));
+  }, [drawing, flow]);
 
   const nodes = useMemo<Node[]>(() => {
     if (!drawing) return [];
@@ -130,7 +138,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
         width: box.width,
         height: box.height,
         data: { box, chosen: !!box.part && chosen.includes(stem(box.part)), open, mark: "" },
-        draggable: !!box.part && !whole && levelOf(stem(box.part)) === level,
+        draggable: !busy && !!box.part && !whole && levelOf(stem(box.part)) === level,
         selectable: !!box.part,
         focusable: !!box.part,
         ariaLabel: [box.title, box.detail, box.badge, box.single_point ? "single point of failure" : ""].filter(Boolean).join(", "),
@@ -141,7 +149,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
       found.push({ ...common, id: `gate ${i}`, type: "gate", position: { x: gate.x, y: gate.y - GATE / 2 }, width: gate.width, height: GATE, data: { gate, mark: "" }, selectable: false, focusable: false, zIndex: 1 }),
     );
     return found;
-  }, [drawing, chosen, open, level, whole]);
+  }, [drawing, chosen, open, level, whole, busy]);
 
   const shown = useMemo(() => {
     if (!drag) return nodes;
@@ -174,7 +182,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
   }
 
   return (
-    <div className="canvas" ref={host} onKeyDown={keys}>
+    <div className="canvas" ref={host} onKeyDown={keys} aria-busy={busy}>
       {wrong ? (
         <div className="empty" role="status">
           <p>{wrong}</p>

@@ -81,7 +81,10 @@ export function NetworkView({ level, place, network, chosen, choose }: Props): R
   };
 
   const at = useMemo(() => layout(network), [network]);
-  useEffect(() => void requestAnimationFrame(() => void flow.fitView({ padding: 0.12, maxZoom: 1.15 })), [names.length, flow]);
+  const [fitted, setFitted] = useState(0); // how many nodes are seen whole
+  useEffect(() => {
+    requestAnimationFrame(() => void flow.fitView({ padding: 0.12, maxZoom: 1.15 }).then(() => setFitted(names.length)));
+  }, [names.length, flow]);
 
   const nodes = useMemo<PlaceNode[]>(
     () =>
@@ -136,7 +139,7 @@ export function NetworkView({ level, place, network, chosen, choose }: Props): R
   }
 
   return (
-    <div className="canvas" onKeyDown={keys}>
+    <div className="canvas" onKeyDown={keys} aria-busy={fitted !== names.length}>
       <ReactFlow
         nodes={nodes}
         edges={edges}
