@@ -4,13 +4,15 @@ PYTHON ?= $(shell sh tools/find-python)
 BIN := .venv/bin
 CHECKED := src tests benchmarks
 
-.PHONY: help setup demo demo-ros lint peers test test-full calibrate fuzz bench clean
+.PHONY: help setup demo demo-ros lint peers test test-full test-fresh calibrate fuzz bench clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make demo       a synthetic robot works for a day: its health as a report, and live on a page"
 	@echo "make demo-ros   the case study live: a simulated robot over real ROS 1, or over DDS (ROS=2)"
 	@echo "make test       all checks and tests"
+	@echo "make test-full  what takes long too, and the peers that pip can install, half an hour"
+	@echo "make test-fresh both commands on machines that have nothing (as root; docs/fresh-machines.md)"
 	@echo "make calibrate  predictions against 20,000 robots that really fail (docs/calibration.md)"
 	@echo "make fuzz       300,000 damaged recordings, ten minutes to an hour (docs/guides/columns.md)"
 	@echo "make bench      speed, as ratios against named peers (docs/benchmarks.md)"
@@ -40,9 +42,14 @@ peers:
 test: lint peers
 	$(BIN)/pytest -n 2
 
-# `make test` has a twenty-fifth of the calibration, by a fixed seed.
-test-full: test calibrate
+# `make test` has a twenty-fifth of the calibration, by a fixed seed, and skips the peers of the extra `peers`.
+test-full: setup
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[peers]"
+	$(MAKE) test calibrate
 	$(BIN)/pytest -n 2 -m full
+
+test-fresh:
+	@sh tools/test-fresh
 
 fuzz: setup
 	@$(BIN)/python -m tests.transports.columns.fuzz

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
-import shutil
+import subprocess
 import textwrap
 from collections import Counter
 from collections.abc import Callable
@@ -12,8 +12,9 @@ from typing import Any
 import pytest
 
 NO_SHARED = "no shared/ folder beside the project"
-NO_ROSCORE = "no roscore (sudo sh tools/ros-peers installs it)"
+NO_ROSCORE = "no roscore and rospy (sudo sh tools/ros-peers installs them)"
 NO_FASTDDS = "no Fast DDS with its headers, or no g++ (sudo sh tools/ros-peers installs them)"
+PEERS = Path(__file__).parents[1] / "tools" / "ros-peers"
 NO_CYCLONEDDS = "no cyclonedds wheel for this Python or machine"
 NO_RCLPY = "no rclpy (with ROS 2's setup sourced, it is there)"
 NO_BROWSER = "no chromium, no playwright, or the page is not built (sudo sh tools/browser; python hatch_build.py)"
@@ -32,16 +33,23 @@ def shared() -> Path:
 
 @pytest.fixture(scope="session")
 def roscore() -> str:
-    """Where Debian's roscore is; tests that talk to it are skipped without it."""
-    found = shutil.which("roscore", path="/usr/bin")
-    return found or pytest.skip(NO_ROSCORE)
+    """Where Debian's roscore is; tests that talk to it are skipped unless all that they need of ROS 1 is there."""
+    if absent := missing("ros1"):
+        pytest.skip(f"{NO_ROSCORE}; missing: {absent}")
+    return "/usr/bin/roscore"
 
 
 @pytest.fixture(scope="session")
 def fastdds() -> None:
     """Tests that talk to Fast DDS are skipped without it."""
-    if not (shutil.which("g++") and Path("/usr/include/fastdds/dds/domain/DomainParticipant.hpp").exists()):
-        pytest.skip(NO_FASTDDS)
+    if absent := missing("ros2"):
+        pytest.skip(f"{NO_FASTDDS}; missing: {absent}")
+
+
+def missing(ros: str) -> str:
+    """The packages of Debian that tests of this ROS need, and that are not there."""
+    listed = subprocess.run(["sh", str(PEERS), "missing", ros], capture_output=True, text=True, check=True, timeout=60)
+    return " ".join(listed.stdout.split())
 
 
 @pytest.fixture(scope="session")

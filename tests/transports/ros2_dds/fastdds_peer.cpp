@@ -1,5 +1,5 @@
 // A peer of another make: Fast DDS, with types written by hand. Reads commands, a line each, and says what it hears.
-// Everything is on loopback. Build: g++ -std=c++17 fastdds_peer.cpp -lfastrtps -lfastcdr
+// Everything is on loopback. Build: g++ -std=c++17 fastdds_peer.cpp -lfastrtps -lfastcdr (of Fast DDS 3, -lfastdds).
 //
 //   writer NAME TOPIC TYPE reliable|besteffort latched|volatile [USER-DATA]      says made
 //   reader NAME TOPIC TYPE reliable|besteffort latched|volatile                  says made, then NAME and what it hears
@@ -20,8 +20,6 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
 #include <iomanip>
 #include <iostream>
 #include <map>
@@ -29,8 +27,27 @@
 #include <sstream>
 #include <thread>
 
+#if __has_include(<fastdds/utils/IPLocator.hpp>) // version 3
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.hpp>
+#include <fastdds/utils/IPLocator.hpp>
+namespace rtps = eprosima::fastdds::rtps;
+const auto FINE = eprosima::fastdds::dds::RETCODE_OK;
+const auto PLAIN = eprosima::fastcdr::CdrVersion::DDS_CDR;
+#define HEARTBEAT heartbeat_period
+#define WRITTEN get_serialized_data_length
+#else
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+namespace rtps = eprosima::fastrtps::rtps;
+const auto FINE = eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
+const auto PLAIN = eprosima::fastcdr::Cdr::DDS_CDR;
+#define HEARTBEAT heartbeatPeriod
+#define WRITTEN getSerializedDataLength
+#define BEFORE_3
+#endif
+
 using namespace eprosima::fastdds::dds;
-using eprosima::fastrtps::rtps::SerializedPayload_t;
+using rtps::SerializedPayload_t;
 using eprosima::fastcdr::Cdr;
 using eprosima::fastcdr::FastBuffer;
 using Bytes = std::vector<char>;
@@ -38,30 +55,52 @@ using Bytes = std::vector<char>;
 // Carries bytes that are CDR already, encapsulation included: what is in them is the business of the commands.
 class Carrier : public TopicDataType {
   public:
+#ifdef BEFORE_3
     explicit Carrier(const std::string &name) {
         setName(name.c_str());
         m_typeSize = 1 << 20;
         m_isGetKeyDefined = false;
     }
-    bool serialize(void *data, SerializedPayload_t *payload) override {
-        auto *bytes = static_cast<Bytes *>(data);
-        if (bytes->size() > payload->max_size)
-            return false;
-        payload->length = bytes->size();
-        payload->encapsulation = (*bytes)[1] ? CDR_LE : CDR_BE;
-        memcpy(payload->data, bytes->data(), bytes->size());
-        return true;
-    }
-    bool deserialize(SerializedPayload_t *payload, void *data) override {
-        static_cast<Bytes *>(data)->assign(payload->data, payload->data + payload->length);
-        return true;
-    }
+    bool serialize(void *data, SerializedPayload_t *payload) override { return written(data, *payload); }
+    bool deserialize(SerializedPayload_t *payload, void *data) override { return read(*payload, data); }
     std::function<uint32_t()> getSerializedSizeProvider(void *data) override {
-        return [data] { return uint32_t(static_cast<Bytes *>(data)->size()); };
+        return [data] { return size(data); };
     }
     void *createData() override { return new Bytes; }
     void deleteData(void *data) override { delete static_cast<Bytes *>(data); }
-    bool getKey(void *, eprosima::fastrtps::rtps::InstanceHandle_t *, bool) override { return false; }
+    bool getKey(void *, rtps::InstanceHandle_t *, bool) override { return false; }
+#else
+    explicit Carrier(const std::string &name) {
+        set_name(name);
+        max_serialized_type_size = 1 << 20;
+        is_compute_key_provided = false;
+    }
+    bool serialize(const void *data, SerializedPayload_t &payload, DataRepresentationId_t) override {
+        return written(data, payload);
+    }
+    bool deserialize(SerializedPayload_t &payload, void *data) override { return read(payload, data); }
+    uint32_t calculate_serialized_size(const void *data, DataRepresentationId_t) override { return size(data); }
+    void *create_data() override { return new Bytes; }
+    void delete_data(void *data) override { delete static_cast<Bytes *>(data); }
+    bool compute_key(SerializedPayload_t &, rtps::InstanceHandle_t &, bool) override { return false; }
+    bool compute_key(const void *, rtps::InstanceHandle_t &, bool) override { return false; }
+#endif
+
+  private:
+    static uint32_t size(const void *data) { return uint32_t(static_cast<const Bytes *>(data)->size()); }
+    static bool written(const void *data, SerializedPayload_t &payload) {
+        auto *bytes = static_cast<const Bytes *>(data);
+        if (bytes->size() > payload.max_size)
+            return false;
+        payload.length = bytes->size();
+        payload.encapsulation = (*bytes)[1] ? CDR_LE : CDR_BE;
+        memcpy(payload.data, bytes->data(), bytes->size());
+        return true;
+    }
+    static bool read(SerializedPayload_t &payload, void *data) {
+        static_cast<Bytes *>(data)->assign(payload.data, payload.data + payload.length);
+        return true;
+    }
 };
 
 struct Temperature {
@@ -81,10 +120,10 @@ void say(const std::string &line) {
 Bytes written(Cdr::Endianness order, const std::function<void(Cdr &)> &fill) {
     Bytes room(4096);
     FastBuffer buffer(room.data(), room.size());
-    Cdr cdr(buffer, order, Cdr::DDS_CDR);
+    Cdr cdr(buffer, order, PLAIN);
     cdr.serialize_encapsulation();
     fill(cdr);
-    room.resize(cdr.getSerializedDataLength());
+    room.resize(cdr.WRITTEN());
     return room;
 }
 
@@ -100,7 +139,7 @@ class Ear : public DataReaderListener {
     void on_data_available(DataReader *reader) override {
         Bytes bytes;
         SampleInfo info;
-        while (reader->take_next_sample(&bytes, &info) == ReturnCode_t::RETCODE_OK)
+        while (reader->take_next_sample(&bytes, &info) == FINE)
             if (info.valid_data)
                 heard(bytes);
     }
@@ -110,7 +149,7 @@ class Ear : public DataReaderListener {
         std::ostringstream line;
         line << std::setprecision(17) << name_;
         FastBuffer buffer(bytes.data(), bytes.size());
-        Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
+        Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, PLAIN);
         cdr.read_encapsulation();
         if (type_ == "std_msgs::msg::dds_::Float64_") {
             double value;
@@ -136,8 +175,8 @@ int main(int, char **arguments) {
     udp->maxInitialPeersRange = 8;
     qos.transport().use_builtin_transports = false;
     qos.transport().user_transports.push_back(udp);
-    eprosima::fastrtps::rtps::Locator_t loopback;
-    eprosima::fastrtps::rtps::IPLocator::setIPv4(loopback, 127, 0, 0, 1);
+    rtps::Locator_t loopback;
+    rtps::IPLocator::setIPv4(loopback, 127, 0, 0, 1);
     qos.wire_protocol().builtin.initialPeersList.push_back(loopback);
     auto *participant = DomainParticipantFactory::get_instance()->create_participant(std::stoi(arguments[1]), qos);
     if (!participant)
@@ -180,8 +219,8 @@ int main(int, char **arguments) {
                 w.history().kind = durability == "latched" ? KEEP_LAST_HISTORY_QOS : KEEP_ALL_HISTORY_QOS;
                 w.history().depth = 1;
                 w.publish_mode().kind = SYNCHRONOUS_PUBLISH_MODE;
-                w.reliable_writer_qos().times.heartbeatPeriod = {0, 50 * 1000 * 1000};
-                w.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_RESERVE_MEMORY_MODE;
+                w.reliable_writer_qos().times.HEARTBEAT = {0, 50 * 1000 * 1000};
+                w.endpoint().history_memory_policy = rtps::DYNAMIC_RESERVE_MEMORY_MODE;
                 w.user_data().setValue(std::vector<uint8_t>(user_data.begin(), user_data.end()));
                 writers[name] = publisher->create_datawriter(topic_of(topic, type), w);
             } else {
@@ -189,7 +228,7 @@ int main(int, char **arguments) {
                 r.reliability().kind = reliable;
                 r.durability().kind = latched;
                 r.history().kind = KEEP_ALL_HISTORY_QOS;
-                r.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_RESERVE_MEMORY_MODE;
+                r.endpoint().history_memory_policy = rtps::DYNAMIC_RESERVE_MEMORY_MODE;
                 readers[name] = subscriber->create_datareader(topic_of(topic, type), r, new Ear(name, type));
             }
             say("made");
