@@ -9,7 +9,12 @@ from robophm.core.table import Source, Table
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.model import Choice, Factor, hazard_model
 
-SOURCE = Source(TITLE, "17.1", "–", "two transcriptions agree; no published answer")
+SOURCE = Source(
+    TITLE,
+    "17.1",
+    "–",
+    "two transcriptions agree; checked against Appendix A, which has other base rates for solder by hand, weld and wrap",
+)
 
 KIND = Table("connection λb", SOURCE, """
     hand-solder-no-wrap  0.0013     hand solder without wrapping

@@ -9,7 +9,7 @@ from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import surroundings
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
-SOURCE = Source(TITLE, "12.3", "12-5", "two transcriptions agree; no published answer to check against")
+SOURCE = Source(TITLE, "12.3", "12-5", "two transcriptions agree; checked against Appendix A")
 
 KIND = Table("elapsed-time meter type λb", SOURCE, """
     ac               20

@@ -6,7 +6,7 @@ from robophm.core.table import Source, Table
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.model import Choice, Factor, hazard_model
 
-SOURCE = Source(TITLE, "18.1", "–", "two transcriptions agree; no published answer; no πE for ML and CL")
+SOURCE = Source(TITLE, "18.1", "–", "two transcriptions agree; checked against Appendix A; no πE for ML and CL")
 
 APPLICATION = Table("panel meter πA", SOURCE, """
     dc  1.0

@@ -18,7 +18,10 @@ from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
 from robophm.hazard.model import Array, Choice, Factor, hazard_model
 
 SOURCE = Source(
-    TITLE, "6.9", "6-16", "two transcriptions agree on λb, B and πQ; πE is one's, the other has that of low frequency"
+    TITLE,
+    "6.9",
+    "6-16",
+    "two transcriptions agree on λb, B and πQ; πE is one's, the other has that of low frequency; no published answer",
 )
 
 KIND = Table("high-frequency silicon field-effect transistor type λb", SOURCE, """

@@ -19,7 +19,7 @@ from robophm.hazard.handbooks.mil_hdbk_217f.microcircuit import (
 )
 from robophm.hazard.model import Array, Factor, Range, hazard_model
 
-SOURCE = Source(TITLE, "5.1", "–", f"{STATUS}; C1 three; no published answer")
+SOURCE = Source(TITLE, "5.1", "–", f"{STATUS}; C1 three; checked against Appendix A")
 
 DIE = Table("linear C1 by transistors, up to", SOURCE, """
     100    0.010
