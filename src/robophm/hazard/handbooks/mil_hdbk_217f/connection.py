@@ -13,7 +13,7 @@ SOURCE = Source(
     TITLE,
     "17.1",
     "–",
-    "two transcriptions agree; checked against Appendix A, which has other base rates for solder by hand, weld and wrap",
+    "two transcriptions agree; checked against Appendix A, which has other base rates for hand solder, weld and wrap",
 )
 
 KIND = Table("connection λb", SOURCE, """
