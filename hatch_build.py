@@ -1,4 +1,5 @@
-"""Builds the page, ui/ → src/robophm/web/static, wherever robophm is built: by the system's Node or one from a wheel.
+"""Builds the page, ui/ → src/robophm/web/static, wherever robophm is built: by the system's Node or one from a wheel;
+and makes of README.md the description that a package index shows, where its links into the sources would lead nowhere.
 
 What is built says of which sources; as long as they are the same nothing is done, so that an sdist, which ships the
 built page, needs no Node. ``python hatch_build.py`` does it by hand.
@@ -18,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 ROOT = Path(__file__).parent
 UI, STATIC, SCHEMA = (
@@ -47,6 +49,17 @@ class PageHook(BuildHookInterface):  # type: ignore[type-arg]
             if version != "editable":
                 raise SystemExit(f"robophm: {error}") from None
             print(f"robophm: {error}; installed without the page", file=sys.stderr)
+
+
+class DescriptionHook(MetadataHookInterface):
+    """What hatchling calls for what a package index shows."""
+
+    def update(self, metadata: dict[str, Any]) -> None:
+        """Name the files of the sources instead of linking to them, and leave out pictures."""
+        text = (ROOT / "README.md").read_text(encoding="utf-8")
+        text = re.sub(r"!\[[^]]*\]\((?!\w+:)[^)]*\)\n*", "", text)
+        text = re.sub(r"\[([^]]+)\]\((?![\w#]*:|#)([^)]+)\)", r"\1: `\2`", text)
+        metadata["readme"] = {"content-type": "text/markdown", "text": text}
 
 
 class BuildError(Exception):

@@ -5,7 +5,7 @@ import os
 import subprocess
 import textwrap
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -57,6 +57,32 @@ def cyclonedds() -> None:
     """Tests of the transport over DDS are skipped without the wheel, which some machines have none of."""
     if importlib.util.find_spec("cyclonedds") is None:
         pytest.skip(NO_CYCLONEDDS)
+
+
+@pytest.fixture(scope="session")
+def write_messages() -> Callable[..., Path]:
+    """Write (topic, type, receipt [ns], message as keyword arguments of its class) as ROS 2 MCAP."""
+
+    def write(path: Path, messages: Iterable[tuple[str, str, int, Callable[[Any], object]]]) -> Path:
+        from mcap.writer import Writer
+        from rosbags.typesys import Stores, get_typestore
+
+        store = get_typestore(Stores.ROS2_HUMBLE)
+        with path.open("wb") as file:
+            writer = Writer(file)
+            writer.start(profile="ros2")
+            channels: dict[str, int] = {}
+            for topic, type_, receipt, make in messages:
+                if topic not in channels:
+                    definition = store.generate_msgdef(type_, 2)[0].encode()
+                    schema = writer.register_schema(type_, "ros2msg", definition)
+                    channels[topic] = writer.register_channel(topic, "cdr", schema)
+                raw = bytes(store.serialize_cdr(make(store.types), type_))
+                writer.add_message(channels[topic], receipt, raw, receipt)
+            writer.finish()
+        return path
+
+    return write
 
 
 @pytest.fixture

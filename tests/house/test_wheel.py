@@ -51,6 +51,15 @@ def test_the_lock_file_names_no_address():
     assert b'"resolved"' not in (ROOT / "ui" / "package-lock.json").read_bytes()
 
 
+def test_a_package_index_is_given_no_link_into_the_sources(wheel):
+    with zipfile.ZipFile(wheel) as packed:
+        (metadata,) = [name for name in packed.namelist() if name.endswith("METADATA")]
+        text = packed.read(metadata).decode()
+    assert "how: `docs/guides/data.md`" in text
+    assert "make demo" in text
+    assert not re.search(r"\]\((?!\w+:|#)|!\[", text)
+
+
 def test_it_installs_anywhere(wheel):
     assert wheel.name.endswith("-py3-none-any.whl")
 
