@@ -257,13 +257,24 @@ class RosSource(LiveSource):
     """What the live sources of both generations have in common: one run at a time, which is told to end."""
 
     _run: Run | None = None
+    _stopped = False  # before there was anything to end
 
     def stop(self) -> None:
-        """End ``listen`` once all that has come so far has been taken; from any thread, and from a signal."""
+        """End ``listen`` once all that has come so far has been taken; from any thread, and from a signal.
+
+        Where nothing is listened to yet, the next ``listen`` ends at once.
+        """
         if self._run:
             self._run.end()
         else:
-            self.close()
+            self._stopped = True
+
+    def _begin(self, run: Run) -> None:
+        """From now on this is what ``stop`` ends."""
+        self._run = run
+        if self._stopped:
+            self._stopped = False
+            run.end()
 
 
 def by_topic(signals: Collection[str]) -> dict[str, list[str]]:

@@ -116,6 +116,14 @@ def test_what_has_come_is_taken_when_it_stops(source: LiveSource, publish: Calla
     assert [sample.value for sample in samples if sample.signal != "clock"] == [float(number) for number in range(80)]
 
 
+def test_whoever_stops_before_it_listens_hears_nothing(source: LiveSource) -> None:
+    """As by a signal while topics are looked for: what is asked of the source meanwhile is still answered."""
+    source.stop()
+    source.topics()
+    assert list(source.listen({"/stopped.data"}, ())) == []
+    source.stop()
+
+
 def test_a_message_that_is_not_of_its_type(room: ModuleType, publish: Callable[..., Any]) -> None:
     if room.__name__.endswith("rclpy"):
         with pytest.raises(SourceError, match="rclpy has no 'own_msgs/msg/Whole'"):

@@ -105,7 +105,8 @@ class Ros1(RosSource):
             simulated = False
         hearing = Hearing(self.notes, queue.put, topics, simulated=simulated)
         listening = Listening(node, wanted, hearing)
-        self._run = run = Run(queue, hearing, listening, node)
+        run = Run(queue, hearing, listening, node)
+        self._begin(run)
         try:
             listening.start(START_SECONDS)
         except BaseException:

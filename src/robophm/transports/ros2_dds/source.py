@@ -93,7 +93,8 @@ class Ros2(RosSource):
         node = self._node(domain=self._graph.place.domain, notes=self.notes)
         listening = Listening(node, wanted, hearing, self._tick)
         listening.served = queue.hand_on
-        self._run = run = Run(queue, hearing, listening, node)
+        run = Run(queue, hearing, listening, node)
+        self._begin(run)
         if listening.mistake or self._closed:
             run.close()
             raise listening.mistake or SourceError("the source is closed")
