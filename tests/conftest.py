@@ -10,6 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import settings
+
+settings.register_profile("robophm", derandomize=True, database=None, deadline=None)  # busy machines are slow
+settings.load_profile("robophm")
 
 NO_SHARED = "no shared/ folder beside the project"
 NO_ROSCORE = "no roscore and rospy (sudo sh tools/ros-peers installs them)"

@@ -83,10 +83,10 @@ def test_late_samples_are_counted_and_dropped_disorder_within_the_window_is_none
 def test_a_year_of_silence_is_a_step_not_a_million() -> None:
     year, ticks = 365 * 24 * HOUR, []
     observer = Monitor(robot(**bound("/t", "c")), on_tick=lambda monitor: ticks.append(monitor.ledger.integrated_to))
-    begun = time.perf_counter()
+    begun = time.process_time()
     for at in (0, 1, year, year + SECOND):
         observer.observe(Sample(START + at, T, 35.0))
-    assert time.perf_counter() - begun < 1
+    assert time.process_time() - begun < 1
     assert len(ticks) <= 2
     report = observer.report()
     assert report.clocks["calendar"] == exact(Fraction(year + SECOND, HOUR))

@@ -110,9 +110,9 @@ def test_no_answer_is_no_number_and_no_warning():
 
 @pytest.mark.parametrize("text", ["9**9**9", "9**9**9**9**9**9", "pow(9, pow(9, pow(9, 9)))", "1e308 * 1e308"])
 def test_towers_cost_nothing(text):
-    begun = time.perf_counter()
+    begun = time.process_time()
     assert found(text) == math.inf
-    assert time.perf_counter() - begun < 2
+    assert time.process_time() - begun < 2
 
 
 REFUSED = {
@@ -176,12 +176,12 @@ REFUSED = {
 
 @pytest.mark.parametrize("text", REFUSED, ids=lambda text: repr(text[:30]))
 def test_everything_else_is_refused_with_its_place(text):
-    begun = time.perf_counter()
+    begun = time.process_time()
     with pytest.raises(ModelError) as caught:
         read(text, VALUES)
     assert REFUSED[text] in str(caught.value)
     assert "\n" not in str(caught.value)
-    assert time.perf_counter() - begun < 2
+    assert time.process_time() - begun < 2
 
 
 def test_up_to_the_limits():

@@ -123,10 +123,10 @@ HOSTILE = {
 @pytest.mark.parametrize("inside", ["h", "1/h", ""])
 def test_hostile_texts_fail_at_once_in_one_line(text, inside):
     quantity("1 h", "h")  # the registry is loaded
-    begun = time.perf_counter()
+    begun = time.process_time()
     with pytest.raises(UnitError) as error:
         quantity(text, inside)
-    assert time.perf_counter() - begun < 1
+    assert time.process_time() - begun < 1
     assert "\n" not in str(error.value)
     assert len(str(error.value)) < 300
     assert "Traceback" not in str(error.value)

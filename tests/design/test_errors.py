@@ -359,10 +359,10 @@ BOMBS = {
 
 @pytest.mark.parametrize(("text", "says"), BOMBS.values(), ids=BOMBS.keys())
 def test_bombs_are_defused_quickly(text, says):
-    begun = time.perf_counter()
+    begun = time.process_time()
     with pytest.raises(DesignError, match=re.escape(says)) as error:
         parse(text, "robot.yaml")
-    assert time.perf_counter() - begun < 20  # seconds on a slow machine; unfolding would take hours
+    assert time.process_time() - begun < 20  # seconds on a slow machine; unfolding would take hours
     assert len(str(error.value).splitlines()) == 1
 
 

@@ -150,10 +150,10 @@ def test_odd_names(tmp_path, name):
 def test_a_large_file_is_refused_before_it_is_parsed(tmp_path):
     path = tmp_path / "robot.yaml"
     path.write_bytes(b"#" * (MAX_BYTES + 1))
-    begun = time.perf_counter()
+    begun = time.process_time()
     with pytest.raises(DesignError, match=r"robot\.yaml: is more than 20 MB"):
         load(path)
-    assert time.perf_counter() - begun < 2
+    assert time.process_time() - begun < 2
 
 
 def test_a_device_without_end():

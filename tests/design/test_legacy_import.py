@@ -344,11 +344,11 @@ def test_groups_nest_so_far(made):
     ids=["lists", "mappings", "aliases", "groups"],
 )
 def test_what_would_take_for_ever(made, text, says):
-    began = time.monotonic()
+    began = time.process_time()
     with pytest.raises(DesignError) as caught:
         made(text)
     assert says in str(caught.value)
-    assert time.monotonic() - began < 20
+    assert time.process_time() - began < 20
 
 
 @pytest.mark.parametrize("size", [1_500_000, 100_000_000])
@@ -358,10 +358,10 @@ def test_too_large_a_file_is_not_parsed(tmp_path, size):
         stream.write(b"System: {A: {Failure Rate: 1.0e-6}}\n#")
         for _ in range(size // 500_000):
             stream.write(b" " * 500_000)
-    began = time.monotonic()
+    began = time.process_time()
     with pytest.raises(DesignError, match=r"more than"):
         import_legacy(path)
-    assert time.monotonic() - began < 10
+    assert time.process_time() - began < 10
 
 
 def level_of(chance, depth):

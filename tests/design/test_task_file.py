@@ -363,7 +363,7 @@ def test_what_would_take_for_ever() -> None:
     bomb = HEAD + "a: &a [1,1,1,1,1,1,1,1,1,1]\n"
     for one, other in pairwise(letters):
         bomb += f"{other}: &{other} [{','.join([f'*{one}'] * 10)}]\n"
-    start = time.perf_counter()
+    start = time.process_time()
     refused(yaml, bomb + "tasks: *j\n", "tasks.yaml:2: unfolds to more than 1,000,000 values")
     refused(
         yaml,
@@ -377,7 +377,7 @@ def test_what_would_take_for_ever() -> None:
         ",".join(f"c{i}" for i in range(200_000)) + "\nx\n",
         "tasks.csv:2: expected 200000 cells, as the header has",
     )
-    assert time.perf_counter() - start < 20
+    assert time.process_time() - start < 20
 
 
 @pytest.mark.parametrize("name", ["tasks.yaml", "tasks.csv"])

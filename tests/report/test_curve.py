@@ -127,9 +127,9 @@ def test_long_series_is_thinned_and_keeps_its_extremes() -> None:
     y = np.zeros(1_000_000)
     y[123_456], y[654_321] = 1, -1
     y[400_000:500_000] = np.nan
-    start = time.perf_counter()
+    start = time.process_time()
     (path,) = paths(drawn(Line("R", np.arange(y.size), y)))
-    assert time.perf_counter() - start < 1
+    assert time.process_time() - start < 1
     assert len(points(path)) <= 2 * 460
     assert path.count("M") == 2
     heights = [at for _, at in points(path)]

@@ -209,9 +209,9 @@ def test_same_diagram_same_bytes() -> None:
 
 
 def test_ten_thousand_units_are_drawn_at_once_and_counted() -> None:
-    start = time.perf_counter()
+    start = time.process_time()
     svg = diagram_svg(Series(*(f"p{i}" for i in range(10_000))), label)
-    assert time.perf_counter() - start < 2
+    assert time.process_time() - start < 2
     assert len(rects(svg)) == 401
     assert "… 9,600 more parts" in hints(svg)
 

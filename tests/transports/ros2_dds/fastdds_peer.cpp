@@ -32,6 +32,7 @@
 #include <fastdds/utils/IPLocator.hpp>
 namespace rtps = eprosima::fastdds::rtps;
 const auto FINE = eprosima::fastdds::dds::RETCODE_OK;
+const auto SENT = FINE;
 const auto PLAIN = eprosima::fastcdr::CdrVersion::DDS_CDR;
 #define HEARTBEAT heartbeat_period
 #define WRITTEN get_serialized_data_length
@@ -40,6 +41,7 @@ const auto PLAIN = eprosima::fastcdr::CdrVersion::DDS_CDR;
 #include <fastrtps/utils/IPLocator.h>
 namespace rtps = eprosima::fastrtps::rtps;
 const auto FINE = eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
+const auto SENT = true;
 const auto PLAIN = eprosima::fastcdr::Cdr::DDS_CDR;
 #define HEARTBEAT heartbeatPeriod
 #define WRITTEN getSerializedDataLength
@@ -204,7 +206,7 @@ int main(int, char **arguments) {
         std::string command, name;
         line >> command >> name;
         auto send = [&](Bytes bytes) {
-            if (!writers.at(name)->write(&bytes))
+            if (writers.at(name)->write(&bytes) != SENT)
                 say("not sent");
         };
         if (command == "writer" || command == "reader") {
