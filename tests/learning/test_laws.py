@@ -90,6 +90,7 @@ def test_laws(name, tmp_path):
         low, high = sorted((stated, n))
         assert low * (1 - 1e-5) <= promised(mode, seen, found.factor) <= high * (1 + 1e-5)
         assert (found.factor - 1) * (n - stated) >= 0
+        assert found.low <= found.factor <= found.high
         working = [i for i, row in enumerate(rows) if not row[4]]
         if not working:
             continue

@@ -13,14 +13,11 @@ from robophm.core.errors import DataError, UnitError
 from robophm.core.units import quantity
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot, Uncertainty
 from robophm.learning.failure_log import Seen
-from robophm.learning.rates import FleetPosterior, Posterior, fleet
+from robophm.learning.rates import VAGUEST, FleetPosterior, Posterior, fleet
 from robophm.learning.scale import Ratio, at_rate, fit_scale, information, of_power
 
 USUAL_PRIOR = 1.0
 """Failures that a stated rate counts as, where neither the design nor the user says more."""
-
-VAGUEST_PRIOR = 0.01
-"""Failures that a stated rate counts as at least, however uncertain: a gamma that is vaguer says that nothing fails."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +117,7 @@ def _strength(mode: FailureMode, rate: float, beta: float, prior: str | None) ->
     if prior is not None:
         return _said(mode, rate, prior)
     stated = mode.evidence.stated if mode.evidence else mode.uncertainty
-    return USUAL_PRIOR if stated is None else max(1 / _square_of_variation(stated, beta), VAGUEST_PRIOR)
+    return USUAL_PRIOR if stated is None else max(1 / _square_of_variation(stated, beta), VAGUEST)
 
 
 def _said(mode: FailureMode, rate: float, prior: str) -> float:

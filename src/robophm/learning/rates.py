@@ -33,8 +33,11 @@ SUREST_DOUBT = 4.0
 """Failures: a prior that counts less is doubted as if it counted so many, good to about a factor of three. Else the
 vaguest prior could never be contradicted, and nobody would be told that a rate is off by ten."""
 
+VAGUEST = 0.02
+"""Failures as which what is known counts at least, a gamma's shape: of a vaguer one 95 % lie below its mean."""
+
 _LEVELS = (0.05, 0.5, 0.95)
-_LOG_S = (-7.0, 12.0)  # of s: robots that differ by 3300 %, and by 0.25 %
+_LOG_S = (math.log(VAGUEST), 12.0)  # of s: robots that differ by 700 %, and by 0.25 %
 
 
 @dataclass(frozen=True)
@@ -141,7 +144,7 @@ class FleetPosterior:
     def shape(self) -> float:
         """Gamma of the same spread as one robot of this fleet, of which nothing is known: how sure a rate is for it."""
         of_mean = 1 / self.mean.shape
-        return 1 / (of_mean + self.spread**2 * (1 + of_mean))
+        return max(1 / (of_mean + self.spread**2 * (1 + of_mean)), VAGUEST)
 
 
 def fleet(failures: Sequence[float], expected: Sequence[float], prior: float) -> FleetPosterior:
@@ -168,7 +171,7 @@ def fleet(failures: Sequence[float], expected: Sequence[float], prior: float) ->
 def less_sure(mean: Posterior, expected: Array, spread: float) -> Posterior:
     """The same mean of robots that differ: by how much the failures of those that were seen may miss it."""
     variance = 1 / mean.shape + spread**2 * float(np.sum(expected**2)) / float(expected.sum()) ** 2
-    less = 1 / (variance * mean.shape)
+    less = max(1 / variance, VAGUEST) / mean.shape
     return replace(mean, shape=mean.shape * less, rate=mean.rate * less, unseen=mean.unseen * less)
 
 
