@@ -1,6 +1,7 @@
 """robophm fit, run as a newcomer does."""
 
 import json
+import math
 import re
 import sys
 
@@ -58,13 +59,53 @@ def test_stress_and_repairs(inside, tmp_path):
     )
     text = inside("fit", "lift.csv", "--repairable", "--level", "0.8").stdout
     assert "10 failures of 1 repaired system: they improve" in text
-    assert "310.2 (158 … 549) h between failures" in text
+    # Both estimates, by their names: NIST's (apr452), and MIL-HDBK-189's n / Σ ln(T/t) by hand.
+    (unbiased,) = (line for line in text.splitlines() if "unbiased" in line)
+    assert "310.2 (158 … 549)" in unbiased
+    by_hand = len(times) / sum(math.log(1500 / t) for t in times)
+    said = json.loads(inside("fit", "lift.csv", "--repairable", "--level", "0.8", "--json").stdout)
+    assert said["estimate"] == "unbiased"
+    assert said["estimates"]["unbiased"]["beta"]["value"] == said["beta"]["value"] == pytest.approx(0.483506, rel=1e-5)
+    likeliest = said["estimates"]["maximum likelihood"]
+    assert likeliest["beta"]["value"] == pytest.approx(by_hand, rel=1e-12)
+    assert likeliest["lambda"] == pytest.approx(len(times) / 1500**by_hand, rel=1e-12)
+    assert likeliest["mean_time_between_failures"]["value"] == pytest.approx(1500 / (len(times) * by_hand), rel=1e-12)
+    for bound in ("low", "high"):  # what is known is the same by both
+        one, other = (said["estimates"][name]["beta"][bound] for name in said["estimates"])
+        assert one == pytest.approx(other, rel=1e-12)
+    (tmp_path / "two.csv").write_text("item,time [h],censored\na,5,\na,40,\na,90,yes\nb,20,\nb,30,\nb,60,yes\n")
+    assert "of these there is no unbiased estimate" in inside("fit", "two.csv", "--repairable").stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "unused"),
+    [
+        (("lives.csv", "--seed", 1), "--seed"),
+        (("lives.csv", "--use", "temperature=40 degC", "--by", "ranks", "--refits", 5), "--by, --refits"),
+        (("hot.csv", "--by", "likelihood"), "--by"),  # as stated as its default, but not used
+        (("lives.csv", "--repairable", "--by", "ranks", "--distribution", "normal", "--refits", 5, "--seed", 2,
+          "--use", "temperature=40 degC", "--law", "temperature=q10", "--report", "x.html", "--to", "robot.yaml",
+          "--part", "pump"),
+         "--distribution, --by, --use, --law, --refits, --seed, --report, --to, --part"),
+    ],
+)  # fmt: skip
+def test_an_option_that_is_not_used_is_refused(inside, lives, tmp_path, words, unused):
+    (tmp_path / "hot.csv").write_text("time [h],temperature [degC]\n5,80\n6,90\n")
+    refused = inside("fit", *words)
+    assert (refused.returncode, refused.stdout) == (2, "")
+    assert f"Error: {unused}: not used for " in refused.stderr
+    assert not (tmp_path / "x.html").exists()
 
 
 def test_mistakes_are_one_line(inside, lives, tmp_path):
     (tmp_path / "grit.csv").write_text("time [h],grit\n5,1\n6,1\n3,2\n2,2\n1,3\n")
     for name, times in (("word", "five\n6\n7\n"), ("wide", "1e-300\n2\n1e300\n")):
         (tmp_path / f"{name}.csv").write_text(f"time [h]\n{times}")
+    (tmp_path / "typo.csv").write_text("time [h],temprature\n5,80\n6,90\n")
+    (tmp_path / "event.csv").write_text("time [h],event\n5,failure\n6,censored\n")
+    (tmp_path / "since.csv").write_text("time [h],since\n5,1\n6,2\n")
+    (tmp_path / "hot.csv").write_text("item,time [h],temperature [degC],censored\na,5,80,\na,6,90,yes\n")
+    (tmp_path / "counts.csv").write_text("item,time [h],count,censored\na,5,2,\na,6,1,yes\n")
     (tmp_path / "km.csv").write_text("time [km]\n5\n6\n7\n")
     (tmp_path / "few.csv").write_text("item,time [h],censored\na,5,\na,9,yes\n")
     for words, said in (
@@ -77,6 +118,11 @@ def test_mistakes_are_one_line(inside, lives, tmp_path):
         ((lives, "--to", "robot.yaml", "--part", "pmp"), "no part 'pmp'; did you mean 'pump'"),
         ((lives, "--use", "temperature=40 degC"), "states no stress"),
         (("grit.csv",), "at which grit will parts be used? expected --use 'grit=…'"),
+        (("typo.csv",), "column 'temprature' is not known; did you mean 'temperature'?"),
+        (("event.csv",), "column 'event' is no stress; expected 'censored', with yes for what still worked"),
+        (("since.csv",), "column 'since' is no stress; expected lives watched from 0 on; `robophm learn` takes others"),
+        (("hot.csv", "--repairable"), "repaired systems are taken at one stress; it has temperature"),
+        (("counts.csv", "--repairable"), "each failure of a repaired system is a row; expected no count but 1"),
         (("grit.csv", "--use", "grit"), "--use 'grit'; expected e.g. temperature="),
     ):
         failed = inside("fit", *words)

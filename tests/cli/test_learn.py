@@ -72,6 +72,7 @@ def test_a_robots_own_ledger(inside, design, tmp_path):
     assert [one["kind"] for one in json.loads(half.stdout)["services"]] == ["replaced", "repaired"]
     found = json.loads(inside("learn", design, "past.db", "--json").stdout)["rates"]
     assert {one["mode"]: one["failures"] for one in found}[part] == 1
+    assert all((one["factor"] - 1) * (one["failures"] - one["expected"]) >= 0 for one in found)
     for words, said in (((), "was it replaced or repaired?"), (("--failed", "--history"), "--failed says why"),
                         (("--replaced", "--repaired", 0.5), "was it replaced or repaired?")):  # fmt: skip
         assert said in inside("service", design, part, "--store", "past.db", *words).stderr

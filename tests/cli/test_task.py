@@ -76,8 +76,6 @@ def test_a_wrong_task_is_one_line(asked, text, says):
     [
         (("--working", "Camera"), "Camera is said to have failed and to work; expected either"),
         (("--failed", "Camra"), "unknown part 'Camra'; did you mean 'Camera'?"),
-        (("--topic", "/pose"), "--topic is of a recording"),
-        (("--threshold", "0.5"), "--threshold is of --repeat; of single tasks it is the design's"),
         (("--store", "no.sqlite"), "no.sqlite: no such store"),
     ],
 )
@@ -87,7 +85,9 @@ def test_a_wrong_word_is_one_line(asked, words, says):
 
 @pytest.mark.parametrize("words", [("--repeat", "2"), ("--threshold", "0.5"), ("--future", "last")], ids=" ".join)
 def test_a_recording_is_not_repeated(inside, recording, words):
-    assert f"{words[0]} is of a list of tasks" in refused(inside("task", "robot.yaml", recording, *words))
+    done = inside("task", "robot.yaml", recording, *words)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert f"Error: {words[0]}: not used for the tasks of a recording" in done.stderr
 
 
 @pytest.mark.parametrize("file", ["/dev/zero", "/dev/null", ".", "no.yaml", "no.csv"])

@@ -44,6 +44,28 @@ def test_trend_change_and_remaining_life(inside, robot):
     assert lives["courier"]["fused"]["median"] < lives["battery"]["fused"]["median"]
 
 
+def test_a_bend_is_said_wherever_life_is(inside, robot, tmp_path):
+    """A capacity that falls ever faster: the stated life is too long, in words and in JSON; a straight one holds."""
+    words = ("wear", robot, "capacity.csv", "--part", "battery", "--threshold", 0.7)
+    (said,) = json.loads(inside(*words, "--json").stdout)["signals"]
+    assert (said["bend"]["direction"], said["bend"]["life_is"]) == (None, "that of a straight trend")
+    assert said["bend"]["p"] > said["bend"]["false_alarms"] == 0.05
+    text = inside(*words).stdout
+    assert "No bend of the trend is told" in text
+    assert "what is said of life holds of a straight one alone" in text
+    rng = np.random.default_rng(1)
+    y = 1 - 1e-7 * (np.arange(300) * 5.0) ** 2 + 0.004 * rng.standard_normal(300)
+    (tmp_path / "capacity.csv").write_text("time [h],value\n" + "".join(f"{5 * i},{b:.5f}\n" for i, b in enumerate(y)))
+    bent = json.loads(inside(*words, "--json").stdout)
+    assert bent["signals"][0]["bend"]["direction"] == "accelerating"
+    assert bent["signals"][0]["bend"]["life_is"] == "too long"
+    assert [bent["remaining_life"][name]["fused"]["holds"] for name in ("battery", "courier")] == [False, False]
+    text = inside(*words).stdout
+    assert "The trend bends, it is accelerating" in text
+    assert "what is said of life is of a straight one, too long, and does not hold" in " ".join(text.split())
+    assert text.count("with its wear, as if it did not bend") == 2
+
+
 def test_dates_ambient_and_load(inside, robot, tmp_path):
     """A bearing that runs ever hotter above the air; a current at half load."""
     rng = np.random.default_rng(2)
@@ -175,14 +197,19 @@ def test_one_signal_that_says_too_little_does_not_hide_the_others(inside, listen
     assert "bearing with its wear" in done.stdout
 
 
+@pytest.mark.parametrize("words", [("--threshold", 3), ("--load", 3)], ids=lambda words: words[0])
+def test_what_the_design_says_is_not_said_again(inside, listening, words):
+    refused = inside("wear", "robot.yaml", listening, *words)
+    assert (refused.returncode, refused.stdout) == (2, "")
+    assert f"Error: {words[0]}: not used for recordings, whose threshold and load are in the design" in refused.stderr
+
+
 def test_mistakes_about_recordings_are_one_line(inside, listening, tmp_path):
     (tmp_path / "none.yaml").write_text("schema_version: 1\nname: cart\ncomponents: {a: {rate: 1 FPMH}}\n")
     (tmp_path / "t.csv").write_text("time [h],value\n1,2\n")
     for words, said in (
         (("robot.yaml", listening, "--part", "computer"), "no 'computer' which signal shows its wear"),
         (("none.yaml", listening), "says of no part which signal shows its wear; expected e.g."),
-        (("robot.yaml", listening, "--threshold", 3), "--threshold is of a table"),
-        (("robot.yaml", listening, "--load", 3), "--load is of a table"),
         (("robot.yaml", listening, "--baseline", 500), "120 readings, and a baseline of 500 (--baseline)"),
         (("robot.yaml", "t.csv"), "whose wear is it? expected --part"),
         (("robot.yaml", "t.csv", "--part", "computer"), "at which value is 'computer' worn out? expected --threshold"),

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.stats import gamma, nbinom, poisson
+from scipy.stats import chi2, gamma, nbinom, poisson
 
 from robophm.learning.rates import FleetPosterior, fleet, gamma_by_quantiles, surprise, update
 
@@ -89,17 +89,23 @@ def _marginal(n, E, mean, s):
 
 
 def test_fleet_by_brute_force():
-    """The pumps of Gaver and O'Muircheartaigh (Technometrics 29, 1987): the greatest marginal likelihood on a grid."""
+    """The pumps of Gaver and O'Muircheartaigh (Technometrics 29, 1987): the likeliest spread about all of them."""
     n = np.array([5, 1, 5, 14, 3, 19, 1, 1, 4, 22])
     E = np.array([94.3, 15.7, 62.9, 125.8, 5.24, 31.4, 1.05, 1.05, 2.1, 10.5])
-    found = fleet(n, E, 0.01)
-    grid = [(_marginal(n, E, m, s), m, s) for m in np.linspace(0.4, 1.0, 41) for s in np.linspace(0.5, 1.2, 71)]
-    _, mean, s = max(grid)
-    assert found.spread == pytest.approx(1 / math.sqrt(s), rel=0.01)
-    assert found.p_value < 1e-10
-    assert found.mean.mean == pytest.approx(mean, rel=0.1)  # beside it half a failure, as the prior is in conflict
+    found = fleet(n, E, 1e-9)
+    mean = 75 / E.sum()
+    best, s = max((_marginal(n, E, mean, s), s) for s in np.linspace(0.2, 1.2, 2001))
+    assert found.spread == pytest.approx(1 / math.sqrt(s), rel=1e-3)
+    gain = 2 * (best - poisson.logpmf(n, mean * E).sum())
+    assert found.p_value == pytest.approx(chi2.sf(gain, 1) / 2, rel=1e-3)
+    assert found.mean.estimate == pytest.approx((75 + (1 - found.mean.weight) / 2) / E.sum(), rel=1e-6)
+    mean = found.mean.estimate  # of fewer failures than expected, half a one beside them
     own = found.robots[0]
-    assert own.mean == pytest.approx((5 + s) / (94.3 + s / found.mean.mean), rel=0.01)
+    assert own.mean == pytest.approx((5 + s) / (94.3 + s / mean), rel=1e-3)
+    # As sure as a ratio of sums: by as many robots drawn anew, each with its own hazard.
+    rng = np.random.default_rng(3)
+    drawn = rng.poisson(rng.gamma(s, mean / s, (100_000, 10)) * E).sum(axis=1) / E.sum()
+    assert 1 / found.mean.shape == pytest.approx(drawn.var() / mean**2, rel=0.02)
 
 
 def test_robots_that_do_not_differ_are_one():
@@ -110,12 +116,46 @@ def test_robots_that_do_not_differ_are_one():
     assert (alone.spread, alone.mean.shape, alone.shape) == (0.0, 4.0, 4.0)
 
 
-def test_each_robots_own_interval_holds():
-    """Robots drawn from a gamma: 90 % of their true ratios lie in their own 90 % intervals."""
+@pytest.mark.parametrize("spread", [0.0, 0.7])
+def test_each_robots_own_interval_holds(spread):
+    """Robots drawn from a gamma: 90 % of their true ratios lie in their own 90 % intervals, however long they worked;
+    and 90 % of the fleet's own intervals of its mean hold that.
+    """
     rng = np.random.default_rng(23)
-    held = []
-    for _ in range(40):
-        true = rng.gamma(2.0, 1 / 2.0, 30)
-        found = fleet(rng.poisson(6 * true), [6.0] * 30, 1.0)
+    held, means = [], []
+    for _ in range(60):
+        true, E = rng.gamma(2.0, 1 / 2.0, 30), 6 * np.exp(spread * rng.standard_normal(30))
+        found = fleet(rng.poisson(E * true), E, 1.0)
         held += [one.interval[0] <= x <= one.interval[2] for one, x in zip(found.robots, true, strict=True)]
+        means.append(found.mean.interval[0] <= 1 <= found.mean.interval[2])
     assert np.mean(held) == pytest.approx(0.9, abs=0.03)
+    assert np.mean(means) >= 0.8  # less in one of a hundred
+
+
+@pytest.mark.parametrize("prior", [1e-3, 0.3, 1.0, 7.0, 1e3, 1e17])
+def test_laws_of_counts(prior):
+    """Between what was stated and what was seen; one more failure never lowers; a very sure prior stays."""
+    for expected in (1e-6, 0.0217, 0.9, 1.0, 3.0, 12.5, 400.0):
+        before = 0.0
+        for n in [*range(40), 300, 500]:
+            found = update(n, expected, prior)
+            low, high = sorted((1.0, n / expected))
+            assert low * (1 - 1e-12) <= found.estimate <= high * (1 + 1e-12)
+            assert found.estimate >= before * (1 - 1e-12)
+            before = found.estimate
+            if prior == 1e17:
+                tail = min(poisson.cdf(n, expected), poisson.sf(n - 1, expected))
+                assert found.surprise == pytest.approx(min(2 * tail, 1.0), rel=1e-6)
+
+
+def test_one_more_failure_never_lowers_a_robot_of_a_fleet():
+    rng = np.random.default_rng(2)
+    for _ in range(400):
+        k = rng.integers(2, 8)
+        E = 10 ** rng.uniform(-2.5, 1.5, k)
+        n = rng.poisson(E * rng.gamma(0.5, 2.0, k) * 10 ** rng.uniform(-1, 1))
+        more, i = n.copy(), rng.integers(k)
+        more[i] += 1
+        before, after = fleet(n, E, 1.0), fleet(more, E, 1.0)
+        assert after.mean.estimate >= before.mean.estimate
+        assert after.robots[i].estimate >= before.robots[i].estimate * (1 - 1e-9)

@@ -4,13 +4,15 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+from scipy.stats import gamma, lognorm, nbinom
 
 from robophm.core.errors import DataError
 from robophm.design.file import parse
 from robophm.learning.failure_log import read_failure_log
 from robophm.learning.learn import learn
 from robophm.learning.rates import fleet, update
-from robophm.learning.scale import Lived, fit_scale, information
+from robophm.learning.scale import Lived, fit_scale, information, of_power
 from robophm.life import life_distribution
 
 
@@ -35,40 +37,45 @@ def test_what_one_life_tells_of_its_rate(of, beta):
 
 
 def test_of_a_power_it_is_the_gamma():
-    """Of Weibull lives the likelihood of all is that of a count: Gamma(a + n, a + E)."""
+    """Of Weibull lives what is promised is E·θ^β: Gamma(a + n, a + E)."""
     of, rng = life("weibull", shape=1.8), np.random.default_rng(3)
     ages = np.minimum(of.quantile(rng.random(30)) * 0.7, 90.0)
     lived = [Lived(0.0, float(age), float(age < 90), 1.0) for age in ages]
     n, E = sum(one.failures for one in lived), float(of.increment(np.zeros(30), ages).sum())
     found, expected = fit_scale(of, [lived], E, 2.0, 1.8), update(n, E, 2.0)
-    assert found.of_any.moments(1.8) == pytest.approx((expected.mean, expected.shape), rel=1e-6)
-    assert (found.fleet.mean.mean, found.fleet.mean.shape) == pytest.approx(found.of_any.moments(1.0))
-    low, median, high = expected.interval
-    for level, quantile in ((0.05, low), (0.5, median), (0.95, high)):
-        assert found.of_any.quantile(level) ** 1.8 == pytest.approx(quantile, rel=1e-3)
+    assert found.of_any.times**1.8 == pytest.approx(expected.estimate, rel=1e-5)
+    low, _, high = expected.interval
+    assert (found.of_any.low**1.8, found.of_any.high**1.8) == pytest.approx((low, high), rel=1e-4)
+    assert found.of_any.shape == pytest.approx(of_power(expected.shape, expected.rate, 1.8).shape, rel=1e-3)
+    assert found.fleet.mean.mean == pytest.approx(found.of_any.times)
 
 
-def test_lognormal_lives_without_censoring():
-    """ln T is normal of known σ: with next to no prior ln θ is N(mean of ln m − ln T, σ²/n)."""
+def lognormal_promise(deviation, lived):
+    """What is promised at rates θ times that of a lognormal life of mean 100, by SciPy."""
+    median = 100 * math.exp(-(deviation**2) / 2)
+
+    def promised(theta):
+        of = lognorm(deviation, scale=median / theta)
+        return sum(one.parts * (of.logsf(one.start) - of.logsf(one.start + one.length)) for one in lived)
+
+    return promised
+
+
+def test_lognormal_lives():
+    """With a prior of a failures a·θ^β + E(θ) is Gamma(a + n): the roots of SciPy's lognormal survival."""
     of, rng = life("lognormal", log_deviation=0.6), np.random.default_rng(1)
-    ages = of.quantile(rng.random(50)) / 1.3
-    found = fit_scale(of, [[Lived(0.0, float(age), 1.0, 1.0) for age in ages]], 50.0, 1e-6, 1 / 0.6)
-    centre = np.log(of.quantile(0.5)) - np.log(ages).mean()
-    assert found.of_any.quantile(0.5) == pytest.approx(math.exp(centre), rel=1e-4)
-    assert found.of_any.quantile(0.95) == pytest.approx(math.exp(centre + 1.6449 * 0.6 / math.sqrt(50)), rel=1e-3)
+    lived = [Lived(0.0, float(age), 1.0, 1.0) for age in of.quantile(rng.random(50)) / 1.3]
+    # What was before they were watched says nothing.
+    lived += [Lived(60.0, 25.0, 1.0, 1.0), Lived(50.0, 40.0, 0.0, 3.0)]
+    promised = lognormal_promise(0.6, lived)
+    found = fit_scale(of, [lived], float(promised(1.0)), 4.0, 1 / 0.6).of_any
 
+    def root(wanted):
+        return brentq(lambda theta: 4 * theta ** (1 / 0.6) + promised(theta) - wanted, 0.01, 100)
 
-def test_a_life_that_is_watched_from_some_age_on():
-    """What was before it was watched says nothing: against the posterior summed by hand."""
-    of = life("lognormal", log_deviation=0.4)
-    found = fit_scale(of, [[Lived(60.0, 25.0, 1.0, 1.0), Lived(50.0, 40.0, 0.0, 3.0)]], 1.0, 4.0, 2.5)
-    z = np.linspace(-3, 3, 6001)
-    theta = np.exp(z)[:, None]
-    H = [of.cumulative_hazard(theta * age) for age in (60.0, 85.0, 50.0, 90.0)]
-    log = np.log(theta * of.hazard(theta * 85.0)) - (H[1] - H[0]) - 3 * (H[3] - H[2])
-    log = log[:, 0] + 4 * 2.5 * z - 4 * np.exp(2.5 * z)
-    weight = np.exp(log - log.max())
-    assert found.of_any.moments(1.0)[0] == pytest.approx((weight @ np.exp(z)) / weight.sum(), rel=1e-4)
+    expected = root(4 + 51), *(root(gamma.ppf(level, 4 + 51)) for level in (0.05, 0.95))
+    assert (found.times, found.low, found.high) == pytest.approx(expected, rel=1e-4)
+    assert found.low < 1.3 < found.high
 
 
 def test_robots_that_differ_do_and_those_that_do_not_do_not():
@@ -80,34 +87,33 @@ def test_robots_that_differ_do_and_those_that_do_not_do_not():
 
     ratios, robots = lived(0.5)
     found = fit_scale(of, robots, 180.0, 1.0, 2.0)
-    assert found.fleet.p_value < 1e-6
-    # Of each robot the mean of ln T is normal, of variance τ² + σ²/12: the likelihood of τ is greatest at
-    logs = [np.mean([math.log(one.length) for one in some]) for some in robots]
-    tau = math.sqrt(np.var(logs) - 0.5**2 / 12)
-    assert found.fleet.spread == pytest.approx(math.sqrt(math.expm1(tau**2)), rel=0.01)
-    held = [one.quantile(0.05) <= r <= one.quantile(0.95) for one, r in zip(found.of_robot, ratios, strict=True)]
+    assert found.fleet.p_value < 1e-4
+    # The likeliest spread of 12 failures each about what is promised where as many are as failed, by SciPy.
+    each = [lognormal_promise(0.5, some) for some in robots]
+    centre = brentq(lambda theta: sum(one(theta) for one in each) - 180, 0.1, 10)
+    usual = np.array([one(centre) for one in each])
+    s = np.geomspace(0.1, 100, 4000)[:, None]
+    likeliest = s[nbinom.logpmf(12, s, s / (s + usual)).sum(axis=1).argmax(), 0]
+    assert found.fleet.spread == pytest.approx(1 / math.sqrt(likeliest), rel=0.01)
+    held = [one.low <= r <= one.high for one, r in zip(found.of_robot, ratios, strict=True)]
     assert sum(held) >= 11  # less in one of a thousand
-    assert np.mean([found.of_any.quantile(0.05) <= r <= found.of_any.quantile(0.95) for r in ratios]) >= 0.7
-    far = [[Lived(0.0, float(of.quantile(p)) / r, 1.0, 1.0) for p in rng.random(12)] for r in (0.1, 10.0) * 4]
-    logs = [np.mean([math.log(one.length) for one in some]) for some in far]
-    spread = math.sqrt(math.expm1(np.var(logs) - 0.5**2 / 12))
-    assert fit_scale(of, far, 96.0, 1.0, 2.0).fleet.spread == pytest.approx(spread, rel=0.02)
+    assert np.mean([found.of_any.low <= r <= found.of_any.high for r in ratios]) >= 0.7
     alike = [fit_scale(of, lived(0.0)[1], 180.0, 1.0, 2.0).fleet.spread > 0 for _ in range(6)]
     assert sum(alike) <= 2
 
 
 def test_a_fleet_of_powers_differs_as_much_as_by_counts():
-    """Weibull lives by the grid, and by negative binomial counts: two ways to the same fleet."""
+    """Exponential lives by what is promised, and by counts: two ways to the same fleet."""
     rng, of = np.random.default_rng(9), life("weibull", shape=1.0)
-    ratios = rng.gamma(4.0, 0.25, 12)
-    robots = [[Lived(0.0, float(t), 1.0, 1.0) for t in rng.exponential(100 / r, 20)] for r in ratios]
+    robots = [[Lived(0.0, float(t), 1.0, 1.0) for t in rng.exponential(100 / r, 20)] for r in rng.gamma(4.0, 0.25, 12)]
     n = [len(some) for some in robots]
     E = [sum(one.length for one in some) / 100 for some in robots]
-    counts, grid = fleet(n, E, 1.0), fit_scale(of, robots, sum(E), 1.0, 1.0).fleet
-    assert grid.spread == pytest.approx(counts.spread, rel=0.3)
-    assert grid.p_value < 0.01
-    for one, other in zip(grid.robots, counts.robots, strict=True):
-        assert one.mean == pytest.approx(other.mean, rel=0.08)
+    counts, lives = fleet(n, E, 1.0), fit_scale(of, robots, sum(E), 1.0, 1.0)
+    assert lives.fleet.spread == pytest.approx(counts.spread, rel=0.01)
+    assert lives.fleet.p_value == pytest.approx(counts.p_value, rel=0.01)
+    assert lives.of_any.times == pytest.approx(counts.mean.estimate, rel=1e-4)
+    for one, other in zip(lives.of_robot, counts.robots, strict=True):
+        assert (one.times, one.low, one.high) == pytest.approx((other.mean, *other.interval[::2]), rel=0.01)
 
 
 PUMP = """
@@ -149,3 +155,7 @@ def test_what_no_rate_can_be_learned_of(tmp_path):
     late = parse(PUMP % ("lognormal, log_deviation: 0.5, location: 50 h", ""))
     with pytest.raises(DataError, match="'pump': a part failed at an age at which it cannot"):
         learn(late, read_failure_log(log, late).seen)
+    tail = parse(PUMP % ("loglogistic, shape: 2", ""))
+    log.write_text("part,robot,exposure [h],since [h]\npump,a,9010,9000\npump,b,9010,9000\n")
+    with pytest.raises(DataError, match=r"'pump': 2 failures, but in the ages .* promises at most 0.00444, whatever"):
+        learn(tail, read_failure_log(log, tail).seen)

@@ -12,7 +12,7 @@ from robophm.cli.data import data
 from robophm.cli.field import COMMANDS
 from robophm.cli.output import Json, json_text, may_write
 from robophm.cli.page import PAGE_COMMANDS
-from robophm.core.errors import RobophmError, UnitError
+from robophm.core.errors import UnitError
 from robophm.report.words import rate_text
 
 app = typer.Typer(
@@ -97,7 +97,7 @@ def show(
     from robophm.cli.show import estimated, shown
 
     if monte_carlo:
-        estimated(design, hours, monte_carlo, seed, svg, as_json=as_json)
+        estimated(design, hours, monte_carlo, seed, as_json=as_json)
     else:
         shown(design, hours, unit, svg, legacy=legacy, as_json=as_json)
 
@@ -368,20 +368,12 @@ def fault_tree(
     as_json: Json = False,
 ) -> None:
     """The probability of a fault tree's top event, and its minimal cut sets; of a robot, also its fault tree."""
-    from robophm.cli.fault_tree import estimated, is_design, of_model, of_robot, tree
-    from robophm.design.file import load
+    from robophm.cli.fault_tree import estimated, system_of, tree
 
     may_write(to, source)
-    if is_design(source):
-        if top is not None:
-            raise RobophmError("--top is of a model; of a robot it is --function")
-        system = of_robot(load(source), function, 1000.0 if time is None else time)
-    else:
-        if function is not None:
-            raise RobophmError("--function is of a robot; of a model it is --top")
-        system = of_model(source, time, top)
+    system = system_of(source, function, top, time, by_chance=monte_carlo is not None)
     if monte_carlo:
-        estimated(system, monte_carlo, seed, to, as_json=as_json)
+        estimated(system, monte_carlo, seed, as_json=as_json)
     else:
         tree(system, order=order, most=most, to=to, as_json=as_json)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from robophm.cli.output import console, may_make, print_json, print_table, table, write
 from robophm.cli.past import kept
+from robophm.cli.unused import only
 from robophm.core.errors import DataError, RobophmError, nearest
 from robophm.design.file import load
 from robophm.design.robot import Robot
@@ -31,6 +32,8 @@ def fmeca(
 ) -> None:  # fmt: skip
     """Effects of every failure mode, printed or written."""
     may_make(to, path, *([table_of_sensors] if table_of_sensors else []), force=force, suffixes=(".csv", ".html"))
+    if to is None:
+        only("effects that are not written (--to)", ("sensors", "hours", "severity"))
     robot = load(path)
     sensors = read_sensors(table_of_sensors, robot) if table_of_sensors else []
     sees = coverage(robot, [sensor for sensor in sensors if sensor.fitted])
@@ -92,6 +95,7 @@ class Wishes:
 
 def diagnose(path: Path, table_of_sensors: Path, wishes: Wishes) -> None:
     """Coverage, suspects, and the sensors that would tell most."""
+    _only(wishes)
     robot = load(path)
     sensors = read_sensors(table_of_sensors, robot)
     plant = Plant(robot)
@@ -109,10 +113,21 @@ def diagnose(path: Path, table_of_sensors: Path, wishes: Wishes) -> None:
         _print(robot, sensors, unseen, found, added, wishes)
 
 
+def _only(wishes: Wishes) -> None:
+    """Refuse what is not used for what is asked."""
+    ahead = ("hours", "store", *["after"] * (wishes.store is None))
+    if wishes.add:
+        path, used = "sensors to add", ["add", "function", *ahead]
+    elif wishes.alarms is not None:
+        path, used = "what alarms mean", [*ahead]
+    else:
+        path, used = "what sees what", ["add"]
+    path += " to a robot of a store, which says how old it is" if wishes.store and used != ["add"] else ""
+    only(path, (*used, "alarm", *["quiet"] * (not wishes.alarms)))
+
+
 def _outlook(robot: Robot, plant: Plant, wishes: Wishes) -> Outlook:
     if wishes.store:
-        if wishes.after is not None:
-            raise RobophmError("--after is of a new robot; a store says how old this one is")
         return Monitor(robot, kept(wishes.store, robot)).report(remaining_life=False).outlooks["sensor_based"]
     if wishes.after is None:
         return as_designed(plant)

@@ -14,7 +14,9 @@ from robophm.blocks.cut_sets import MinimalSets
 from robophm.blocks.diagram import Block, Unit
 from robophm.blocks.fault_tree import FaultTree
 from robophm.cli.output import console, estimate_text, print_json, print_table, table, write
+from robophm.cli.unused import only
 from robophm.core.errors import RobophmError, StructureError, nearest
+from robophm.design.file import load as load_design
 from robophm.design.open_psa import Model, load
 from robophm.design.open_psa.as_design import as_design
 from robophm.design.open_psa.writing import document
@@ -133,12 +135,10 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
         out.print(f"Written: {to}", markup=False)
 
 
-def estimated(system: System, samples: int, seed: int, to: Path | None, *, as_json: bool) -> None:
+def estimated(system: System, samples: int, seed: int, *, as_json: bool) -> None:
     """State how often the top event occurred in so many samples of the basic events."""
     from robophm.groups.monte_carlo import simulate_tree
 
-    if to:
-        raise RobophmError("--monte-carlo only estimates; ask for the file of --to apart")
     found = simulate_tree(system.tree, system.occurred.tolist(), samples, seed=seed)
     if as_json:
         print_json({"top_event": system.name, "when": system.when, "seed": seed, **asdict(found)})
@@ -147,6 +147,18 @@ def estimated(system: System, samples: int, seed: int, to: Path | None, *, as_js
         f"{system.name}, {system.when}: occurs with {estimate_text(found)} ({found.samples:,} samples)",
         markup=False, soft_wrap=True,
     )  # fmt: skip
+
+
+def system_of(source: Path, function: str | None, top: str | None, time: float | None, *, by_chance: bool) -> System:
+    """What a file holds, a robot's design or a model; what does not go with that, or with --monte-carlo, is refused."""
+    robot = is_design(source)
+    path = "a robot, whose top event is of --function" if robot else "a model, whose top event is of --top"
+    path += ", only estimated (--monte-carlo)" if by_chance else ""
+    given = ("monte_carlo", "seed") if by_chance else ("order", "most", "to")
+    only(path, ("time", "function" if robot else "top", *given))
+    if robot:
+        return of_robot(load_design(source), function, 1000.0 if time is None else time)
+    return of_model(source, time, top)
 
 
 def is_design(path: Path) -> bool:

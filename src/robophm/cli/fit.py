@@ -12,6 +12,7 @@ from rich.console import Console
 
 from robophm.cli.learn import put
 from robophm.cli.output import console, may_make, may_write, print_json, print_table, table, write
+from robophm.cli.unused import only
 from robophm.core.errors import DataError, RobophmError
 from robophm.design.file import load, read
 from robophm.learning.evidence import edited, named_mode
@@ -45,23 +46,24 @@ class Wishes:
 
 def run(path: Path, wishes: Wishes) -> None:
     """Fit, print, draw, write."""
+    _only(wishes)
     if (wishes.to is None) != (wishes.part is None):
         raise RobophmError("--to names a design and --part the part in it; expected both")
     may_make(wishes.report, path, force=True, suffixes=(".html",))
     may_write(wishes.to, path)
-    data = read_life_data(path)
+    named = [
+        name for texts, option in ((wishes.use, "--use"), (wishes.laws, "--law")) for name, _ in _pairs(texts, option)
+    ]
+    data = read_life_data(path, named)
     if wishes.repairable:
-        if wishes.to or wishes.report:
-            raise RobophmError(
-                "--repairable says how systems age, which is no life of a part; expected no --to or --report"
-            )
         times, ends = systems(data)
         try:
-            found = fit_power_law(times, ends, level=wishes.level)
+            both = [fit_power_law(times, ends, level=wishes.level, unbiased=one) for one in (True, False)]
         except DataError as error:
             raise DataError(f"{path}: {error}") from None
-        _show_power_law(found, data, wishes)
+        _show_power_law({one.estimate: one for one in both}, data, wishes)
     elif data.stresses or wishes.use or wishes.laws:
+        _only(wishes, stress=True)
         _stress(data, wishes)
     else:
         if data.items and len(set(data.items)) < len(data.items):
@@ -69,6 +71,18 @@ def run(path: Path, wishes: Wishes) -> None:
                 f"{path}: items have several rows; expected --repairable for repaired systems, or one life each"
             )
         _plain(data, wishes)
+
+
+def _only(wishes: Wishes, *, stress: bool = False) -> None:
+    """Refuse what is not used for what is asked, as far as that can be told; ``stress``: the data have stresses."""
+    drawn = ["seed"] * (wishes.refits > 0)
+    if wishes.repairable:
+        only("repaired systems (--repairable), whose power law is no life of a part", ("repairable", "level"))
+    elif stress or wishes.use or wishes.laws:
+        only("lives at stress", ("distribution", "use", "law", "level", "report", "to", "part"))
+    else:
+        only(f"lives{'' if drawn else ' that are not fitted again (--refits)'}",
+             ("distribution", "by", "use", "law", "level", "refits", "report", "to", "part", *drawn))  # fmt: skip
 
 
 def _plain(data: LifeData, wishes: Wishes) -> None:
@@ -223,22 +237,39 @@ def _show_stress(found: LifeStressFit) -> None:
         out.print(note, style="yellow", markup=False, soft_wrap=True)
 
 
-def _show_power_law(found: PowerLaw, data: LifeData, wishes: Wishes) -> None:
+def _show_power_law(by: Mapping[str, PowerLaw], data: LifeData, wishes: Wishes) -> None:
+    """By each estimate; of systems that were not watched equally long there is no unbiased one."""
+    found = next(iter(by.values()))
     if wishes.as_json:
         print_json({
-            "systems": found.systems, "failures": found.failures, "beta": _bounded(found.shape), "lambda": found.scale,
-            "until": found.until, "mean_time_between_failures": _bounded(found.mean_time), "trend_p": found.p_value,
-            "unit": data.unit,
+            "systems": found.systems, "failures": found.failures, "estimate": found.estimate, **_power_law(found),
+            "until": found.until, "trend_p": found.p_value, "unit": data.unit,
+            "estimates": {name: _power_law(one) for name, one in by.items()},
         })  # fmt: skip
         return
     out = console()
     trend = "no trend is shown" if found.p_value >= 0.05 else "they improve" if found.shape.value < 1 else "they wear"
     out.print(f"{found.failures} failures of {found.systems} repaired system{'s' * (found.systems > 1)}: {trend} "
               f"(p = {number_text(found.p_value, 2)})", style="bold", markup=False)  # fmt: skip
-    out.print(f"Power law: {number_text(found.scale)} · t^{number_text(found.shape.value)} failures by t; exponent "
-              f"{span_text(found.shape)}", markup=False)  # fmt: skip
-    out.print(f"At {number_text(found.until)} {data.unit}: {span_text(found.mean_time)} {data.unit} between failures, "
-              f"with {100 * wishes.level:g} %", markup=False, soft_wrap=True)  # fmt: skip
+    rows = [
+        [name, f"{number_text(one.scale)} · t^{number_text(one.shape.value)}", span_text(one.shape),
+         span_text(one.mean_time)]
+        for name, one in by.items()
+    ]  # fmt: skip
+    unit = f" [{data.unit}]" if data.unit else ""
+    columns = ["power law by", "failures by t", "exponent β", f"between failures at {number_text(found.until)}{unit}"]
+    print_table(out, table("", columns, rows, figures=(1, 2, 3)))
+    out.print(f"In brackets: {100 * wishes.level:g} % intervals. Unbiased: Crow's, with n − 1 in the place of n; "
+              "maximum likelihood: MIL-HDBK-189's, too high on average where failures are few",
+              markup=False, soft_wrap=True)  # fmt: skip
+    if len(by) == 1:
+        out.print("Systems were not watched equally long: of these there is no unbiased estimate", markup=False)
+
+
+def _power_law(found: PowerLaw) -> dict[str, Any]:
+    return {
+        "beta": _bounded(found.shape), "lambda": found.scale, "mean_time_between_failures": _bounded(found.mean_time),
+    }  # fmt: skip
 
 
 def _bounded(one: Bounded) -> dict[str, float | None]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from robophm.cli.output import console, may_make, print_json, print_table, table, warn, write
 from robophm.cli.past import kept
+from robophm.cli.unused import only
 from robophm.core.errors import DataError
 from robophm.design.file import load, parse, read, replace_text
 from robophm.design.robot import CLOCK_UNITS, Robot
@@ -32,6 +33,8 @@ def run(
     as_json: bool,
 ) -> None:
     """Learn, print, and write the design with the evidence beside its rates."""
+    if to is None:
+        only("rates that are not written (--to)", ("logs", "prior", "of"))
     may_make(to, *logs, force=force, suffixes=(".yaml", ".yml"))
     robot = load(design)
     seen: list[Seen] = []
@@ -149,7 +152,7 @@ def _json(one: LearnedRate) -> dict[str, Any]:
         "conflict": found.conflict, "surprise": found.surprise, "prior_weight": found.weight,
         "spread_of_robots": one.of_fleet.spread,
         "robots": {
-            name: {"failures": own.failures, "hazard_ratio": own.mean, "low": own.interval[0], "high": own.interval[2]}
+            name: {"failures": own.failures, "hazard_ratio": own.estimate, "low": own.interval[0], "high": own.interval[2]}
             for name, own in zip(one.robots, one.of_fleet.robots, strict=True)
         },
     }  # fmt: skip

@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import IO, Any
 
@@ -14,6 +14,7 @@ from rich.console import Console
 
 from robophm.cli.output import console, may_make, print_json, print_table, progress_console, table, warn, write
 from robophm.cli.progress import counted
+from robophm.cli.unused import only
 from robophm.core.errors import RobophmError
 from robophm.core.files import replacing
 from robophm.core.signal import HOUR, SECOND
@@ -131,6 +132,10 @@ def found(
     bags: Sequence[Path], name: str, search: Search, gap: str, most: int, *, together: bool, as_json: bool
 ) -> None:
     """Print where what was looked for is."""
+    if as_json:
+        only(
+            "JSON, which lists as many as may be", ("signal", *(one.name for one in fields(Search)), "gap", "together")
+        )
     age = max_age(gap)
     each = recordings(bags, together=together)
     signal = signal_of(name, each)
@@ -197,6 +202,10 @@ def summed_up(
     to: Path | None, report: Path | None, *, together: bool, force: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Print, and write where asked to, statistics of signals."""
+    listed = every is not None and not as_json
+    path = "statistics" + " of stretches of time (--every)" * listed + " that are written" * bool(to or report)
+    only(path, ("signal", "every", "bins", "gap", "together", "to", "report", *["force"] * bool(to or report),
+                *["most"] * listed))  # fmt: skip
     may_make(to, *bags, *([report] if report else []), force=force, suffixes=(".csv",))
     may_make(report, *bags, force=force)
     age, step = max_age(gap), None if every is None else nanoseconds(every)

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from robophm.cli.output import console, print_json, print_table, table
+from robophm.cli.unused import only
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks import handbook_model, handbook_models
 from robophm.hazard.model import Choice
@@ -17,6 +18,7 @@ def run(model: str | None, said: Iterable[str], unit: str, *, explain: bool, as_
     """List the models, say what one of them takes, or state the rate of what was said as INPUT=VALUE."""
     out = console()
     if model is None:
+        only("the list of models", ())
         models = [(name, handbook_model(name)) for name in handbook_models()]
         if as_json:
             print_json({"models": [{"name": n, "formula": m.formula, "source": str(m.source)} for n, m in models]})
@@ -36,6 +38,7 @@ def run(model: str | None, said: Iterable[str], unit: str, *, explain: bool, as_
     if not given and any(
         getattr(entry, "required", True) and entry.default is None for entry in chosen.inputs.values()
     ):
+        only(f"what {chosen.name} takes", ("model",))
         takes = [
             (name, chosen.expected(name), "" if e.default is None else str(e.default), e.description)
             for name, e in chosen.inputs.items()
@@ -53,6 +56,8 @@ def run(model: str | None, said: Iterable[str], unit: str, *, explain: bool, as_
                 markup=False,
             )
         return
+    only("a hazard rate as JSON, in the model's unit" if as_json else "a hazard rate",
+         ("model", "set_", "explain", *["unit"] * (not as_json)))  # fmt: skip
     inputs = chosen.settle(given)
     taken = [f"{name} '{word}' is taken as {inputs[name]}" for name, word in given.items()
              if isinstance(chosen.inputs[name], Choice) and inputs[name] != word]  # fmt: skip

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from robophm.cli.output import console, may_write, print_json, print_report, progress_console, warn, write
 from robophm.cli.progress import progress
+from robophm.cli.unused import only
 from robophm.design.file import load
 from robophm.drives import drives_of
 from robophm.replaying import replay_drives
@@ -22,6 +23,8 @@ def run(
     skip_missing: bool, as_json: bool,
 ) -> bool:  # fmt: skip
     """Replay, keep, and print or write the report; whether a threshold is breached."""
+    if as_json:
+        only("JSON, in 1/h", ("store", "report", "skip_missing"))
     may_write(report, design, *recordings, *([store] if store else []))
     robot = load(design)
     for warning in robot.warnings:

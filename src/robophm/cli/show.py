@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from robophm.cli.output import console, estimate_text, may_write, print_json, print_table, table, write
+from robophm.cli.unused import only
 from robophm.core.errors import UnitError
 from robophm.design.file import load
 from robophm.design.legacy import legacy_rate, legacy_reliability
@@ -121,9 +122,10 @@ def _labels(robot: Robot, unit: str) -> Callable[[str], Label]:
     return part_labels(robot, rates | {part.path: float(rate) for part, rate in components}, unit)
 
 
-def estimated(design: Path, hours: float, robots: int, seed: int, svg: Path | None, *, as_json: bool) -> None:
+def estimated(design: Path, hours: float, robots: int, seed: int, *, as_json: bool) -> None:
     """Say what so many simulated robots did in place of what the diagram gives. Raises RobophmError."""
-    robot = _asked(design, hours, svg)
+    only("simulated robots (--monte-carlo)", ("hours", "monte_carlo", "seed"))
+    robot = _asked(design, hours, None)
     by_chance = estimate(robot, hours, robots, seed)
     if as_json:
         print_json({"robot": robot.name, "hours": hours, "seed": seed, **asdict(by_chance)})
@@ -136,6 +138,8 @@ def estimated(design: Path, hours: float, robots: int, seed: int, svg: Path | No
 
 def shown(design: Path, hours: float, unit: str, svg: Path | None, *, legacy: bool, as_json: bool) -> None:
     """Draw, and tabulate what is promised. Raises RobophmError."""
+    in_words = svg or not as_json
+    only(f"a design{'' if in_words else ' as JSON, in 1/h'}", ("hours", "svg", "legacy", *["unit"] * bool(in_words)))
     robot = _asked(design, hours, svg)
     found = promises(robot, hours, legacy=legacy)
     if svg:

@@ -11,6 +11,7 @@ from robophm.cli import task_recording
 from robophm.cli.past import affordable, kept
 from robophm.cli.task import Question, with_knowledge
 from robophm.cli.task import run as of_plan
+from robophm.cli.unused import only
 from robophm.core.errors import RobophmError, UnitError, nearest
 from robophm.core.units import quantity
 from robophm.design.file import load
@@ -18,6 +19,8 @@ from robophm.design.robot import Robot
 from robophm.design.task import Plan
 from robophm.design.task_file import load_plan
 from robophm.transports.recording import SUFFIXES, Recording
+
+_ALWAYS = ("tasks", "store", "failed", "working", "legacy")  # used, whether tasks are listed or recorded
 
 
 @dataclass(frozen=True)
@@ -63,13 +66,7 @@ def run(design: Path, asked: Request) -> bool:
     known_functions(robot, asked.function)
     ledger = kept(asked.store, robot) if asked.store else None
     if tasks is not None and (tasks.is_dir() or tasks.suffix.lower() in SUFFIXES):
-        listed = {
-            "--repeat": asked.repeat != 1,
-            "--threshold": asked.threshold is not None,
-            "--future": asked.future != "recent",
-        }
-        if given := [name for name, stated in listed.items() if stated]:
-            raise RobophmError(f"{given[0]} is of a list of tasks; {tasks} is a recording")
+        only("the tasks of a recording", (*_ALWAYS, "topic", "speed", "function", "skip_missing"))
         knowledge = with_knowledge(Plan(()), robot, asked.failed, asked.working).knowledge
         at = stated_speed(asked.speed)
         with Recording(tasks) as source:
@@ -80,14 +77,9 @@ def run(design: Path, asked: Request) -> bool:
     else:
         if tasks is None and robot.task is None:
             raise RobophmError(f"{design}: has no task; expected one in it, or a tasks file")
-        if given := [
-            name
-            for name, value in (("--topic", asked.topic), ("--speed", asked.speed), ("--function", asked.function))
-            if value
-        ]:
-            raise RobophmError(f"{given[0]} is of a recording; expected a .bag, .db3 or .mcap with it")
-        if asked.threshold is not None and asked.repeat == 1:
-            raise RobophmError("--threshold is of --repeat; of single tasks it is the design's")
+        again, drawn = ["threshold"] * (asked.repeat > 1), ["seed"] * (asked.draws > 0)
+        path = "a list of tasks" + " that is done once, by the design's threshold" * (asked.repeat == 1)
+        only(path, (*_ALWAYS, "future", "repeat", "draws", *again, *drawn))
         plan = load_plan(tasks, robot) if tasks else Plan((robot.task,) if robot.task else ())
         plan = with_knowledge(plan, robot, asked.failed, asked.working)
         question = Question(plan, chosen, asked.repeat, asked.threshold, asked.draws, asked.seed, asked.legacy)

@@ -18,6 +18,7 @@ from rich.live import Live
 from robophm.cli.live_table import LiveTable
 from robophm.cli.output import console, may_write, print_json, print_report, warn
 from robophm.cli.task_request import known_functions, stated_speed
+from robophm.cli.unused import only
 from robophm.design.file import load
 from robophm.drives import lacking
 from robophm.health.report import HealthReport, plain
@@ -54,8 +55,18 @@ class Watched:
     as_json: bool
 
 
+def _only(asked: Watched) -> None:
+    """Refuse what is not used for what is asked."""
+    used = ["ros", "store", "journal", "period", "every", "publish", "namespace", "tasks", "speed", "function"]
+    if asked.as_json:
+        only("JSON, in 1/h", [*used, "frame"])
+    if not asked.publish:
+        only("a robot whose health is not published", [*used, "unit"])
+
+
 def run(design: Path, asked: Watched) -> bool:
     """Listen until SIGINT or SIGTERM; whether a threshold is breached at the end."""
+    _only(asked)
     may_write(asked.journal, design, *([asked.store] if asked.store else []))
     robot = load(design)
     known_functions(robot, asked.functions)

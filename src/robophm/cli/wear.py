@@ -13,11 +13,13 @@ import numpy as np
 from robophm.cli.output import console, print_json, print_table, progress_console, table, warn
 from robophm.cli.past import kept
 from robophm.cli.progress import counted
+from robophm.cli.unused import only
 from robophm.core.errors import DataError, RobophmError
 from robophm.design.file import load
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
 from robophm.health.prognosis import Outlook, RemainingLife
 from robophm.health.worn import remaining_life
+from robophm.learning.bend import FALSE_ALARMS
 from robophm.learning.change import CORRELATED, Cusum, design
 from robophm.learning.evidence import named_mode
 from robophm.learning.wear import FEWEST, Array, Process, Wear, at_load, wear
@@ -75,9 +77,12 @@ class _Found:
 def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
     """Fit, look for a change, fuse with the hazards of all else, print; whether a threshold is reached."""
     robot = load(path)
+    fitted = ("part", "process", "baseline", "false_alarms", "shift", "store", "seed")
     if any(signal.suffix.lower() in TABLES for signal in signals):
+        only("a table", (*fitted, "threshold", "load"))
         found, monitor = [_of_table(robot, signals, wishes)], Monitor(robot)
     else:
+        only("recordings, whose threshold and load are in the design, at the part's `wear`", (*fitted, "skip_missing"))
         found, monitor = _of_recordings(robot, signals, wishes)
     if wishes.store:
         monitor = Monitor(robot, kept(wishes.store, robot))
@@ -86,7 +91,7 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
     if wishes.as_json:
         print_json(_json(robot, found, lives))
     else:
-        _print(found, lives, wishes)
+        _print(robot, found, lives, wishes)
     return any(one.wear.remaining.median == 0 for one in found)
 
 
@@ -116,9 +121,6 @@ def _of_table(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> _Found:
 
 def _of_recordings(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> tuple[list[_Found], Monitor]:
     """What the signals say that the design names; where one of several says too little, the others are told."""
-    for option, said in (("--threshold", wishes.threshold), ("--load", wishes.load)):
-        if said is not None:
-            raise DataError(f"{option} is of a table; of recordings the design says it, at the part's `wear`")
     modes = worn_modes(robot, wishes.part)
     with counted(progress_console(), "reading") as advance:
         history = wear_history(robot, signals, modes, skip_missing=wishes.skip_missing, advance=advance)
@@ -188,14 +190,23 @@ def _lives(robot: Robot, outlook: Outlook, found: Sequence[_Found]) -> Lives:
     return lives
 
 
-def _print(found: Sequence[_Found], lives: Lives, wishes: Wishes) -> None:
+_WRONG = {None: "that of a straight trend", "accelerating": "too long", "slowing": "too short"}
+
+
+def _holds(name: str, robot: Robot, found: Sequence[_Found]) -> bool:
+    """Whether no wear that counts in a remaining life bends: of one failure mode, or by its name of the robot."""
+    return not any(one.wear.bend.direction for one in found if name in (one.mode.path, robot.name))
+
+
+def _print(robot: Robot, found: Sequence[_Found], lives: Lives, wishes: Wishes) -> None:
     out = console()
     for one in found:
         _print_one(one, wishes)
         out.print()
     rows = []
     for name, both in lives.items():
-        for what, life in zip(("by hazard alone", "with its wear"), both, strict=True):
+        with_wear = "with its wear" if _holds(name, robot, found) else "with its wear, as if it did not bend"
+        for what, life in zip(("by hazard alone", with_wear), both, strict=True):
             rows.append([f"{name} {what}", *(duration_text(time) for time in (life.early, life.median, life.late))])
     columns = ["", "5 % by", "median", "95 % by"]
     print_table(out, table("Remaining life, calendar time", columns, rows, figures=(1, 2, 3)))
@@ -222,6 +233,17 @@ def _print_one(found: _Found, wishes: Wishes) -> None:
         say(f"Has reached {threshold:g}", "bold red")
     else:
         say(f"Reaches {threshold:g} in {median} {unit}, 90 % between {low} and {high}{or_never}")
+    bend = found.wear.bend
+    if bend.direction:
+        say(
+            f"The trend bends, it is {bend.direction} (p = {number_text(bend.p_value, 2)}): what is said of life is of "
+            f"a straight one, {_WRONG[bend.direction]}, and does not hold", "bold yellow",
+        )  # fmt: skip
+    else:
+        say(
+            f"No bend of the trend is told (p = {number_text(bend.p_value, 2)}; of straight ones 1 in "
+            f"{1 / FALSE_ALARMS:g} is taken for bent): what is said of life holds of a straight one alone"
+        )
     at = "none"
     if found.alarms:
         at = f"at {number_text(found.alarmed[0])} {unit}"
@@ -256,6 +278,12 @@ def _json(robot: Robot, found: Sequence[_Found], lives: Lives) -> dict[str, Any]
                 "noise": one.wear.noise,
                 "remaining": finite(one.wear.remaining._asdict()),
                 "never": float(np.mean(np.isinf(one.wear.passage))),
+                "bend": {
+                    "direction": one.wear.bend.direction,
+                    "p": one.wear.bend.p_value,
+                    "false_alarms": FALSE_ALARMS,
+                    "life_is": _WRONG[one.wear.bend.direction],
+                },
                 "change": {
                     "mean": one.detector.mean,
                     "deviation": one.detector.deviation,
@@ -268,5 +296,8 @@ def _json(robot: Robot, found: Sequence[_Found], lives: Lives) -> dict[str, Any]
             }
             for one in found
         ],
-        "remaining_life": {name: {"hazard": life(a), "fused": life(b)} for name, (a, b) in lives.items()},
+        "remaining_life": {
+            name: {"hazard": life(a), "fused": {**life(b), "holds": _holds(name, robot, found)}}
+            for name, (a, b) in lives.items()
+        },
     }

@@ -13,8 +13,8 @@ from robophm.core.errors import DataError, UnitError
 from robophm.core.units import quantity
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot, Uncertainty
 from robophm.learning.failure_log import Seen
-from robophm.learning.rates import FleetPosterior, Posterior, fleet
-from robophm.learning.scale import at_rate, fit_scale, information
+from robophm.learning.rates import VAGUEST, FleetPosterior, Posterior, fleet
+from robophm.learning.scale import Ratio, at_rate, fit_scale, information, of_power
 
 USUAL_PRIOR = 1.0
 """Failures that a stated rate counts as, where neither the design nor the user says more."""
@@ -37,7 +37,7 @@ class LearnedRate:
     ``robots``."""
     robots: tuple[str, ...]
     factor: float
-    """The rate is so many times the stated one, by the mean."""
+    """The rate is so many times the stated one: that at which the hazard is what is now to be expected."""
     shape: float
     """As sure as if so many failures had been seen."""
     low: float
@@ -71,31 +71,34 @@ def learn(robot: Robot, seen: Iterable[Seen], prior: str | None = None, of: str 
 
 
 def _learned(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str | None) -> LearnedRate:
-    beta = mode.life.degree
-    if beta is None:
-        return _by_lives(mode, seen, prior, of)
-    failures = sum(one.failures for one in seen)
     factor = mode.evidence.factor if mode.evidence else 1.0
-    stated = [one.expected / factor**beta for one in seen]
-    strength = _strength(mode, mode.rate / factor, beta, prior)
-    found = fleet([one.failures for one in seen], stated, strength)
     robots = tuple(one.robot for one in seen)
-    shape, mean = found.shape, found.mean.mean
-    if of is not None:
-        own = found.robots[robots.index(of)] if of in robots else found.mean
-        shape, mean = own.shape, own.mean
-    elif found.spread == 0:
-        shape = found.mean.shape
-    times, sure, low, high = _of_rate(shape, shape / mean, beta)
+    told = _by_lives if mode.life.degree is None else _by_count
+    expected, found, any_, own = told(mode, factor, seen, prior)
+    ratio = own[robots.index(of)] if of in robots else any_
     return LearnedRate(
-        mode, mode.rate / factor, failures, sum(stated), sum(one.exposure for one in seen), found, robots,
-        times, sure, low, high,
+        mode, mode.rate / factor, sum(one.failures for one in seen), expected, sum(one.exposure for one in seen),
+        found, robots, *ratio,
     )  # fmt: skip
 
 
-def _by_lives(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str | None) -> LearnedRate:
-    """Of a life whose hazard is no power of age."""
-    factor = mode.evidence.factor if mode.evidence else 1.0
+_Told = tuple[float, FleetPosterior, Ratio, tuple[Ratio, ...]]
+
+
+def _by_count(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str | None) -> _Told:
+    """Of a life whose hazard is a power of age: failures expected, the fleet, any robot of it, each robot."""
+    beta = mode.life.degree or 1.0
+    expected = [one.expected / factor**beta for one in seen]
+    found = fleet([one.failures for one in seen], expected, _strength(mode, mode.rate / factor, beta, prior))
+    if found.spread == 0:
+        any_ = of_power(found.mean.shape, found.mean.rate, beta, found.mean.unseen)
+        return sum(expected), found, any_, (any_,) * len(seen)
+    any_ = of_power(found.shape, found.shape / found.mean.estimate, beta)
+    return sum(expected), found, any_, tuple(of_power(one.shape, one.rate, beta) for one in found.robots)
+
+
+def _by_lives(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str | None) -> _Told:
+    """The same, of a life whose hazard is no power of age."""
     try:
         life = at_rate(mode.life, 1 / factor)
         beta = information(life)
@@ -106,26 +109,7 @@ def _by_lives(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: st
         found = fit_scale(life, [one.lives for one in seen], expected, strength, beta)
     except DataError as error:
         raise DataError(f"'{mode.path}': {error}") from None
-    robots = tuple(one.robot for one in seen)
-    density = found.of_any
-    if of is not None and of in robots:
-        density = found.of_robot[robots.index(of)]
-    times, sure = density.moments(1.0)
-    return LearnedRate(
-        mode, mode.rate / factor, sum(one.failures for one in seen), expected, sum(one.exposure for one in seen),
-        found.fleet, robots, times, sure, density.quantile(0.05), density.quantile(0.95),
-    )  # fmt: skip
-
-
-def _of_rate(shape: float, rate: float, beta: float) -> tuple[float, float, float, float]:
-    """Mean, gamma shape, 5 % and 95 % quantile of θ, where the hazard is ξ = θ^β ~ Gamma(shape, rate)."""
-    from scipy.stats import gamma
-
-    low, high = (float(gamma.ppf(level, shape, scale=1 / rate)) ** (1 / beta) for level in (0.05, 0.95))
-    if beta == 1:
-        return shape / rate, shape, low, high
-    first, second = (float(gammaln(shape + k / beta) - gammaln(shape)) for k in (1, 2))
-    return math.exp(first) * rate ** (-1 / beta), 1 / math.expm1(second - 2 * first), low, high
+    return expected, found.fleet, found.of_any, found.of_robot
 
 
 def _strength(mode: FailureMode, rate: float, beta: float, prior: str | None) -> float:
@@ -133,7 +117,7 @@ def _strength(mode: FailureMode, rate: float, beta: float, prior: str | None) ->
     if prior is not None:
         return _said(mode, rate, prior)
     stated = mode.evidence.stated if mode.evidence else mode.uncertainty
-    return USUAL_PRIOR if stated is None else 1 / _square_of_variation(stated, beta)
+    return USUAL_PRIOR if stated is None else max(1 / _square_of_variation(stated, beta), VAGUEST)
 
 
 def _said(mode: FailureMode, rate: float, prior: str) -> float:
@@ -156,9 +140,9 @@ def _said(mode: FailureMode, rate: float, prior: str) -> float:
 def _square_of_variation(uncertainty: Uncertainty, beta: float) -> float:
     """Squared coefficient of variation of θ^β."""
     if uncertainty.error_factor is not None:
-        return math.expm1((beta * math.log(uncertainty.error_factor) / 1.6448536269514722) ** 2)
+        return math.expm1(min((beta * math.log(uncertainty.error_factor) / 1.6448536269514722) ** 2, 700.0))
     if uncertainty.failures is not None:
         k = uncertainty.failures
-        return math.expm1(float(gammaln(k + 2 * beta) + gammaln(k) - 2 * gammaln(k + beta)))
+        return math.expm1(min(float(gammaln(k + 2 * beta) + gammaln(k) - 2 * gammaln(k + beta)), 700.0))
     powers = np.array(uncertainty.samples) ** beta
     return max(float(powers.var() / powers.mean() ** 2), 1e-9)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from robophm.core.errors import DataError, UnitError
+from robophm.core.errors import DataError, UnitError, nearest
 from robophm.core.units import conversion, quantity
 from robophm.design.robot import CLOCK_UNITS
 from robophm.learning.table import YES, Row, read_table
@@ -25,7 +25,13 @@ COLUMNS: Mapping[str, Sequence[str]] = {
     "count": ("n", "quantity", "number"),
     "item": ("unit", "serial", "id", "system"),
 }
-"""What a table may say of lives; any other column is a stress."""
+"""What a table may say of lives; any other column is a stress, if its name is known or the user says that it is."""
+
+_ELSEWHERE: Mapping[str, str] = {
+    **dict.fromkeys(("event", "status", "failed", "state"), "'censored', with yes for what still worked"),
+    **dict.fromkeys(("since", "entry", "truncated"), "lives watched from 0 on; `robophm learn` takes others"),
+}
+"""What is expected in the place of columns that other tables have."""
 
 STRESS_UNITS: Mapping[str, str] = {
     "temperature": "degC",
@@ -91,11 +97,23 @@ class LifeData:
         return " and ".join(filter(None, [", ".join(texts[:-1]), texts[-1]])) if texts else "nothing"
 
 
-def read_life_data(path: Path) -> LifeData:
-    """A table of lives, CSV or the list ``lives`` of a YAML file. Raises DataError, with the line."""
+def read_life_data(path: Path, stresses: Collection[str] = ()) -> LifeData:
+    """A table of lives, CSV or the list ``lives`` of a YAML file. Raises DataError, with the line.
+
+    ``stresses``: columns that are such, beside those of known names (``STRESS_UNITS``).
+    """
     rows = read_table(path, COLUMNS, "lives", free=True)
     unit = _unit(rows)
     names = dict.fromkeys(name for row in rows for name in row.cells if name not in COLUMNS)
+    for name in names:
+        if name in stresses or name in STRESS_UNITS:
+            continue
+        if name in _ELSEWHERE:
+            raise DataError(f"{path}: column '{name}' is no stress; expected {_ELSEWHERE[name]}")
+        raise DataError(
+            f"{path}: column '{name}' is not known{nearest(name, [*COLUMNS, *STRESS_UNITS])}. If it is a stress, at "
+            f"which {name} will parts be used? expected --use '{name}=…', or no such column"
+        )
     bounds = [_bounds(row, unit) for row in rows]
     counts = []
     for row in rows:

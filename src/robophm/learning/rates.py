@@ -5,19 +5,24 @@ is the true one. Prior ξ ~ Gamma(a, a), of mean 1: the stated rate counts as a 
 
 A prior that the data contradict is discounted to the share w of its weight: Gamma(w·a + (1 − w)/2, w·a), which for
 w → 0 is Jeffreys' prior Gamma(½, 0) and knows nothing.
+
+The estimate keeps the laws that nobody doubts: it lies between what was stated and n/E, more failures than expected
+never lower it, fewer never raise it, and one more never lowers it. So the half failure of Jeffreys' prior, which
+nobody saw, widens intervals and is in the estimate only where fewer failed than expected; and of robots that differ
+the estimate is all failures over all that were expected, which is right on average however much they differ.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq, minimize, minimize_scalar
-from scipy.special import gammaincinv, gammaln
-from scipy.stats import chi2, gamma, nbinom
+from scipy.optimize import brentq, minimize_scalar
+from scipy.special import betainc, betaincc, gammaincinv, gammaln
+from scipy.stats import chi2, gamma
 
 Array = npt.NDArray[np.float64]
 
@@ -28,7 +33,11 @@ SUREST_DOUBT = 4.0
 """Failures: a prior that counts less is doubted as if it counted so many, good to about a factor of three. Else the
 vaguest prior could never be contradicted, and nobody would be told that a rate is off by ten."""
 
+VAGUEST = 0.02
+"""Failures as which what is known counts at least, a gamma's shape: of a vaguer one 95 % lie below its mean."""
+
 _LEVELS = (0.05, 0.5, 0.95)
+_LOG_S = (math.log(VAGUEST), 12.0)  # of s: robots that differ by 700 %, and by 0.25 %
 
 
 @dataclass(frozen=True)
@@ -46,6 +55,8 @@ class Posterior:
     """Share of the prior's weight that is left."""
     shape: float
     rate: float
+    unseen: float = 0.0
+    """Of the shape, failures that are in no estimate: what Jeffreys' prior adds to more failures than expected."""
 
     @property
     def conflict(self) -> bool:
@@ -56,6 +67,11 @@ class Posterior:
     def mean(self) -> float:
         """Of the ratio of the hazards."""
         return self.shape / self.rate
+
+    @property
+    def estimate(self) -> float:
+        """Of the ratio of the hazards, between 1 and the failures seen over those expected."""
+        return (self.shape - self.unseen) / self.rate
 
     @property
     def interval(self) -> tuple[float, float, float]:
@@ -72,23 +88,24 @@ def surprise(failures: float, expected: float, prior: float) -> float:
     """
     if expected == 0:
         return 1.0
-    a = max(prior, SUREST_DOUBT)
-    predicted = nbinom(a, a / (a + expected))
-    n = round(failures)
-    return min(1.0, 2 * float(min(predicted.cdf(n), predicted.sf(n - 1))))
+    a, n = max(prior, SUREST_DOUBT), round(failures)
+    share = expected / (a + expected)  # nbinom takes 1 − share, in which a very sure prior is lost
+    at_most, at_least = betaincc(n + 1, a, share), betainc(n, a, share) if n else 1.0
+    return min(1.0, 2 * float(min(at_most, at_least)))
 
 
 def update(failures: float, expected: float, prior: float) -> Posterior:
     """What failures in an exposure say of a stated rate that counts as ``prior`` failures.
 
-    ``failures`` need not be whole where robots differ. Where nothing was expected the posterior is the prior.
+    Where nothing was expected and nothing failed the posterior is the prior.
     """
     if not (failures >= 0 and expected >= 0 and prior > 0):
         raise ValueError(f"{failures} failures, {expected} expected, prior {prior}: expected ≥ 0, ≥ 0, > 0")
     p = surprise(failures, expected, prior)
     weight = min(1.0, p / SURPRISE)
-    shape = weight * prior + (1 - weight) / 2
-    return Posterior(failures, expected, prior, p, weight, shape + failures, weight * prior + expected)
+    half = (1 - weight) / 2
+    shape, unseen = weight * prior + half + failures, half if failures > expected else 0.0
+    return Posterior(failures, expected, prior, p, weight, shape, weight * prior + expected, unseen)
 
 
 def gamma_by_quantiles(low: float, median: float) -> tuple[float, float]:
@@ -127,58 +144,56 @@ class FleetPosterior:
     def shape(self) -> float:
         """Gamma of the same spread as one robot of this fleet, of which nothing is known: how sure a rate is for it."""
         of_mean = 1 / self.mean.shape
-        return 1 / (of_mean + self.spread**2 * (1 + of_mean))
+        return max(1 / (of_mean + self.spread**2 * (1 + of_mean)), VAGUEST)
 
 
 def fleet(failures: Sequence[float], expected: Sequence[float], prior: float) -> FleetPosterior:
     """What the failures of each robot say of the fleet and of each robot; shapes (robots,), at least one.
 
-    The spread between robots is fitted to the marginal likelihood, negative binomial (Robert and Casella's and
-    George, Makov and Smith's pump example, Scand. J. Statist. 20, 1993); it is taken for one rate where a likelihood
-    ratio test at 5 % cannot tell.
+    The mean is that of all failures together. The spread between robots is the likeliest about it, negative binomial
+    (Robert and Casella's and George, Makov and Smith's pump example, Scand. J. Statist. 20, 1993); it is taken for
+    one rate where a likelihood ratio test at 5 % cannot tell.
     """
     n, E = np.array(failures, dtype=float), np.array(expected, dtype=float)
     pooled = update(float(n.sum()), float(E.sum()), prior)
-    seen = E > 0
-    if np.count_nonzero(seen) < 2 or n.sum() < 2:
-        return FleetPosterior(
-            pooled, 0.0, math.nan, tuple(_own(n_, E_, pooled, 0.0) for n_, E_ in zip(n, E, strict=True))
-        )
-    log_mean, spread, p = _between(n[seen], E[seen])
-    if p >= SURPRISE:
-        spread = 0.0
-    mean = pooled
-    if spread > 0:  # what each robot tells of the mean is no more than one draw of a robot
-        effective = float(np.sum(E / (1 + math.exp(log_mean) * E * spread**2)))
-        mean = update(math.exp(log_mean) * effective, effective, prior)
-    return FleetPosterior(mean, spread, p, tuple(_own(n_, E_, mean, spread) for n_, E_ in zip(n, E, strict=True)))
-
-
-def _own(failures: float, expected: float, mean: Posterior, spread: float) -> Posterior:
+    spread, p = between(n, E * (n.sum() / E.sum()) if E.sum() > 0 else E)
     if spread == 0:
-        return mean
+        return FleetPosterior(pooled, 0.0, p, (pooled,) * len(n))
+    mean = less_sure(pooled, E, spread)
     s = 1 / spread**2
-    return Posterior(failures, expected, s, 1.0, 1.0, s + failures, s / mean.mean + expected)
-
-
-def _between(n: Array, E: Array) -> tuple[float, float, float]:
-    """ln μ and 1/√s of the greatest marginal likelihood, and P(so much greater | one rate)."""
-    pooled = math.log(n.sum() / E.sum())
-
-    def log_likelihood(log_mean: float, log_s: float) -> float:
-        s, m = math.exp(log_s), math.exp(log_mean) * E
-        return float(np.sum(gammaln(s + n) - gammaln(s) - s * np.log1p(m / s) + n * (np.log(m / (s + m)))))
-
-    def of_s(log_s: float) -> float:
-        return -log_likelihood(pooled, log_s)
-
-    first = minimize_scalar(of_s, bounds=(-7.0, 12.0), method="bounded")
-    best = minimize(
-        lambda x: -log_likelihood(x[0], min(max(x[1], -7.0), 14.0)), [pooled, first.x], method="Nelder-Mead"
+    own = tuple(
+        Posterior(n_, E_, s, 1.0, 1.0, s + n_, s / mean.estimate + E_)
+        for n_, E_ in zip(n.tolist(), E.tolist(), strict=True)
     )
-    poisson = float(np.sum(n * (pooled + np.log(E)) - math.exp(pooled) * E))
-    gain = max(0.0, 2 * (-float(best.fun) - poisson))
-    p = (
-        float(chi2.sf(gain, 1)) / 2 if gain > 0 else 1.0
-    )  # half of the time the best spread is none (Self and Liang 1987)
-    return float(best.x[0]), math.exp(-min(max(float(best.x[1]), -7.0), 14.0) / 2), p
+    return FleetPosterior(mean, spread, p, own)
+
+
+def less_sure(mean: Posterior, expected: Array, spread: float) -> Posterior:
+    """The same mean of robots that differ: by how much the failures of those that were seen may miss it."""
+    variance = 1 / mean.shape + spread**2 * float(np.sum(expected**2)) / float(expected.sum()) ** 2
+    less = max(1 / variance, VAGUEST) / mean.shape
+    return replace(mean, shape=mean.shape * less, rate=mean.rate * less, unseen=mean.unseen * less)
+
+
+def between(n: Array, expected: Array) -> tuple[float, float]:
+    """1/√s of the greatest likelihood of failures of robots by what was expected of each, as many in all; 0 where a
+    test at 5 % cannot tell robots apart. And P(so much greater | one rate); NaN where there is nothing to tell it by.
+    """
+    n, m = n[expected > 0], expected[expected > 0]
+    if len(n) < 2 or n.sum() < 2:
+        return 0.0, math.nan
+
+    def less(log_s: float) -> float:
+        s = math.exp(log_s)
+        return -float(np.sum(gammaln(s + n) - gammaln(s) - s * np.log1p(m / s) + n * np.log(m / (s + m))))
+
+    # The likelihood may have two tops: a grid is looked at first.
+    grid = np.linspace(*_LOG_S, 20)
+    k = int(np.argmin([less(log_s) for log_s in grid]))
+    best = minimize_scalar(
+        less, bounds=(grid[max(k - 1, 0)], grid[min(k + 1, len(grid) - 1)]), method="bounded", options={"xatol": 1e-6}
+    )
+    gain = 2 * (-float(best.fun) - float(np.sum(n * np.log(m) - m)))
+    # half of the time the best spread is none (Self and Liang 1987)
+    p = float(chi2.sf(gain, 1)) / 2 if gain > 0 else 1.0
+    return math.exp(-float(best.x) / 2) if p < SURPRISE else 0.0, p

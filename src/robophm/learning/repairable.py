@@ -35,7 +35,12 @@ class PowerLaw:
     p_value: float
     """P(a trend so clear | none): MIL-HDBK-189's χ² of 2·Σ ln(T/t)."""
     unbiased: bool = False
-    """Whether β is Crow's unbiased estimate."""
+    """Whether β is Crow's unbiased estimate; else that of maximum likelihood."""
+
+    @property
+    def estimate(self) -> str:
+        """What β, and all that follows from it, is by."""
+        return "unbiased" if self.unbiased else "maximum likelihood"
 
     @property
     def intensity(self) -> float:
@@ -74,11 +79,12 @@ def fit_power_law(
     scale = n / sum(end**shape for end in ends.values())
     rate = scale * shape * until ** (shape - 1)
     tail, freedom = (1 - level) / 2, 2 * n
-    bounds = (shape * chi2.ppf(one, freedom) / (2 * (n - 1 if unbiased else n)) for one in (tail, 1 - tail))
+    of = n - 1 if unbiased else n  # that of the exponent, so that bounds are the same by both estimates
+    bounds = (shape * chi2.ppf(one, freedom) / (2 * of) for one in (tail, 1 - tail))
     z = float(norm.ppf(1 - tail))
-    low = n * (n - 1) / (n + z**2 / 4 + math.sqrt(n * z**2 / 2 + z**4 / 16)) ** 2
+    low = n * of / (n + z**2 / 4 + math.sqrt(n * z**2 / 2 + z**4 / 16)) ** 2
     below = n - z * math.sqrt(n / 2)
-    high = n * (n - 1) / below**2 if below > 0 else math.inf
+    high = n * of / below**2 if below > 0 else math.inf
     p = float(chi2.cdf(2 * logs, freedom))
     return PowerLaw(
         len(ends), n, Bounded(shape, *(float(one) for one in bounds)), scale, until,
@@ -125,6 +131,10 @@ def mean_time_between(failures: int, hours: float, *, level: float = LEVEL) -> B
 
 def systems(data: LifeData) -> tuple[dict[str, list[float]], dict[str, float]]:
     """Failure times of each item and how long it was watched. Raises DataError where that is not said."""
+    if data.stresses:
+        raise DataError(f"{data.source}: repaired systems are taken at one stress; it has {', '.join(data.stresses)}")
+    if np.any(data.count != 1):
+        raise DataError(f"{data.source}: each failure of a repaired system is a row; expected no count but 1")
     if not data.items:
         raise DataError(f"{data.source}: whose failures are they? expected a column 'item'")
     if np.any(data.failed & (data.low != data.high)):

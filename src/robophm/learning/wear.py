@@ -1,7 +1,8 @@
 """Wear that a sensor sees: its trend with all that is not known of it, and when it will reach a threshold.
 
 A Wiener process with noise: wear drifts and wanders, dX = μ dt + σ dW, and a reading is Y = X + ε. A gamma process:
-wear only grows, by independent gamma increments. Wear counts upwards; a signal that falls is turned round. SurPyval
+wear only grows, by independent gamma increments. Both are of a straight trend, and whether it bends is tested. Wear
+counts upwards; a signal that falls is turned round. SurPyval
 fits such processes to many units, without noise and as if parameters were exact; one robot's own signal needs both.
 """
 
@@ -14,10 +15,11 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import cholesky_banded, solve_banded
 from scipy.special import digamma, gammaincc, gammaln
 
 from robophm.core.errors import DataError
+from robophm.learning.bend import Bend, bend_of_gamma, bend_of_wiener
+from robophm.learning.increments import PRIOR, RATIOS, root_of_covariance, whitened
 
 Array = npt.NDArray[np.float64]
 Process = Literal["wiener", "gamma"]
@@ -29,14 +31,6 @@ WIDEST = 1e60
 """What a reading may be, up or down: its powers are numbers too."""
 MOST = 2000
 """Readings that are looked at; of more, means of neighbours."""
-
-_RATIOS = np.geomspace(1e-4, 1e4, 41)
-"""Of the variance of the noise to that of wandering between two readings, over which is integrated."""
-
-_PRIOR = 1 / np.sqrt(1 + _RATIOS)
-"""Of each, by decades: all alike where noise is small, and falling where it is not, as a half-Cauchy deviation of
-wandering over noise does (Gelman, Bayesian Analysis 1, 2006). Were it flat there too, most of it would lie where wear
-does not wander at all, and intervals would be too narrow."""
 
 
 class Interval(NamedTuple):
@@ -64,6 +58,8 @@ class Wear:
     """Median standard deviation of a reading; 0 of a gamma process."""
     passage: Array
     """Times from now to the threshold; infinite where it is never reached."""
+    bend: Bend
+    """Whether the trend is straight, as all of this takes it to be."""
     turned: bool = False
     """Whether the signal falls as wear grows."""
 
@@ -145,43 +141,28 @@ def _wiener(
 ) -> Wear:
     """Exact but for the grid of noise ratios: μ flat, σ² by Jeffreys, the first level flat."""
     dt, dy = np.diff(t), np.diff(y)
-    # A mean of a wandering level over w wanders less from one to the next, by w/3, and follows on by w/6 [σ²].
-    within = np.minimum(width, dt)
-    shared = np.minimum(within[1:], within[:-1]) / 6
     n, typical = len(dy), float(np.median(dt))
-    weights, parts = np.empty(len(_RATIOS)), []
-    for k, ratio in enumerate(_RATIOS):
+    weights, parts = np.empty(len(RATIOS)), []
+    for k, ratio in enumerate(RATIOS):
         tau = ratio * typical
-        # Of increments of moments: variance dt + 2τ, covariance with the next −τ [σ²]; cholesky of that band.
-        band = np.zeros((2, n))
-        band[1] = dt - within / 3 + 2 * tau
-        band[0, 1:] = shared - tau
-        root = cholesky_banded(band)
-        white = [_whitened(root, one) for one in (dt, dy)]
+        root = root_of_covariance(dt, width, tau)
+        white = [whitened(root, one) for one in (dt, dy)]
         information = float(white[0] @ white[0])
         drift = float(white[0] @ white[1]) / information
         rest = white[1] - drift * white[0]
         squares = float(rest @ rest)
         weights[k] = -float(np.log(root[1]).sum()) - 0.5 * math.log(information) - 0.5 * (n - 1) * math.log(squares)
-        parts.append((drift, information, squares, *_filtered(dt, y, tau + float(within[-1]) / 12)))
-    share = _PRIOR * np.exp(weights - weights.max())
-    chosen = rng.choice(len(_RATIOS), draws, p=share / share.sum())
+        parts.append((drift, information, squares, *_filtered(dt, y, tau + min(width, float(dt[-1])) / 12)))
+    share = PRIOR * np.exp(weights - weights.max())
+    chosen = rng.choice(len(RATIOS), draws, p=share / share.sum())
     table = np.array(parts)[chosen].T
     drift, information, squares, level, slope, variance = table
     scale = np.sqrt(squares / rng.chisquare(n - 1, draws))
     mu = drift + scale * rng.standard_normal(draws) / np.sqrt(information)
     now = level + slope * mu + scale * np.sqrt(variance) * rng.standard_normal(draws)
-    noise = float(np.median(scale * np.sqrt(_RATIOS[chosen] * typical)))
-    return Wear("wiener", threshold, now, mu, scale, noise, _passages(threshold - now, mu, scale, rng), falls)
-
-
-def _whitened(root: Array, values: Array) -> Array:
-    """U⁻ᵀ·values, U the upper band of a Cholesky factor."""
-    lower = np.zeros((2, len(values)))
-    lower[0] = root[1]
-    lower[1, :-1] = root[0, 1:]
-    result: Array = solve_banded((1, 0), lower, values)
-    return result
+    noise = float(np.median(scale * np.sqrt(RATIOS[chosen] * typical)))
+    passages = _passages(threshold - now, mu, scale, rng)
+    return Wear("wiener", threshold, now, mu, scale, noise, passages, bend_of_wiener(t, y, width), falls)
 
 
 def _filtered(dt: Array, y: Array, tau: float) -> tuple[float, float, float]:
@@ -245,9 +226,9 @@ def _gamma(t: Array, y: Array, threshold: float, falls: bool, rng: np.random.Gen
     drawn = rng.multivariate_normal([log_a, log_b], covariance, draws)
     a, b = np.exp(drawn.T)
     left = max(threshold - float(y[-1]), 0.0)
-    found = Wear("gamma", threshold, np.full(draws, float(y[-1])), a * b, b, 0.0, np.empty(0), falls)
     passages = _gamma_passages(a, left / b, rng.random(draws)) if left > 0 else np.zeros(draws)
-    return Wear(found.process, threshold, found.level, found.drift, b, 0.0, passages, falls)
+    level = np.full(draws, float(y[-1]))
+    return Wear("gamma", threshold, level, a * b, b, 0.0, passages, bend_of_gamma(t, y), falls)
 
 
 def _root(score: Callable[[float], float], start: float) -> float:
