@@ -45,11 +45,12 @@ class Phases:
         at = [phase for phase, _ in (*known, *wanted)]
         given = _last(gates, zip(tops[: len(known)], at, strict=False))
         goals = _last(gates, zip(tops[len(known) :], at[len(known) :], strict=True))
-        alone = modules([*gates, Gate(ALL, list(dict.fromkeys(tops)))])
+        factors = list(dict.fromkeys((*given, *goals)))
+        # A series taken apart hangs on nothing any more: what is in it may be a factor here and an input there.
+        alone = modules([*gates, Gate(ALL, factors)])
 
         units = iter(range(len(names)))
         unit = {node: next(units) for node, gate in enumerate(gates) if gate.k == UNIT}
-        factors = list(dict.fromkeys((*given, *goals)))
         self._shapes: dict[tuple[object, ...], tuple[Difference, list[list[_Stretch]]]] = {}
         blocks = _blocks(gates, names, unit)
         below = {node: _variables(gates, alone, node) for node in factors}
