@@ -89,6 +89,11 @@ def check(known: Needs, wanted: Needs, past: np.ndarray, more: np.ndarray, phase
         for one, other in zip(found, exact, strict=True):
             agree(float(one), other)
         _, c, s = exact
+        given = phases.given(past, more)
+        agree(float(given[0]), c / (c + s) if c + s else mpf(1))  # however little speaks for what is known
+        agree(float(given[1]), s / (c + s) if c + s else mpf(0))
+        if c + s:
+            assert float(phases.log_known(past, more)) == pytest.approx(float(mp.log(c + s)), rel=1e-14, abs=1e-15)
         if c + s > mpf("1e-280"):
             alive = found.fails + found.survives
             agree(float(found.fails / alive), c / (c + s))
@@ -102,6 +107,8 @@ HAZARDS = {
     "large": [40.0, 700.0, 0.5, 3.0, 1e-3],
     "rare": [0.0, 0.0, 1e-12, 0.7],
     "failed": [0.3, np.inf, 1e-6],
+    "old": [800.0, 801.5, 1e5, 1e5 + 2, 0.3, 1e-9],
+    "old or failed": [746.0, 2e4, 2e4 + 0.5, np.inf, 0.1],
 }
 
 
@@ -182,6 +189,13 @@ def test_many_columns_are_as_each_alone(seed: int, at_once: int, monkeypatch: py
     for i, j in np.ndindex(2, 3):
         alone = phases.transition(values[0, :, i, j], values[1:, :, i, j])
         for one, other in zip(together, alone, strict=True):
+            assert one[i, j] == pytest.approx(float(other), rel=1e-14)
+    old = values.copy()
+    old[0, :, 0] *= 1e4  # some columns have outlived all that was expected, others have not
+    given = phases.given(old[0], old[1:])
+    for i, j in np.ndindex(2, 3):
+        alone = phases.given(old[0, :, i, j], old[1:, :, i, j])
+        for one, other in zip(given, alone, strict=True):
             assert one[i, j] == pytest.approx(float(other), rel=1e-14)
     broadcast = phases.transition(values[0, :, :1, :1], values[1:])
     assert broadcast.survives.shape == (2, 3)

@@ -65,13 +65,13 @@ class DecisionDiagram:
         those after x as of the end, and x makes the difference. Every term is positive.
         """
         nodes, pairs = self._size
-        differ = np.zeros((pairs, b.shape[1]))
-        differ[1] = 1.0
+        differ = np.zeros((pairs, b.shape[1]), b.dtype)
+        differ[1] = 1
         for x, rows, (high, low) in self._pairs:
             differ[rows] = s[x] * differ[high] + lost[x] * differ[low]
 
-        failed = np.zeros((nodes, b.shape[1]))
-        failed[_FAILED] = 1.0
+        failed = np.zeros((nodes, b.shape[1]), b.dtype)
+        failed[_FAILED] = 1
         change = np.zeros_like(failed)
         for x, rows, (high, low, pair) in self._nodes:
             failed[rows] = works[x] * failed[high] + b[x] * failed[low]
@@ -81,12 +81,12 @@ class DecisionDiagram:
     def sensitivity(self, failed: Array, works: Array) -> Array:
         """Of each variable, P(the system works if it does, and has failed if it has); shape (variables, columns)."""
         nodes, pairs = self._size
-        differ = np.zeros((pairs, failed.shape[1]))
-        differ[1] = 1.0
+        differ = np.zeros((pairs, failed.shape[1]), failed.dtype)
+        differ[1] = 1
         for x, rows, (high, low) in self._pairs:
             differ[rows] = works[x] * differ[high] + failed[x] * differ[low]
-        reached = np.zeros((nodes, failed.shape[1]))  # probability that the decisions lead to a node
-        reached[self._root] = 1.0
+        reached = np.zeros((nodes, failed.shape[1]), failed.dtype)  # probability that the decisions lead to a node
+        reached[self._root] = 1
         found = np.zeros_like(failed)
         for x, rows, (high, low, pair) in reversed(self._nodes):
             here = reached[rows]
@@ -119,8 +119,8 @@ class Difference:
 
         ``failed`` + ``works`` = 1 of each variable, shape (variables, columns). Every term is positive.
         """
-        differ = np.zeros((self.size, failed.shape[1]))
-        differ[1] = 1.0
+        differ = np.zeros((self.size, failed.shape[1]), failed.dtype)
+        differ[1] = 1
         for x, rows, (high, low) in self._pairs:
             differ[rows] = works[x] * differ[high] + failed[x] * differ[low]
         return differ[self._roots]
