@@ -670,7 +670,7 @@ def test_a_hazard_that_stress_weighs_leg_by_leg_is_gathered_leg_by_leg() -> None
 
 
 def test_no_legs_cannot_be_repeated() -> None:
-    with pytest.raises(ValueError, match="no legs; expected tasks that take time"):
+    with pytest.raises(DesignError, match="no legs; expected tasks that take time"):
         next(repetitions(OUTLOOK, [Task(())], 3))
 
 

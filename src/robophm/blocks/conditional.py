@@ -104,7 +104,7 @@ class Conditional:
         return fails, survives
 
     def rate(self, known: Array, hazard: Array) -> Array:
-        """The hazard rate now [1/h], given that it works, shape (...), from that of each unit; infinite where it cannot.
+        """The hazard rate now [1/h], given that it works, shape (...), from that of each unit; infinite if it cannot.
 
         ``hazard`` is finite, shape (units, ...).
         """

@@ -11,19 +11,27 @@ from itertools import groupby
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robophm.blocks.compiling import compiled
 from robophm.blocks.nodes import Table, too_large
 from robophm.blocks.ordering import Gate
 
 Array = NDArray[np.float64]
+"""Of floats; of decimals where probabilities are too small for a float."""
+
 LIMIT = 500_000
 """Largest number of nodes, of pairs of nodes, and of steps to build them, of one decision diagram."""
 
 _FAILED, _WORKS = 0, 1  # the two leaves
 _NEVER, _ALWAYS = (_FAILED, _FAILED), (_WORKS, _FAILED)  # the pairs that differ never and always
 _T = TypeVar("_T")
+
+
+def numbers(values: ArrayLike) -> Array:
+    """As floats; decimals stay what they are."""
+    array = np.asarray(values)
+    return array if array.dtype == object else array.astype(float, copy=False)
 
 
 class DecisionDiagram:

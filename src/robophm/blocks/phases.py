@@ -157,7 +157,7 @@ class Phases:
                         yield which[some], exact
 
     def _outcomes(self, hazard: Array, *, exactly: bool = False) -> Iterator[tuple[slice, Array]]:
-        """Columns taking turns, and of each group: lost, lost from what is known on, completed; (3, groups, columns)."""
+        """Columns taking turns, and of each group lost, lost from what is known on, completed; (3, groups, columns)."""
         steps = {stretch: n for n, stretch in enumerate(self._stretches)}
         index = [
             np.array([[steps[stretch] for stretch in group] for group in groups]).T

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robophm.blocks.decision_diagram import Array
+from robophm.blocks.decision_diagram import Array, numbers
 from robophm.blocks.diagram import Block
 from robophm.blocks.folding import CHANGE, FAILED, FEW, WORKS, Call, counted, counting, exactly, merging, sides
 from robophm.blocks.plan import Decision, Fold, Plan, Rows
@@ -168,9 +168,9 @@ class Structure:
 
     def _columns(self, *units: ArrayLike) -> tuple[list[Array], tuple[int, ...]]:
         """The units' numbers, each of shape (units, columns), and the shape that the columns had."""
-        given = [np.asarray(array) for array in units]
-        kind = np.dtype(object) if any(array.dtype == object for array in given) else FLOAT
-        arrays = [array.astype(kind, copy=False) for array in given]
+        arrays = [numbers(array) for array in units]
+        if any(array.dtype != FLOAT for array in arrays):
+            arrays = [array.astype(object, copy=False) for array in arrays]
         for array in arrays:
             if array.ndim and len(array) != self._inputs:
                 raise StructureError(f"first axis of {array.shape}: expected the {self._inputs} units of the diagram")

@@ -110,9 +110,7 @@ class Fleet:
             known = self._known(system, turn)
             hazard = self._speeding(system, turn, system.lives.hazard(_of(self.age, system.modes, turn)))
             hazard = self._and_groups(hazard, system, turn, lambda one: one.groups_rates_now(system))
-            _, works, density = system.knowing(known, hazard)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                found[turn] = np.where(works > 0, infinite(density / works), np.inf)
+            found[turn] = system.rate(known, hazard)
         return found
 
     def ahead(self, diagram: Block, hours: Array | float) -> tuple[Array, Array]:
