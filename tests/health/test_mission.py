@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from robophm.blocks.diagram import Block, KOutOfN, Parallel, Unit
+from robophm.core.errors import DesignError
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot

@@ -168,7 +168,7 @@ def test_what_it_hangs_on(diagram: str, lived: str) -> None:
         fails = mp.fsum(w for w, now, end, _ in states if now and not end)
         assert found.failure == exact(fails / alive)
         for one in found.units:
-            b, c, s = brute.chance(hours, one.unit)
+            _, c, s = brute.chance(hours, one.unit)
             hangs = mp.fsum(
                 w for w, _, _, end in states
                 if works(design.diagram, end | {one.unit: True}) and not works(design.diagram, end | {one.unit: False})
