@@ -7,6 +7,7 @@ Rauzy, "New algorithms for fault trees analysis", Reliab. Eng. Syst. Saf. 40 (19
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from decimal import Decimal
 from itertools import groupby
 from typing import TypeVar
 
@@ -16,6 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from robophm.blocks.compiling import compiled
 from robophm.blocks.nodes import Table, too_large
 from robophm.blocks.ordering import Gate
+from robophm.core.errors import StructureError
+from robophm.core.given import floats
 
 Array = NDArray[np.float64]
 """Of floats; of decimals where probabilities are too small for a float."""
@@ -30,8 +33,11 @@ _T = TypeVar("_T")
 
 def numbers(values: ArrayLike) -> Array:
     """As floats; decimals stay what they are."""
-    array = np.asarray(values)
-    return array if array.dtype == object else array.astype(float, copy=False)
+    if isinstance(values, np.ndarray) and values.dtype == object:
+        if all(isinstance(one, Decimal) or one in (0, 1) for one in values.flat):
+            return values
+        values = values.tolist()
+    return floats(values, "units:", StructureError)
 
 
 class DecisionDiagram:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robophm.blocks.decision_diagram import Array, numbers
-from robophm.blocks.diagram import Block
+from robophm.blocks.diagram import Block, as_block
 from robophm.blocks.folding import CHANGE, FAILED, FEW, WORKS, Call, counted, counting, exactly, merging, sides
 from robophm.blocks.plan import Decision, Fold, Plan, Rows
 from robophm.core.errors import StructureError, nearest
@@ -79,7 +79,9 @@ class Structure:
     """The units as often and in the order in which they are evaluated: the rows of what ``lived`` is asked."""
 
     def __init__(self, *diagrams: Block, kinds: Sequence[int] | None = None) -> None:
-        self._plan = Plan(*diagrams, kinds=kinds)
+        if not diagrams:
+            raise StructureError("no diagram; expected at least one")
+        self._plan = Plan(*(as_block(diagram, "diagram") for diagram in diagrams), kinds=kinds)
         self.names = self._plan.names
         self._inputs = len(self.names) if kinds is None else max(kinds) + 1
         self.leaves = self._plan.leaves
@@ -138,6 +140,7 @@ class Structure:
         Of one diagram; of a kind, the sum over its units. One sweep back over a state; every term is positive.
         """
         columns, shape = self._columns(failed, works)
+        _check_chances(columns)
         found, total = np.empty(columns[0].shape, columns[0].dtype), columns[0].size // self._inputs
         for turn, rows in self._turns(self._writing(columns), 2, total, task=False, kind=found.dtype):
             found[:, turn] = self._back(rows)
@@ -149,6 +152,7 @@ class Structure:
 
     def _given(self, *units: ArrayLike, task: bool) -> Array:
         columns, shape = self._columns(*units)
+        _check_chances(columns if task else columns[:2])
         system = self._evaluate(self._writing(columns), len(columns), columns[0].shape[1], task, columns[0].dtype)
         return system.reshape(*system.shape[:-1], *shape)
 
@@ -172,11 +176,18 @@ class Structure:
         if any(array.dtype != FLOAT for array in arrays):
             arrays = [array.astype(object, copy=False) for array in arrays]
         for array in arrays:
+            if array.dtype == FLOAT and not array.min(initial=0.0) >= 0:  # nor not a number
+                raise StructureError("units: a number is negative or none; expected probabilities, and finite rates")
             if array.ndim and len(array) != self._inputs:
                 raise StructureError(f"first axis of {array.shape}: expected the {self._inputs} units of the diagram")
         axes = max(1, *(array.ndim for array in arrays))
         arrays = [array.reshape(array.shape + (1,) * (axes - array.ndim)) for array in arrays]
-        shape = (self._inputs, *np.broadcast(*arrays).shape[1:])
+        try:
+            shape = (self._inputs, *np.broadcast(*arrays).shape[1:])
+        except ValueError:
+            raise StructureError(
+                f"units: shapes {', '.join(str(one.shape) for one in arrays)} do not go together"
+            ) from None
         columns = [
             (array if array.shape == shape else np.broadcast_to(array, shape)).reshape(self._inputs, -1)
             for array in arrays
@@ -234,6 +245,16 @@ class Structure:
         found = np.zeros((self._inputs, rows.shape[2]), rows.dtype)
         np.add.at(found, self.leaves, weight[: len(self.leaves)])
         return found
+
+
+def _check_chances(columns: Sequence[Array]) -> None:
+    """Raises StructureError where what can become of a unit does not add up to 1."""
+    total = sum(columns[1:], columns[0])
+    if total.dtype == FLOAT and total.size and not (total.min() > 1 - _ADDS_UP and total.max() < 1 + _ADDS_UP):
+        raise StructureError("units: probabilities of a unit do not add up to 1; expected all that can become of it")
+
+
+_ADDS_UP = 1e-6
 
 
 class Moment:

@@ -22,6 +22,8 @@ from robophm.blocks.diagram import Block, Group, KOutOfN, Unit, units
 from robophm.blocks.merging import merge_series, single_points_of_failure
 from robophm.blocks.phases import Phases
 from robophm.blocks.reliability import Structure
+from robophm.core.errors import StructureError, nearest
+from robophm.core.given import instance
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
 from robophm.health.dependent import Held
@@ -127,6 +129,7 @@ class Plant:
 
     def system(self, diagram: Block) -> System:
         """A diagram prepared; once for each."""
+        instance(diagram, Block, "diagram", "a block of the robot's, such as its diagram", StructureError)
         if id(diagram) not in self._systems:  # by identity: to hash ten thousand blocks costs more than to fold them
             self._systems[id(diagram)] = diagram, System(self, diagram)
         return self._systems[id(diagram)][1]
@@ -246,6 +249,11 @@ class System(Parts):
     """A diagram prepared."""
 
     def __init__(self, plant: Plant, diagram: Block) -> None:
+        for unit in units(diagram):
+            if unit not in plant.place:
+                raise StructureError(
+                    f"no unit '{unit}' in the design of {plant.robot.name}{nearest(unit, plant.place)}"
+                )
         (self._merged,), self._stands_for = merge_series(diagram)
         self.structure = Structure(self._merged)
         self.conditional = Conditional(self._merged, structure=self.structure)
