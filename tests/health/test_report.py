@@ -177,7 +177,7 @@ def test_short_names() -> None:
     assert [subject.path for subject in health.subjects] == ["R", "arm", "hold"]
     assert health.subject("arm").sensor_based == health.subject("hold").sensor_based
     assert [part.path for part in health.components] == ["arm/hand", "part"]
-    with pytest.raises(RobophmError, match="no module or function 'leg'; known: arm, "):
+    with pytest.raises(RobophmError, match="no module or function 'leg'; known: R, arm, hold"):
         health.subject("leg")
 
 
