@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from robophm.core.errors import SourceError, UnitError, nearest
+from robophm.core.errors import DesignError, SourceError, UnitError, nearest
+from robophm.core.given import instance
+from robophm.core.given import path as given_path
 from robophm.core.signal import any_element, split_signal
 from robophm.core.units import conversion
 from robophm.design.robot import Robot
@@ -48,6 +50,7 @@ def drives_of(robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_mis
     Raises SourceError where a file is missing or no recording, all are empty, a bound signal is in none of them, or
     its messages measure something else.
     """
+    instance(robot, Robot, "robot", "a Robot, as of robophm.load", DesignError)
     if not robot.signals:
         raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
     drives: list[Drive] = []
@@ -117,8 +120,11 @@ def _opened(recorded: Recorded | Sequence[Recorded]) -> Iterator[tuple[str, Open
     if isinstance(recorded, SignalSource):
         yield "the recording", lambda: nullcontext(recorded)
         return
-    given = [recorded] if isinstance(recorded, str | os.PathLike) else recorded
-    for paths in _in_order([Path(os.fspath(path)) for path in given if not isinstance(path, SignalSource)]):
+    given = [recorded] if isinstance(recorded, str | os.PathLike) or not isinstance(recorded, Iterable) else recorded
+    files = [given_path(path, "recording", SourceError) for path in given]
+    if not files:
+        raise SourceError("no recordings; expected at least one")
+    for paths in _in_order(files):
         yield str(paths[0]) + (" …" if len(paths) > 1 else ""), partial(open_source, *paths)
 
 

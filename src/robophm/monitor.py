@@ -10,6 +10,10 @@ import math
 from collections.abc import Callable
 from typing import TypedDict, Unpack
 
+import numpy as np
+
+from robophm.core.errors import DesignError, RobophmError, SourceError
+from robophm.core.given import instance, number, shown
 from robophm.core.signal import CLOCK, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Plan, Task
@@ -23,6 +27,9 @@ from robophm.health.window import Columns, Window, parted
 WINDOW = SECOND
 """Nanoseconds that integration waits for samples that come out of order."""
 
+
+LONGEST_PERIOD = 1e6
+"""Seconds of one step of integration, at most."""
 
 MOST_PENDING = 500_000
 """Samples that the open window holds at most; a flood within one window beyond it is counted and dropped."""
@@ -51,25 +58,42 @@ class Monitor:
         period: float = 60.0,
         on_tick: Callable[[Monitor], None] | None = None,
     ) -> None:
-        """Start, or go on from a ledger. ``period`` [s] is the step of integration; ``on_tick`` follows each."""
+        """Start, or go on from a ledger. ``period`` [s] is the step of integration; ``on_tick`` follows each.
+
+        Raises RobophmError where one of them is none.
+        """
+        instance(robot, Robot, "robot", "a Robot, as of robophm.load", DesignError)
+        if ledger is not None:
+            instance(ledger, Ledger, "ledger", "a Ledger", RobophmError)
+        seconds = number(period, "period", low=1 / SECOND, high=LONGEST_PERIOD)
         self.marks: list[tuple[int, Callable[[Ledger], None]]] = []
         """Times [ns], ascending, and what is to be done with the ledger of each; taken away as they are reached."""
         self.robot = robot
         self.plant = Plant(robot)
         self.exposure = Exposure(robot)
         self.ledger = ledger if ledger is not None else Ledger.new(robot)
-        self.period = round(period * SECOND)
+        self.period = round(seconds * SECOND)
         self.on_tick = on_tick
 
     def observe(self, sample: Sample) -> None:
-        """Take one sample. What is not finite, or older than what has been integrated, is counted and dropped."""
+        """Take one sample. What is not finite, or older than what has been integrated, is counted and dropped.
+
+        Raises SourceError where it is no sample.
+        """
         ledger = self.ledger
-        at, signal, value = sample
+        try:
+            at, signal, value = sample
+            finite = math.isfinite(value)
+            taken = isinstance(at, int | np.integer) and isinstance(signal, str)
+        except (TypeError, ValueError):
+            finite = taken = False
+        if not taken:
+            raise SourceError(f"sample {shown(sample)}: expected a Sample of a time [ns], a signal and a number")
         if ledger.integrated_to is not None and at <= ledger.integrated_to:
             if signal != CLOCK:
                 ledger.counts[f"late: {signal}"] += 1
             return
-        if signal != CLOCK and not math.isfinite(value):
+        if signal != CLOCK and not finite:
             ledger.counts[f"not finite: {signal}"] += 1
             return
         if ledger.started is None or (ledger.integrated_to is None and at < ledger.started):

@@ -10,13 +10,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from robophm.core.errors import SourceError
+from robophm.core.errors import SourceError, StoreError
+from robophm.core.given import instance, number
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.drives import Drive, Recorded, drives_of
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport
-from robophm.monitor import Monitor
+from robophm.monitor import LONGEST_PERIOD, Monitor
 from robophm.stores.store import Progress, Store
 from robophm.virtual_life import VirtualLife
 
@@ -70,6 +71,11 @@ def replay(
 
     Raises SourceError where the recordings lack a bound signal or its messages measure something else.
     """
+    if store is not None:
+        instance(store, Store, "store", "a store, such as robophm.stores.sqlite.SqliteStore(path)", StoreError)
+    number(period, "period", above=True, high=LONGEST_PERIOD)
+    if report_every is not None:
+        number(report_every, "report_every", above=True)
     drives = drives_of(robot, recorded, skip_missing=skip_missing)
     return replay_drives(robot, drives, store=store, period=period, report_every=report_every, on_tick=on_tick)
 

@@ -89,6 +89,11 @@ def check(known: Needs, wanted: Needs, past: np.ndarray, more: np.ndarray, phase
         for one, other in zip(found, exact, strict=True):
             agree(float(one), other)
         _, c, s = exact
+        given = phases.given(past, more)
+        agree(float(given[0]), c / (c + s) if c + s else mpf(1))  # however little speaks for what is known
+        agree(float(given[1]), s / (c + s) if c + s else mpf(0))
+        if c + s:
+            assert float(phases.log_known(past, more)) == pytest.approx(float(mp.log(c + s)), rel=1e-14, abs=1e-15)
         if c + s > mpf("1e-280"):
             alive = found.fails + found.survives
             agree(float(found.fails / alive), c / (c + s))
@@ -102,6 +107,8 @@ HAZARDS = {
     "large": [40.0, 700.0, 0.5, 3.0, 1e-3],
     "rare": [0.0, 0.0, 1e-12, 0.7],
     "failed": [0.3, np.inf, 1e-6],
+    "old": [800.0, 801.5, 1e5, 1e5 + 2, 0.3, 1e-9],
+    "old or failed": [746.0, 2e4, 2e4 + 0.5, np.inf, 0.1],
 }
 
 
@@ -129,6 +136,47 @@ def test_random_missions(seed: int, kind: str) -> None:
     check(known, wanted, draws[0], draws[1:], phases)
 
 
+def module(rng: random.Random, names: Sequence[str]) -> Block:
+    """A module of parts that nothing else draws by themselves: mostly a series with redundancy inside."""
+    a, b, c, *more = map(Unit, rng.sample(list(names), len(names)))
+    core = rng.choice([
+        Series(a, Parallel(b, c)), Series(Parallel(a, b), Parallel(a, c)), Series(a, Series(b, Parallel(a, c))),
+        Series(a, KOutOfN(2, a, b, c)), Series(KOutOfN(2, a, b, c), Parallel(a, c)), KOutOfN(2, a, b, c),
+        Parallel(a, Series(b, c)), Series(a, b, c),
+    ])  # fmt: skip
+    return Series(core, *more) if rng.random() < 0.7 else Parallel(core, *more)
+
+
+@pytest.mark.parametrize("seed", range(150))
+def test_modules_that_are_needed_and_drawn_inside_other_functions(seed: int) -> None:
+    """What must work by itself, or in a module that must, and is also in a parallel of another function that must."""
+    rng = random.Random(9000 + seed)
+    names = [f"u{i}" for i in range(rng.randint(3, 4))]
+    inner = module(rng, names)
+    d, e = Unit("d"), Unit("e")
+    outer = rng.choice([inner, inner, Series(inner, e), Series(Parallel(inner, e), d)])
+    kinds = [Parallel(outer, d), KOutOfN(2, outer, d, e), Series(Parallel(inner, d), Parallel(outer, e)),
+             Parallel(Series(outer, d), e), Parallel(outer, *map(Unit, names[:1]))]  # fmt: skip
+    count = rng.randint(1, 2)
+    functions = [rng.choice([outer, inner]), *rng.sample(kinds, rng.randint(1, 2))]
+    wanted: Needs = [(rng.randint(1, count), function) for function in functions]
+    rng.shuffle(wanted)
+    known = rng.choice([[], [(0, block) for _, block in wanted], [(0, functions[-1])], [(1, functions[0])]])
+    phases = Phases(known, wanted)
+    values = HAZARDS["ordinary"] if rng.random() < 0.8 else HAZARDS["failed"]
+    draws = np.array([[rng.choice(values) for _ in phases.names] for _ in range(count + 1)])
+    check(known, wanted, draws[0], draws[1:], phases)
+
+
+def test_a_needed_series_inside_a_parallel_of_another_function() -> None:
+    """Its parts decide both: neither a module of its own nor apart from it."""
+    past, more = np.full(4, 0.3), np.array([[0.5, 0.1, 0.2, 0.7]] * 2)
+    for drive in (Series(A, Parallel(B, C)), Series(Parallel(A, B), Parallel(A, C)), Series(A, Series(B, C))):
+        wanted = [(1, drive), (2, Parallel(drive, D))]
+        check([(0, block) for _, block in wanted], wanted, past, more)
+        check([], wanted[::-1], past, more)
+
+
 @pytest.mark.parametrize("at_once", [1, 50, 200_000])
 @pytest.mark.parametrize("seed", range(12))
 def test_many_columns_are_as_each_alone(seed: int, at_once: int, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -141,6 +189,13 @@ def test_many_columns_are_as_each_alone(seed: int, at_once: int, monkeypatch: py
     for i, j in np.ndindex(2, 3):
         alone = phases.transition(values[0, :, i, j], values[1:, :, i, j])
         for one, other in zip(together, alone, strict=True):
+            assert one[i, j] == pytest.approx(float(other), rel=1e-14)
+    old = values.copy()
+    old[0, :, 0] *= 1e4  # some columns have outlived all that was expected, others have not
+    given = phases.given(old[0], old[1:])
+    for i, j in np.ndindex(2, 3):
+        alone = phases.given(old[0, :, i, j], old[1:, :, i, j])
+        for one, other in zip(given, alone, strict=True):
             assert one[i, j] == pytest.approx(float(other), rel=1e-14)
     broadcast = phases.transition(values[0, :, :1, :1], values[1:])
     assert broadcast.survives.shape == (2, 3)

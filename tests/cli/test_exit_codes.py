@@ -1,8 +1,11 @@
-"""0 ok, 1 threshold breached, 2 usage, 3 invalid input; a mistake is one line on stderr and changes nothing."""
+"""0 ok, 1 threshold breached, 2 usage, 3 invalid input, 70 a defect; a mistake is one line and changes nothing."""
 
 import pytest
+import typer
+import typer.core
 
-from robophm.cli import BREACHED, INVALID, OK, USAGE
+from robophm.cli import BREACHED, DEFECT, INTERRUPTED, INVALID, OK, USAGE
+from robophm.cli.app import app
 
 CAPACITOR = ("rate", "mil_hdbk_217f.capacitor")
 
@@ -125,3 +128,59 @@ def test_invalid_input(inside, design, args, says):
     assert len(done.stderr.splitlines()) == 1
     assert design.read_bytes() == before
     assert list(design.parent.iterdir()) == [design]
+
+
+def every_command():
+    """Words that each command takes, whatever it is; those of groups too."""
+
+    def words(command, before):
+        inner = getattr(command, "commands", None)
+        if inner:
+            for name in sorted(inner):
+                yield from words(inner[name], [*before, name])
+            return
+        found = list(before)
+        for one in command.params:
+            if one.required:
+                found += ["1"] if one.param_type_name == "argument" else [one.opts[0], "1"]
+        yield found
+
+    return list(words(typer.main.get_command(app), []))
+
+
+DEFECTS = [KeyError(4), EOFError("two\nlines"), BrokenPipeError(32, "Broken pipe"), OSError(5, "Input/output error"),
+           SystemExit("a library's last words"), RecursionError("deep")]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("words", "error"),
+    [*((words, DEFECTS[0]) for words in every_command()), *((["schema"], error) for error in DEFECTS[1:])],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else type(value).__name__,
+)
+def test_a_defect_of_ours_is_never_taken_for_a_breached_threshold(inside, monkeypatch, words, error):
+    def broken(*_):
+        raise error
+
+    monkeypatch.setattr(typer.core.TyperCommand, "invoke", broken)
+    done = inside(*words)
+    assert done.returncode == DEFECT == 70
+    assert done.stdout == ""
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"error: {type(error).__name__}: ")
+    assert line.endswith("a defect of robophm, not of your input; ROBOPHM_TRACEBACK=1 in the environment shows where "
+                         "it comes from")  # fmt: skip
+
+
+def test_the_traceback_of_a_defect_is_there_for_who_asks(inside, monkeypatch, design):
+    monkeypatch.setenv("ROBOPHM_TRACEBACK", "1")
+    monkeypatch.setattr("robophm.cli.check.run", lambda *_, **__: {}[4])
+    done = inside("check", design)
+    assert done.returncode == DEFECT
+    assert done.stderr.startswith("Traceback (most recent call last):")
+    assert "error: KeyError: 4 at test_exit_codes.py:" in done.stderr.splitlines()[-1]
+
+
+def test_help_names_every_exit_code(inside):
+    said = " ".join(inside("--help").stdout.split())
+    for code in (OK, BREACHED, USAGE, INVALID, DEFECT, INTERRUPTED):
+        assert f" {code} " in said.partition("Exit codes:")[2]

@@ -70,8 +70,10 @@ knowledge:
     assert (second.duration, second.distance) == (pytest.approx(1 / 12, rel=1e-15), 0.0)
     assert (second.functions, second.cycles, second.starts) == (("lift", "drive"), 40.0, 1.0)
     assert second.stresses == {"load": 0.8, "Power/temperature": pytest.approx(45.0)}
-    assert drive.legs == (Leg(pytest.approx(1 / 6), 250.0),)
-    assert slow.legs == (Leg(2.0, pytest.approx(7200.0)),)
+    assert (drive.duration, drive.distance) == (pytest.approx(1 / 6), 250.0)
+    assert drive.legs == (Leg(drive.duration, 250.0),)
+    assert (slow.duration, slow.distance) == (2.0, pytest.approx(7200.0))
+    assert slow.legs == (Leg(2.0, slow.distance),)
     assert plan.every == 12.0
     assert plan.knowledge.failed == {"Wheel[2]"}
     assert plan.knowledge.working == {"Power/Battery", "Power/Fuse", "Wheel[1]"}

@@ -137,7 +137,7 @@ def test_intensities_add_up_to_the_hazard_rate_given_what_is_known(hours: float)
     around = []
     for t in (hours - step, hours + step):
         gone = [one[:, 0] for one in view.paced(np.array([t]))]
-        fails, survives = (float(one) for one in view.ahead(view.plant.robot.diagram, *gone).given_works())
+        fails, survives = (float(one) for one in view.ahead(view.plant.robot.diagram, *gone))
         around.append(math.log1p(-fails) if fails < 0.5 else math.log(survives))
     alive = float(drawn.structure.probability(works, -np.expm1(-total))[0][0])
     assert ours / alive == pytest.approx((around[0] - around[1]) / (2 * step), rel=1e-6)

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from robophm.blocks.diagram import Block, KOutOfN, Parallel, Unit
+from robophm.core.errors import DesignError
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
@@ -670,7 +671,7 @@ def test_a_hazard_that_stress_weighs_leg_by_leg_is_gathered_leg_by_leg() -> None
 
 
 def test_no_legs_cannot_be_repeated() -> None:
-    with pytest.raises(ValueError, match="no legs; expected tasks that take time"):
+    with pytest.raises(DesignError, match="no legs; expected tasks that take time"):
         next(repetitions(OUTLOOK, [Task(())], 3))
 
 

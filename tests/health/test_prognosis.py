@@ -212,11 +212,16 @@ def test_a_robot_that_works_has_survived_whatever_its_odds() -> None:
     assert (task(found).probability, life(found).mean) == (exact(mp.exp(-1)), exact(1, 1e-10))
 
 
-def test_redundancy_that_cannot_have_survived() -> None:
+def test_redundancy_has_survived_too_whatever_its_odds() -> None:
+    """It works, so that one of the pair does; that both do is e⁻¹⁰⁰⁰⁰⁰⁰ of that."""
     part = {"rate": "1 /h", "initial_exposure": "1e6 h", "quantity": 2, "required": 1}
     found = figures({"part": part}, hours(1))
-    assert (task(found).probability, task(found).failure) == (0, 1)
-    assert found.remaining_life == RemainingLife(0, 0, 0, 0)
+    assert found.reliability == 0
+    assert found.hazard_rate == exact(1)
+    assert (task(found).probability, task(found).failure) == (exact(mp.exp(-1)), exact(-mp.expm1(-1)))
+    remaining = life(found)
+    assert (remaining.mean, remaining.median) == (exact(1, 1e-10), exact(mp.log(2)))
+    assert (remaining.early, remaining.late) == (exact(-mp.log(mpf("0.95")), 1e-10), exact(mp.log(20), 1e-10))
 
 
 def test_a_broken_arm_does_not_zero_a_task_that_only_drives() -> None:

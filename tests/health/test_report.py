@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from mpmath import mp, mpf
 
+from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.task import Leg, Plan, Task
@@ -176,7 +177,7 @@ def test_short_names() -> None:
     assert [subject.path for subject in health.subjects] == ["R", "arm", "hold"]
     assert health.subject("arm").sensor_based == health.subject("hold").sensor_based
     assert [part.path for part in health.components] == ["arm/hand", "part"]
-    with pytest.raises(KeyError, match="leg"):
+    with pytest.raises(RobophmError, match="no module or function 'leg'; known: R, arm, hold"):
         health.subject("leg")
 
 

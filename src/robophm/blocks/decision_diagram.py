@@ -7,23 +7,37 @@ Rauzy, "New algorithms for fault trees analysis", Reliab. Eng. Syst. Saf. 40 (19
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from decimal import Decimal
 from itertools import groupby
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robophm.blocks.compiling import compiled
 from robophm.blocks.nodes import Table, too_large
 from robophm.blocks.ordering import Gate
+from robophm.core.errors import StructureError
+from robophm.core.given import floats
 
 Array = NDArray[np.float64]
+"""Of floats; of decimals where probabilities are too small for a float."""
+
 LIMIT = 500_000
 """Largest number of nodes, of pairs of nodes, and of steps to build them, of one decision diagram."""
 
 _FAILED, _WORKS = 0, 1  # the two leaves
 _NEVER, _ALWAYS = (_FAILED, _FAILED), (_WORKS, _FAILED)  # the pairs that differ never and always
 _T = TypeVar("_T")
+
+
+def numbers(values: ArrayLike) -> Array:
+    """As floats; decimals stay what they are."""
+    if isinstance(values, np.ndarray) and values.dtype == object:
+        if all(isinstance(one, Decimal) or one in (0, 1) for one in values.flat):
+            return values
+        values = values.tolist()
+    return floats(values, "units:", StructureError)
 
 
 class DecisionDiagram:
@@ -65,13 +79,13 @@ class DecisionDiagram:
         those after x as of the end, and x makes the difference. Every term is positive.
         """
         nodes, pairs = self._size
-        differ = np.zeros((pairs, b.shape[1]))
-        differ[1] = 1.0
+        differ = np.zeros((pairs, b.shape[1]), b.dtype)
+        differ[1] = 1
         for x, rows, (high, low) in self._pairs:
             differ[rows] = s[x] * differ[high] + lost[x] * differ[low]
 
-        failed = np.zeros((nodes, b.shape[1]))
-        failed[_FAILED] = 1.0
+        failed = np.zeros((nodes, b.shape[1]), b.dtype)
+        failed[_FAILED] = 1
         change = np.zeros_like(failed)
         for x, rows, (high, low, pair) in self._nodes:
             failed[rows] = works[x] * failed[high] + b[x] * failed[low]
@@ -81,12 +95,12 @@ class DecisionDiagram:
     def sensitivity(self, failed: Array, works: Array) -> Array:
         """Of each variable, P(the system works if it does, and has failed if it has); shape (variables, columns)."""
         nodes, pairs = self._size
-        differ = np.zeros((pairs, failed.shape[1]))
-        differ[1] = 1.0
+        differ = np.zeros((pairs, failed.shape[1]), failed.dtype)
+        differ[1] = 1
         for x, rows, (high, low) in self._pairs:
             differ[rows] = works[x] * differ[high] + failed[x] * differ[low]
-        reached = np.zeros((nodes, failed.shape[1]))  # probability that the decisions lead to a node
-        reached[self._root] = 1.0
+        reached = np.zeros((nodes, failed.shape[1]), failed.dtype)  # probability that the decisions lead to a node
+        reached[self._root] = 1
         found = np.zeros_like(failed)
         for x, rows, (high, low, pair) in reversed(self._nodes):
             here = reached[rows]
@@ -119,8 +133,8 @@ class Difference:
 
         ``failed`` + ``works`` = 1 of each variable, shape (variables, columns). Every term is positive.
         """
-        differ = np.zeros((self.size, failed.shape[1]))
-        differ[1] = 1.0
+        differ = np.zeros((self.size, failed.shape[1]), failed.dtype)
+        differ[1] = 1
         for x, rows, (high, low) in self._pairs:
             differ[rows] = works[x] * differ[high] + failed[x] * differ[low]
         return differ[self._roots]

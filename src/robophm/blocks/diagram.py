@@ -7,7 +7,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from robophm.core.errors import StructureError, nearest
+from robophm.core.given import instance, shown
 
 MOST_LINKS = 2000
 """Of one network."""
@@ -18,6 +21,10 @@ class Unit:
     """One part, by name. It works or it has failed."""
 
     name: str
+
+    def __post_init__(self) -> None:
+        """Check the name: StructureError."""
+        instance(self.name, str, "unit", "a name", StructureError)
 
 
 @dataclass(frozen=True, init=False)
@@ -49,9 +56,10 @@ class KOutOfN:
 
     def __init__(self, k: int, *blocks: Block | str) -> None:
         object.__setattr__(self, "blocks", _blocks("k_out_of_n", blocks))
-        if not 1 <= k <= len(blocks):
+        whole = isinstance(k, int | np.integer) and not isinstance(k, bool)
+        if not whole or not 1 <= k <= len(blocks):
             raise StructureError(f"k_out_of_n: k = {k} of n = {len(blocks)} blocks; expected 1 ≤ k ≤ n")
-        object.__setattr__(self, "k", k)
+        object.__setattr__(self, "k", int(k))
 
 
 @dataclass(frozen=True)
@@ -65,6 +73,7 @@ class Group(Unit):
 
     def __post_init__(self) -> None:
         """Check what the members are: StructureError where one is in the group twice, or alone."""
+        super().__post_init__()
         drawn = [unit for member in self.members for unit in member]
         twice = next((unit for unit in drawn if drawn.count(unit) > 1), None)
         if twice is not None:
@@ -153,14 +162,16 @@ class Network:
         links: Iterable[Link | Sequence[str]],
         nodes: Mapping[str, Block | str] | None = None,
     ) -> None:
-        joins = [link if isinstance(link, Link) else Link(link[0], link[1]) for link in links]
-        joins = [link._replace(block=Unit(link.block)) if isinstance(link.block, str) else link for link in joins]
+        for name in (source, sink):
+            instance(name, str, "network:", "a node by its name", StructureError)
+        joins = [_link(link) for link in instance(links, Iterable, "network: links", "links", StructureError)]
         if len(joins) > MOST_LINKS:
             raise StructureError(f"network: {len(joins):,} links; expected at most {MOST_LINKS:,}")
         named = list(dict.fromkeys(name for link in joins for name in (link.start, link.end)))
         if nodes is None:
             nodes = {name: name for name in named if name not in (source, sink)}
-        stands = tuple((name, Unit(block) if isinstance(block, str) else block) for name, block in nodes.items())
+        instance(nodes, Mapping, "network: nodes", "what stands at each, by name", StructureError)
+        stands = tuple((name, as_block(block, f"network: node '{name}'")) for name, block in nodes.items())
         for name, value in (("source", source), ("sink", sink), ("links", tuple(joins)), ("nodes", stands)):
             object.__setattr__(self, name, value)
         for name in (source, sink, *nodes):
@@ -196,7 +207,15 @@ Block = Unit | Series | Parallel | KOutOfN | Network
 def _blocks(kind: str, blocks: tuple[Block | str, ...]) -> tuple[Block, ...]:
     if not blocks:
         raise StructureError(f"{kind}: no blocks; expected at least one")
-    return tuple(Unit(block) if isinstance(block, str) else block for block in blocks)
+    return tuple(as_block(block, kind) for block in blocks)
+
+
+def as_block(block: Block | str, where: str) -> Block:
+    """A name as a unit. Raises StructureError for what is no block."""
+    if isinstance(block, str):
+        return Unit(block)
+    found: Block = instance(block, Block, f"{where}:", "a block, or the name of a unit", StructureError)
+    return found
 
 
 def units(block: Block) -> Iterator[str]:
@@ -232,6 +251,15 @@ def with_blocks(block: Block, blocks: Iterable[Block]) -> Block:
     if isinstance(block, Network):
         return block.with_blocks(blocks)
     return KOutOfN(block.k, *blocks) if isinstance(block, KOutOfN) else type(block)(*blocks)
+
+
+def _link(link: object) -> Link:
+    """Two nodes by name, and what joins them. Raises StructureError where it is none."""
+    ends = link if isinstance(link, Sequence) and not isinstance(link, str) else ()
+    if not (len(ends) == 2 or isinstance(link, Link)) or not all(isinstance(name, str) for name in ends[:2]):
+        raise StructureError(f"network: link {shown(link)}: expected two nodes by name, or a Link")
+    found = link if isinstance(link, Link) else Link(*ends)
+    return found if found.block is None else found._replace(block=as_block(found.block, "network: link"))
 
 
 def _check_paths(network: Network) -> None:

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robophm.blocks.decision_diagram import numbers
 from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
 from robophm.blocks.graph import ALL, ANY, NOT, ODD, UNIT, Gate, graph
 from robophm.blocks.modular import LIMIT, Modular
@@ -72,8 +73,8 @@ class FaultTree:
 
         Nothing is subtracted: the smallest probability has all its digits. Raises StructureError as ``modular``.
         """
-        p = np.asarray(occurred, dtype=float)
-        q = 1.0 - p if not_yet is None else np.asarray(not_yet, dtype=float)
+        p = numbers(occurred)
+        q = 1 - p if not_yet is None else numbers(not_yet)
         if p.ndim == 0 or p.shape[0] != len(self.names) or q.shape != p.shape:
             raise StructureError(f"first axis of {p.shape}: expected the {len(self.names)} events of the fault tree")
         top, _ = self.modular.probability(p.reshape(len(p), -1), q.reshape(len(p), -1))

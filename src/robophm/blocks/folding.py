@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -75,7 +76,7 @@ def counting(k: int, inputs: Array, out: Array, task: bool) -> Iterator[Call]:
         return
     end = now = inputs[:CHANGE]  # (failed, works) of each
     if task:
-        end, now = np.empty((2, *end.shape))
+        end, now = np.empty((2, *end.shape), inputs.dtype)
         yield partial(np.add, inputs[FAILED], inputs[CHANGE], end[FAILED])
         yield partial(np.copyto, end[WORKS], inputs[WORKS])
         yield partial(np.copyto, now[FAILED], inputs[FAILED])
@@ -83,12 +84,13 @@ def counting(k: int, inputs: Array, out: Array, task: bool) -> Iterator[Call]:
     # P(j of the inputs so far work), and P(j others work and one changes), those before it now, those after at the end
     counts = end[:, 0]
     if numbers > CHANGE:
-        counts = np.zeros((2, 2, columns))
+        counts = np.zeros((2, 2, columns), inputs.dtype)
         yield partial(np.copyto, counts[0], end[:, 0])
         yield partial(np.copyto, counts[1, 0], inputs[CHANGE, 0])
-        changed = np.empty((n, columns))
+        changed = np.empty((n, columns), inputs.dtype)
     before = now[:, 0]
-    place, place_now = _Counts(counts.shape[:-2], n, columns), _Counts((), n if task else 0, columns)
+    place = _Counts(counts.shape[:-2], n, columns, inputs.dtype)
+    place_now = _Counts((), n if task else 0, columns, inputs.dtype)
     for i in range(1, n):
         calls, counts = place.one_more(counts, end[:, i])
         yield from calls
@@ -114,9 +116,9 @@ def counting(k: int, inputs: Array, out: Array, task: bool) -> Iterator[Call]:
 class _Counts:
     """Where counts of shape (..., up to n + 1, columns) are made, each from the one before, which stays."""
 
-    def __init__(self, shape: tuple[int, ...], n: int, columns: int) -> None:
-        self._turns = np.empty((2, *shape, n + 1, columns))
-        self._apart = np.zeros((2, *shape, n + 1, columns))  # if one more has failed, and if it works
+    def __init__(self, shape: tuple[int, ...], n: int, columns: int, kind: np.dtype[Any]) -> None:
+        self._turns = np.empty((2, *shape, n + 1, columns), kind)
+        self._apart = np.zeros((2, *shape, n + 1, columns), kind)  # if one more has failed, and if it works
         self._n = n
 
     def one_more(self, counts: Array, chance: Array) -> tuple[list[Call], Array]:
@@ -193,7 +195,7 @@ def _product(one: Array, other: Array) -> Array:
         return np.convolve(one, other)
     if len(one) > len(other):
         one, other = other, one
-    product = np.zeros((len(one) + len(other) - 1, *other.shape[1:]))
+    product = np.zeros((len(one) + len(other) - 1, *other.shape[1:]), other.dtype)
     for power, coefficient in enumerate(one):
         product[power : power + len(other)] += coefficient * other
     return product
@@ -202,9 +204,9 @@ def _product(one: Array, other: Array) -> Array:
 def _in_few(units: Array) -> Array:
     """Inputs of shape (numbers, n) in columns of a few; what is missing there has failed."""
     columns = -(-units.shape[1] // FEW)
-    filled = np.zeros((len(units), columns * FEW))
+    filled = np.zeros((len(units), columns * FEW), units.dtype)
     filled[:, : units.shape[1]] = units
-    filled[FAILED, units.shape[1] :] = 1.0
+    filled[FAILED, units.shape[1] :] = 1
     return np.ascontiguousarray(filled.reshape(len(units), columns, FEW).transpose(0, 2, 1))
 
 
@@ -222,12 +224,12 @@ def _multiplied(few: Array, task: bool) -> tuple[Array, Array, Array]:
 def exactly(k: int, inputs: Array) -> Array:
     """P(k of the other inputs work) of each of n independent ones, shapes (numbers, n, columns) → (n, columns)."""
     n = inputs.shape[1]
-    one = [np.ones((1, inputs.shape[2]))]
+    one = [np.ones((1, inputs.shape[2]), inputs.dtype)]
     before, after = one.copy(), one.copy()  # counts of the inputs before each, and after each
     for i in range(n - 1):
         before.append(_product(inputs[: WORKS + 1, i], before[-1])[: k + 1])
         after.append(_product(inputs[: WORKS + 1, n - 1 - i], after[-1])[: k + 1])
-    found = np.zeros(inputs.shape[1:])
+    found = np.zeros(inputs.shape[1:], inputs.dtype)
     for i, (first, last) in enumerate(zip(before, reversed(after), strict=True)):
         for j in range(max(0, k + 1 - len(last)), min(k + 1, len(first))):
             found[i] += first[j] * last[k - j]

@@ -20,12 +20,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robophm.blocks.cut_sets import MinimalSets
+from robophm.blocks.decision_diagram import numbers
 from robophm.blocks.diagram import Block, KOutOfN, Unit
 from robophm.blocks.fault_tree import FaultTree, dual
 from robophm.blocks.folding import exactly
 from robophm.blocks.graph import ALL, ANY, NOT, UNIT, Gate, graph, modules
 from robophm.blocks.reduction import reduced
-from robophm.blocks.reliability import Structure
+from robophm.blocks.reliability import Structure, Transition
 from robophm.core.errors import StructureError
 
 Array = NDArray[np.float64]
@@ -38,7 +39,7 @@ MOST_VOTES = 200
 
 
 class _Chances(NamedTuple):
-    """Of a unit or a module: failed by now, fails in the time, works at its end."""
+    """Of a unit or a module: failed by now, fails in the time, works at its end. Floats, or decimals."""
 
     failed: float
     fails: float
@@ -64,12 +65,12 @@ def fussell_vesely(diagram: Block, before: ArrayLike, during: ArrayLike, after: 
     names, drawn, _ = graph(diagram)
     gates = _split(reduced(drawn))
     top = len(gates) - 1
-    given = [np.asarray(one, dtype=float).tolist() for one in (before, during, after)]
+    given = [numbers(one).tolist() for one in (before, during, after)]
     solver = _Solver(gates, [_Chances(*one) for one in zip(*given, strict=True)])
     fails = solver.chances[top].fails
     if not fails > 0:
         return np.full(len(names), math.nan)
-    rest: dict[int, _Rest] = {top: _Rest(1.0, 0.0)}
+    rest: dict[int, _Rest] = {top: _Rest(1, 0)}
     for node in reversed(range(len(gates))):  # a gate's number is above those of its inputs
         if node in rest and gates[node].k != UNIT:
             rest |= solver.below(node, rest[node])
@@ -78,7 +79,7 @@ def fussell_vesely(diagram: Block, before: ArrayLike, during: ArrayLike, after: 
         rest[node].if_works * solver.chances[node].fails + rest[node].if_failed * solver.chances[node].failed
         for node in units
     ]
-    return np.array(found) / fails
+    return np.asarray(np.array(found) / fails, dtype=float)
 
 
 def _split(gates: Sequence[Gate]) -> list[Gate]:
@@ -148,7 +149,7 @@ class _Solver:
                 found = Structure(tree.diagram())
                 order = [inside[int(name)] for name in found.names]
                 state = found.transition(*np.array([self.chances[i] for i in order]).T)
-                self.chances[node] = _Chances(float(state.failed), float(state.fails), float(state.survives))
+                self.chances[node] = _one(state)
 
     def below(self, node: int, rest: _Rest) -> dict[int, _Rest]:
         """What the rest does seen from the modules right below one."""
@@ -185,6 +186,10 @@ class _Solver:
         return {i: _seen(rest, *_of_cuts(cuts, chances, x)) for x, i in enumerate(inside)}
 
 
+def _one(found: Transition) -> _Chances:
+    return _Chances(*(np.asarray(chance).item() for chance in (found.failed, found.fails, found.survives)))
+
+
 def _seen(rest: _Rest, works: float, spoilt: float, works_without: float, spoilt_without: float) -> _Rest:
     """What the rest of the system does seen from a module, from what it does seen from the gate above.
 
@@ -201,7 +206,7 @@ def _folded(k: int, inputs: Sequence[_Chances]) -> _Chances:
     if k not in (ALL, ANY):
         block = KOutOfN(k, *(Unit(str(i)) for i in range(len(inputs))))
         found = Structure(block).transition(*np.array(inputs).T)
-        return _Chances(float(found.failed), float(found.fails), float(found.survives))
+        return _one(found)
     result = inputs[0]
     for one in inputs[1:]:
         result = _pair(k, result, one)
@@ -222,7 +227,7 @@ def _others(k: int, inputs: Sequence[_Chances]) -> Iterator[tuple[float, float, 
     """Of each input of a plain gate, what ``_seen`` asks for."""
     n = len(inputs)
     if n == 1:
-        yield 1.0, 0.0, 0.0, 1.0
+        yield 1, 0, 0, 1
     elif k in (ALL, ANY):
         before, after = [inputs[0]], [inputs[-1]]
         for one, other in zip(inputs[1:], reversed(inputs[:-1]), strict=True):
@@ -233,18 +238,18 @@ def _others(k: int, inputs: Sequence[_Chances]) -> Iterator[tuple[float, float, 
                 after[n - 2] if i == 0 else before[n - 2] if i == n - 1 else _pair(k, before[i - 1], after[n - 2 - i])
             )
             # A series has failed with any of its inputs; a parallel once all others have too.
-            yield (c + s, b, 0.0, 1.0) if k == ALL else (b + c, 0.0, c, b)
+            yield (c + s, b, 0, 1) if k == ALL else (b + c, 0, c, b)
     elif n > MOST_VOTES:
         raise StructureError(f"Fussell–Vesely: a {k}-of-{n} group; expected at most {MOST_VOTES} in one")
     else:
         numbers = np.array(inputs)
         now = np.stack((numbers[:, 0], numbers[:, 1] + numbers[:, 2]))[..., None]
-        just = exactly(k - 1, now)[:, 0]
+        just = exactly(k - 1, now)[:, 0].tolist()
         for i in range(n):
             rest = [one for j, one in enumerate(inputs) if j != i]
             b, c, _ = _folded(k if k < n - 1 else ALL, rest)  # k of the others
             fewer = _folded(k - 1 if k > 2 else ANY, rest).failed
-            yield c + float(just[i]), fewer, c, b
+            yield c + just[i], fewer, c, b
 
 
 def _of_cuts(cuts: Sequence[frozenset[int]], chances: Sequence[_Chances], x: int) -> tuple[float, float, float, float]:
@@ -254,9 +259,9 @@ def _of_cuts(cuts: Sequence[frozenset[int]], chances: Sequence[_Chances], x: int
     began = any(one.failed > 0 for one in chances)
     # Two events each: has failed by now; fails in the time, if it works now.
     occurred = [one.failed for one in chances]
-    occurred += [one.fails / alive if (alive := one.fails + one.works) > 0 else 1.0 for one in chances]
+    occurred += [one.fails / alive if (alive := one.fails + one.works) > 0 else 1 for one in chances]
     not_yet = [one.fails + one.works for one in chances]
-    not_yet += [one.works / alive if (alive := one.fails + one.works) > 0 else 0.0 for one in chances]
+    not_yet += [one.works / alive if (alive := one.fails + one.works) > 0 else 0 for one in chances]
     gates: list[Gate] = [Gate(UNIT, ()) for _ in range(2 * n)]
 
     def gate(k: int, inputs: Sequence[int]) -> int:
@@ -273,21 +278,22 @@ def _of_cuts(cuts: Sequence[frozenset[int]], chances: Sequence[_Chances], x: int
 
     def chance(*events: int | bool) -> float:
         if any(event is False for event in events):
-            return 0.0
+            return 0
         asked = [event for event in events if event is not True]
         if not asked:
-            return 1.0
+            return 1
         size = len(gates)
         if len(asked) > 1 or asked[0] != size - 1:
             gates.append(Gate(ALL, asked))
         found = FaultTree([str(i) for i in range(2 * n)], gates).probability(np.array(occurred), np.array(not_yet))
         del gates[size:]
-        return float(found)
+        chance: float = found.item()
+        return chance
 
     by_end = [gate(ANY, [i, n + i]) for i in range(n)]
     failed = any_of(through, by_end)
     if not began:
-        return chance(failed), 0.0, 0.0, 0.0
+        return chance(failed), 0, 0, 0
     down = any_of([cut for cut in cuts if x not in cut], range(n))
     down_without = any_of([cut - {x} for cut in cuts], range(n))
 

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robophm.blocks.decision_diagram import numbers
 from robophm.blocks.reliability import Structure, Transition
 from robophm.core.waiting_time import Curve, time_at
 
@@ -51,7 +52,7 @@ def importance(structure: Structure, before: ArrayLike, during: ArrayLike, after
     Units fail ``before`` the time begins, ``during`` it, or ``after`` it if at all; without a past, ``before`` is 0.
     Rausand and Høyland, System Reliability Theory (2nd ed.), chapter 5. Raises StructureError as ``transition``.
     """
-    b, c, s = np.broadcast_arrays(*(np.asarray(one, dtype=float) for one in (before, during, after)))
+    b, c, s = np.broadcast_arrays(*(numbers(one) for one in (before, during, after)))
     system = structure.transition(b, c, s)
     hangs = structure.birnbaum(s, b + c)
     works = np.asarray(system.fails + system.survives)
@@ -79,7 +80,7 @@ def _without(structure: Structure, units: tuple[Array, ...], system: Transition,
         here = unit, np.arange(len(unit))
         before, during, after = b[:, column], c[:, column], s[:, column]
         after[here] += during[here]
-        during[here] = 0.0
+        during[here] = 0
         flat[unit, column] = structure.transition(before, during, after).fails
     return found
 
@@ -89,7 +90,7 @@ def intensity(structure: Structure, works: ArrayLike, failed: ArrayLike, density
 
     Arguments as of ``Structure.state``. Over all units it adds up to the system's failure density.
     """
-    result: Array = structure.birnbaum(works, failed) * np.asarray(density, dtype=float)
+    result: Array = structure.birnbaum(works, failed) * numbers(density)
     return result
 
 

@@ -86,9 +86,9 @@ class Modular:
         p, q = list(true), list(false)
         for part in self.parts:
             number = {FALSE: 0, TRUE: 1} | {g: i for i, g in enumerate(part.nodes, 2)}
-            yes = np.zeros((len(number), true.shape[1]))
-            yes[1] = 1.0
-            no = 1.0 - yes
+            yes = np.zeros((len(number), true.shape[1]), true.dtype)
+            yes[1] = 1
+            no = 1 - yes
             start, table = 2, part.table
             for x, nodes in groupby(part.nodes, key=table.level.__getitem__):
                 ends = np.array([(number[table.high[g]], number[table.low[g]]) for g in nodes])

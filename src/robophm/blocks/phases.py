@@ -10,17 +10,19 @@ what shares parts is decided jointly, by the difference between what is known an
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import groupby
 
 import numpy as np
+from numpy.typing import NDArray
 
+from robophm.blocks.conditional import FAINTEST, Conditional, as_decimals, decimals, likely_failed, log, share, survival
 from robophm.blocks.decision_diagram import Array, Difference
 from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
 from robophm.blocks.folding import in_series
 from robophm.blocks.graph import ALL, ANY, UNIT, Gate, graph, modules
-from robophm.blocks.reliability import AT_ONCE, Structure, Transition
+from robophm.blocks.reliability import AT_ONCE, Transition
 
 Needs = Mapping[int, int]
 """Nodes that must work, and at the end of which phase; phase 0 ends now."""
@@ -45,18 +47,19 @@ class Phases:
         at = [phase for phase, _ in (*known, *wanted)]
         given = _last(gates, zip(tops[: len(known)], at, strict=False))
         goals = _last(gates, zip(tops[len(known) :], at[len(known) :], strict=True))
-        alone = modules([*gates, Gate(ALL, list(dict.fromkeys(tops)))])
+        factors = list(dict.fromkeys((*given, *goals)))
+        # A series taken apart hangs on nothing any more: what is in it may be a factor here and an input there.
+        alone = modules([*gates, Gate(ALL, factors)])
 
         units = iter(range(len(names)))
         unit = {node: next(units) for node, gate in enumerate(gates) if gate.k == UNIT}
-        factors = list(dict.fromkeys((*given, *goals)))
         self._shapes: dict[tuple[object, ...], tuple[Difference, list[list[_Stretch]]]] = {}
         blocks = _blocks(gates, names, unit)
         below = {node: _variables(gates, alone, node) for node in factors}
         own = sorted({v for vs in below.values() for v in vs} - unit.keys())
-        self._modules = Structure(*(blocks[v] for v in own)) if own else None
+        self._modules = Conditional(*(blocks[v] for v in own)) if own else None
         if self._modules:
-            self._rows = [self.names.index(name) for name in self._modules.names]
+            self._rows = [self.names.index(name) for name in self._modules.structure.names]
         row = unit | {v: len(names) + i for i, v in enumerate(own)}
         for group in _groups(below):
             self._prepare(gates, row, below, given, goals, group)
@@ -99,39 +102,90 @@ class Phases:
 
         ``known``: cumulative hazard of each unit till now, shape (units, ...), 0 where it is known to work and
         infinite where it has failed. ``more``: what each phase adds, shape (phases, units, ...).
-        P(completed | what is known) = survives / (fails + survives).
         """
+        hazard, shape = self._hazard(known, more)
+        found = np.empty((3, hazard.shape[2]))
+        for columns, (lost, fails, survives) in self._outcomes(hazard):
+            found[:, columns] = in_series(np.stack((lost, survives, fails)))
+        failed, works, change = found.reshape(3, *shape)
+        return Transition(failed, change, works)
+
+    def given(self, known: Array, more: Array) -> tuple[Array, Array]:
+        """P(the mission is lost) and P(it is completed), given what is known, however little spoke for that.
+
+        1 and 0 where what is known cannot be. Shape (...), arguments as of ``transition``.
+        """
+        hazard, shape = self._hazard(known, more)
+        found = np.empty((3, hazard.shape[2]))
+        for columns, (_, fails, survives) in self._told(hazard):
+            works = fails + survives
+            ahead = np.stack((np.zeros(works.shape), share(survives, works, 0.0), share(fails, works, 1.0)))
+            found[:, columns] = in_series(ahead)
+        _, works, change = found.reshape(3, *shape)
+        return change, works
+
+    def log_known(self, known: Array, more: Array) -> Array:
+        """ln P(what is known), shape (...); arguments as of ``transition``."""
+        hazard, shape = self._hazard(known, more)
+        found = np.empty(hazard.shape[2])
+        for columns, (_, fails, survives) in self._told(hazard):
+            found[columns] = log(fails + survives).sum(axis=0)
+        return found.reshape(shape)
+
+    def _hazard(self, known: Array, more: Array) -> tuple[Array, tuple[int, ...]]:
+        """The past and then each phase, shape (1 + phases, units, columns), and the shape that the columns had."""
         known, more = np.asarray(known, dtype=float), np.asarray(more, dtype=float)
         hazard = np.concatenate((np.broadcast_to(known, more.shape[1:])[None], more))
-        shape = hazard.shape[2:]
-        hazard = hazard.reshape(*hazard.shape[:2], -1)
+        return hazard.reshape(*hazard.shape[:2], -1), hazard.shape[2:]
+
+    def _told(self, hazard: Array) -> Iterator[tuple[slice | NDArray[np.intp], Array]]:
+        """As ``_outcomes``; columns where next to nothing speaks for what is known come again, in decimals.
+
+        While those are dealt with, decimals have all their exponents.
+        """
+        for columns, outcomes in self._outcomes(hazard):
+            yield columns, outcomes
+            works = outcomes[1] + outcomes[2]
+            which = np.arange(hazard.shape[2])[columns][np.any(works < FAINTEST, axis=0)]
+            if len(which):
+                certain = np.where(np.isinf(hazard[..., which]), np.inf, 0.0)
+                possible = [np.all(one[1] + one[2] > 0, axis=0) for _, one in self._outcomes(certain)]
+                which = which[np.concatenate(possible)]
+            if len(which):
+                with decimals():
+                    for some, exact in self._outcomes(hazard[..., which], exactly=True):
+                        yield which[some], exact
+
+    def _outcomes(self, hazard: Array, *, exactly: bool = False) -> Iterator[tuple[slice, Array]]:
+        """Columns taking turns, and of each group lost, lost from what is known on, completed; (3, groups, columns)."""
         steps = {stretch: n for n, stretch in enumerate(self._stretches)}
         index = [
             np.array([[steps[stretch] for stretch in group] for group in groups]).T
             for _, groups in self._shapes.values()
         ]
-        found = np.empty((3, hazard.shape[2]))
         turn = max(1, AT_ONCE // max(difference.size * len(groups) for difference, groups in self._shapes.values()))
         for start in range(0, hazard.shape[2], turn):
             columns = slice(start, start + turn)
-            failed, works = self._steps(hazard[..., columns])
+            failed, works = self._steps(hazard[..., columns], exactly=exactly)
             outcomes = []
             for (difference, groups), rows in zip(self._shapes.values(), index, strict=True):
                 one = difference.evaluate(failed[rows].reshape(len(rows), -1), works[rows].reshape(len(rows), -1))
                 outcomes.append(one.reshape(3, len(groups), -1))
-            lost, fails, survives = np.concatenate(outcomes, axis=1)
-            found[:, columns] = in_series(np.stack((lost, survives, fails)))
-        failed, works, change = found.reshape(3, *shape)
-        return Transition(failed, change, works)
+            yield columns, np.concatenate(outcomes, axis=1)
 
     @cached_property
     def _stretches(self) -> list[_Stretch]:
         """Stretches of phases, and of which unit or module, that the groups are made of."""
         return sorted({stretch for _, groups in self._shapes.values() for group in groups for stretch in group})
 
-    def _steps(self, hazard: Array) -> tuple[Array, Array]:
-        """P(fails in a stretch | worked before), and P(outlives it), of every stretch; shape (stretches, columns)."""
-        failed = np.empty((len(self._stretches), hazard.shape[2]))
+    def _steps(self, hazard: Array, *, exactly: bool) -> tuple[Array, Array]:
+        """P(fails in a stretch | worked before), and P(outlives it), of every stretch; shape (stretches, columns).
+
+        In decimals where ``exactly``.
+        """
+        if exactly:  # sums too: of 10⁵ a float has eleven digits after the point
+            hazard = as_decimals(hazard)
+        failed = np.empty((len(self._stretches), hazard.shape[2]), hazard.dtype)
         works = np.empty_like(failed)
         rows = np.array([row for _, _, row in self._stretches])
         start = 0
@@ -140,19 +194,16 @@ class Phases:
             here_rows = rows[here]
             units = here_rows < len(self.names)
             adds = hazard[a:b].sum(axis=0)
-            failed[here][units] = -np.expm1(-adds[here_rows[units]])
-            works[here][units] = np.exp(-adds[here_rows[units]])
+            of_units = adds[here_rows[units]]
+            failed[here][units] = likely_failed(of_units)
+            works[here][units] = survival(of_units)
             if self._modules and not units.all():
                 past, adds = hazard[:a, self._rows].sum(axis=0), adds[self._rows]
-                _, fails, survives = self._modules.transition(
-                    -np.expm1(-past), np.exp(-past) * -np.expm1(-adds), np.exp(-past - adds)
-                )
+                ahead = self._modules.exactly if exactly else self._modules.ahead
+                fails, survives = ahead(past, adds)
                 which = here_rows[~units] - len(self.names)
-                fails, survives = (one.reshape(-1, hazard.shape[2])[which] for one in (fails, survives))
-                alive = fails + survives
-                with np.errstate(invalid="ignore"):
-                    failed[here][~units] = np.where(alive > 0, fails / alive, 1.0)
-                    works[here][~units] = np.where(alive > 0, survives / alive, 0.0)
+                failed[here][~units] = fails.reshape(-1, hazard.shape[2])[which]
+                works[here][~units] = survives.reshape(-1, hazard.shape[2])[which]
         return failed, works
 
 

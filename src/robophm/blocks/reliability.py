@@ -11,13 +11,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robophm.blocks.decision_diagram import Array
-from robophm.blocks.diagram import Block
+from robophm.blocks.decision_diagram import Array, numbers
+from robophm.blocks.diagram import Block, as_block
 from robophm.blocks.folding import CHANGE, FAILED, FEW, WORKS, Call, counted, counting, exactly, merging, sides
 from robophm.blocks.plan import Decision, Fold, Plan, Rows
 from robophm.core.errors import StructureError, nearest
@@ -28,6 +28,9 @@ AT_ONCE = 200_000
 KEPT = 400_000
 """Numbers of a place of evaluation, so many that it is kept for the next one."""
 
+Kind = np.dtype[Any]
+FLOAT = np.dtype(np.float64)
+"""Of numbers, unless they are objects: decimals, where probabilities are too small for a float."""
 
 Write = Callable[[Array, slice], None]
 """What writes the leaves' numbers of some columns into the first rows."""
@@ -76,7 +79,9 @@ class Structure:
     """The units as often and in the order in which they are evaluated: the rows of what ``lived`` is asked."""
 
     def __init__(self, *diagrams: Block, kinds: Sequence[int] | None = None) -> None:
-        self._plan = Plan(*diagrams, kinds=kinds)
+        if not diagrams:
+            raise StructureError("no diagram; expected at least one")
+        self._plan = Plan(*(as_block(diagram, "diagram") for diagram in diagrams), kinds=kinds)
         self.names = self._plan.names
         self._inputs = len(self.names) if kinds is None else max(kinds) + 1
         self.leaves = self._plan.leaves
@@ -135,8 +140,9 @@ class Structure:
         Of one diagram; of a kind, the sum over its units. One sweep back over a state; every term is positive.
         """
         columns, shape = self._columns(failed, works)
-        found, total = np.empty(columns[0].shape), columns[0].size // self._inputs
-        for turn, rows in self._turns(self._writing(columns), 2, total, task=False):
+        _check_chances(columns)
+        found, total = np.empty(columns[0].shape, columns[0].dtype), columns[0].size // self._inputs
+        for turn, rows in self._turns(self._writing(columns), 2, total, task=False, kind=found.dtype):
             found[:, turn] = self._back(rows)
         return found.reshape(self._inputs, *shape)
 
@@ -146,13 +152,14 @@ class Structure:
 
     def _given(self, *units: ArrayLike, task: bool) -> Array:
         columns, shape = self._columns(*units)
-        system = self._evaluate(self._writing(columns), len(columns), columns[0].shape[1], task)
+        _check_chances(columns if task else columns[:2])
+        system = self._evaluate(self._writing(columns), len(columns), columns[0].shape[1], task, columns[0].dtype)
         return system.reshape(*system.shape[:-1], *shape)
 
-    def _evaluate(self, write: Write, numbers: int, columns: int, task: bool) -> Array:
+    def _evaluate(self, write: Write, numbers: int, columns: int, task: bool, kind: Kind = FLOAT) -> Array:
         several = (len(self._plan.systems),) if isinstance(self._systems, np.ndarray) else ()
-        system = np.empty((numbers, *several, columns))
-        for turn, rows in self._turns(write, numbers, columns, task):
+        system = np.empty((numbers, *several, columns), kind)
+        for turn, rows in self._turns(write, numbers, columns, task, kind):
             system[..., turn] = rows[:, self._systems]
         return system
 
@@ -165,25 +172,36 @@ class Structure:
 
     def _columns(self, *units: ArrayLike) -> tuple[list[Array], tuple[int, ...]]:
         """The units' numbers, each of shape (units, columns), and the shape that the columns had."""
-        arrays = [np.asarray(array, dtype=np.float64) for array in units]
+        arrays = [numbers(array) for array in units]
+        if any(array.dtype != FLOAT for array in arrays):
+            arrays = [array.astype(object, copy=False) for array in arrays]
         for array in arrays:
+            if array.dtype == FLOAT and not array.min(initial=0.0) >= 0:  # nor not a number
+                raise StructureError("units: a number is negative or none; expected probabilities, and finite rates")
             if array.ndim and len(array) != self._inputs:
                 raise StructureError(f"first axis of {array.shape}: expected the {self._inputs} units of the diagram")
         axes = max(1, *(array.ndim for array in arrays))
         arrays = [array.reshape(array.shape + (1,) * (axes - array.ndim)) for array in arrays]
-        shape = (self._inputs, *np.broadcast(*arrays).shape[1:])
+        try:
+            shape = (self._inputs, *np.broadcast(*arrays).shape[1:])
+        except ValueError:
+            raise StructureError(
+                f"units: shapes {', '.join(str(one.shape) for one in arrays)} do not go together"
+            ) from None
         columns = [
             (array if array.shape == shape else np.broadcast_to(array, shape)).reshape(self._inputs, -1)
             for array in arrays
         ]
         return columns, shape[1:]
 
-    def _turns(self, write: Write, numbers: int, total: int, task: bool) -> Iterator[tuple[slice, Array]]:
+    def _turns(
+        self, write: Write, numbers: int, total: int, task: bool, kind: Kind = FLOAT
+    ) -> Iterator[tuple[slice, Array]]:
         """Columns taking turns, and the rows of each turn; they lie in one place, so that it stays in cache."""
         most = max(1, min(total, AT_ONCE // self._width))
         for start in range(0, total, most):
             turn = slice(start, min(start + most, total))
-            place = self._place(numbers, turn.stop - start, task)
+            place = self._place(numbers, turn.stop - start, task, kind)
             write(place.rows, turn)
             for call in place.program:
                 call()
@@ -191,23 +209,23 @@ class Structure:
             if place.rows.size <= KEPT:
                 self._idle.append(place)
 
-    def _place(self, numbers: int, columns: int, task: bool) -> _Place:
+    def _place(self, numbers: int, columns: int, task: bool, kind: Kind) -> _Place:
         """Where an evaluation is done: the one of last time that fits, of which no other thread makes use now."""
         for _ in range(len(self._idle)):
             try:
                 place = self._idle.pop()
             except IndexError:
                 break
-            if place.rows.shape[::2] == (numbers, columns) and place.task == task:
+            if place.rows.shape[::2] == (numbers, columns) and place.task == task and place.rows.dtype == kind:
                 return place
             self._idle.appendleft(place)
-        rows = np.zeros((numbers, self._plan.rows, columns))
+        rows = np.zeros((numbers, self._plan.rows, columns), kind)
         return _Place(rows, task, list(_program(self._plan, rows, task)))
 
     def _back(self, rows: Array) -> Array:
         """Of every unit, how much the system's chance to work grows with its own; shape (units, columns)."""
-        weight = np.zeros(rows.shape[1:])
-        weight[self._systems] = 1.0
+        weight = np.zeros(rows.shape[1:], rows.dtype)
+        weight[self._systems] = 1
         for step in reversed(self._plan.steps):
             inputs = rows[:, step.inputs]
             np.add.at(weight, step.made, weight[step.to])
@@ -224,9 +242,19 @@ class Structure:
                 weighed = decides.reshape(step.n, step.gates, -1) * weight[step.out : step.out + step.gates]
                 weight[step.inputs] = weighed.reshape(step.n * step.gates, -1)
         weight[self._plan.taken] = weight[self._plan.to]
-        found = np.zeros((self._inputs, rows.shape[2]))
+        found = np.zeros((self._inputs, rows.shape[2]), rows.dtype)
         np.add.at(found, self.leaves, weight[: len(self.leaves)])
         return found
+
+
+def _check_chances(columns: Sequence[Array]) -> None:
+    """Raises StructureError where what can become of a unit does not add up to 1."""
+    total = sum(columns[1:], columns[0])
+    if total.dtype == FLOAT and total.size and not (total.min() > 1 - _ADDS_UP and total.max() < 1 + _ADDS_UP):
+        raise StructureError("units: probabilities of a unit do not add up to 1; expected all that can become of it")
+
+
+_ADDS_UP = 1e-6
 
 
 class Moment:
@@ -318,7 +346,7 @@ class Moment:
 def _program(plan: Plan, rows: Array, task: bool) -> Iterator[Call]:
     """What makes every block from those in it; ``rows`` of (failed, works[, change]), shape (2 or 3, rows, columns)."""
     widest = max((stage.size for step in plan.steps if isinstance(step, Fold) for stage in step.stages), default=0)
-    scratch = np.empty((widest, rows.shape[2]))
+    scratch = np.empty((widest, rows.shape[2]), rows.dtype)
     yield from _copying(rows, plan.taken, plan.to)
     for step in plan.steps:
         inputs = rows[:, step.inputs]

@@ -1,17 +1,25 @@
-"""The command line: ``robophm COMMAND``. Exit codes: 0 ok, 1 threshold breached, 2 usage, 3 invalid input."""
+"""The command line: ``robophm COMMAND``, and the exit codes that it leaves with."""
 
 from __future__ import annotations
 
 import io
 import os
 import sys
+from pathlib import Path
+from traceback import extract_tb, print_exception
 from typing import TextIO
 
-OK, BREACHED, USAGE, INVALID, INTERRUPTED = 0, 1, 2, 3, 130
+OK, BREACHED, USAGE, INVALID, DEFECT, INTERRUPTED = 0, 1, 2, 3, 70, 130
+EXIT_CODES = (
+    "Exit codes: 0 ok, 1 a threshold of the design is breached, 2 usage, 3 invalid input, 70 a defect of robophm, "
+    "130 interrupted."
+)
+TRACEBACK = "ROBOPHM_TRACEBACK"
+"""The environment variable that shows where a defect came from."""
 
 
 def main() -> None:
-    """Run the command line and leave with its exit code; a user's mistake is one line on stderr."""
+    """Run the command line and leave with its exit code; a user's mistake is one line on stderr, and so is ours."""
     sys.stdout, sys.stderr = _Output.of(sys.stdout, "replace"), _Output.of(sys.stderr, "backslashreplace")
     try:
         sys.exit(_run())
@@ -19,7 +27,7 @@ def main() -> None:
         sys.stderr.flush()
 
 
-def _run() -> int | str | None:
+def _run() -> int | None:
     """What the process leaves with."""
     try:
         from robophm.cli.app import app
@@ -33,17 +41,45 @@ def _run() -> int | str | None:
         except SystemExit as leaving:
             if leaving.code == INTERRUPTED:
                 raise KeyboardInterrupt from None
+            if isinstance(leaving.code, str):  # from a library: Python would print it and leave with 1
+                return _defect(leaving)
             return leaving.code
         finally:
             sys.stdout.flush()
-    except OSError as error:  # of stdout, as on a full disk; the rooms below make their own errors of the others
+    except _OutputError as error:
         _nowhere(sys.stdout)
-        print(f"error: {error.filename or 'standard output'}: {error.strerror or error}", file=sys.stderr)
+        print(f"error: standard output: {error}", file=sys.stderr)
         return INVALID
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
+    except Exception as error:
+        if isinstance(error, OSError) and error.filename is not None:  # what the rooms below did not see coming
+            print(f"error: {error.filename}: {error.strerror or error}", file=sys.stderr)
+            return INVALID
+        return _defect(error)
     return OK
+
+
+def _defect(error: BaseException) -> int:
+    """Say on one line that it is one; never 1, which says that a threshold is breached."""
+    error = error.__cause__ if isinstance(error, NotOursError) and error.__cause__ else error
+    if os.environ.get(TRACEBACK):
+        print_exception(error)
+    frames = extract_tb(error.__traceback__)
+    where = f" at {Path(frames[-1].filename).name}:{frames[-1].lineno}" if frames else ""
+    said = " ".join(f"{type(error).__name__}: {error}".split())
+    print(f"error: {said}{where}: a defect of robophm, not of your input; {TRACEBACK}=1 in the environment shows where "
+          "it comes from", file=sys.stderr)  # fmt: skip
+    return DEFECT
+
+
+class NotOursError(Exception):
+    """Carries past the command-line library what that would itself end with 1."""
+
+
+class _OutputError(Exception):
+    """Standard output takes nothing more, as on a full disk."""
 
 
 class _Output(io.TextIOWrapper):
@@ -65,12 +101,16 @@ class _Output(io.TextIOWrapper):
         except BrokenPipeError:
             _nowhere(self)
             return len(text)
+        except OSError as error:
+            raise _OutputError(error.strerror or error) from error
 
     def flush(self) -> None:
         try:
             super().flush()
         except BrokenPipeError:
             _nowhere(self)
+        except OSError as error:
+            raise _OutputError(error.strerror or error) from error
 
 
 def _nowhere(stream: TextIO) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
+import typer.core
 
-from robophm.cli import BREACHED
+from robophm.cli import BREACHED, EXIT_CODES, NotOursError
 from robophm.cli.data import data
 from robophm.cli.field import COMMANDS
 from robophm.cli.output import Json, json_text, may_write
@@ -15,8 +16,21 @@ from robophm.cli.page import PAGE_COMMANDS
 from robophm.core.errors import UnitError
 from robophm.report.words import rate_text
 
+
+class _Commands(typer.core.TyperGroup):
+    """Lets no library decide the exit code: typer makes 1 of these two, whoever raised them."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except (EOFError, BrokenPipeError) as error:
+            raise NotOursError from error
+
+
 app = typer.Typer(
+    cls=_Commands,
     help="The honest health of a robot: hazard rate, reliability, remaining life and task completion.",
+    epilog=EXIT_CODES,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

@@ -14,7 +14,8 @@ from rich.console import Console
 from robophm.cli.output import console, print_json, print_table, progress_console, table, warn
 from robophm.cli.progress import counted
 from robophm.core.errors import DesignError
-from robophm.design.build_task import build_knowledge, contradiction
+from robophm.design.asked import contradiction
+from robophm.design.build_task import build_knowledge
 from robophm.design.fault import Fault
 from robophm.design.legacy import UNIT_MODES, LegacyTask, UnitMode, legacy_task
 from robophm.design.robot import Robot

@@ -6,7 +6,8 @@ import math
 
 from robophm.core.errors import nearest
 from robophm.design import schema
-from robophm.design.fault import Fault, Path, written
+from robophm.design.asked import check_functions, check_stress, contradiction, takers
+from robophm.design.fault import Fault, Path, below, written
 from robophm.design.robot import Robot
 from robophm.design.task import LONGEST_TASK, Knowledge, Leg, Plan, Task
 
@@ -35,12 +36,7 @@ def _distance_and_duration(
         raise Fault(place, "distance, speed and duration are given; expected two of them")
     elif distance is None:
         distance = (speed or 0.0) * duration * 3600
-    if not (duration <= LONGEST_TASK and distance <= _FARTHEST):
-        raise Fault(place, f"{distance:g} m in {duration:g} h; expected at most {LONGEST_TASK:g} h and {_FARTHEST:g} m")
     return distance, duration
-
-
-_FARTHEST = 1e12  # metres; twice the distance to Neptune is no task either
 
 
 def build_task(said: schema.Task | schema.Leg, robot: Robot, place: Path = ()) -> Task:
@@ -48,10 +44,8 @@ def build_task(said: schema.Task | schema.Leg, robot: Robot, place: Path = ()) -
     if isinstance(said, schema.Leg):
         return Task((_leg(said, robot, place),))
     legs = tuple(_leg(leg, robot, (*place, "legs", str(i))) for i, leg in enumerate(said.legs))
-    task = Task(legs, said.name)
-    if task.duration > LONGEST_TASK:
-        raise Fault((*place, "legs"), f"take {task.duration:g} h in all; expected at most {LONGEST_TASK:g} h")
-    return task
+    with below(place):
+        return Task(legs, said.name)
 
 
 def build_plan(said: schema.TaskFile, robot: Robot) -> Plan:
@@ -82,16 +76,6 @@ def build_knowledge(said: schema.Knowledge, robot: Robot, place: Path = ()) -> K
     return knowledge
 
 
-def contradiction(knowledge: Knowledge, robot: Robot) -> str:
-    """What cannot both be known; "" where there is nothing."""
-    if both := sorted(knowledge.failed & knowledge.working):
-        return f"{both[0]} is said to have failed and to work; expected either, not both"
-    for cause in robot.causes:
-        if cause.path in knowledge.failed and (alive := sorted(knowledge.working.intersection(cause.members))):
-            return f"{alive[0]} is said to work, and {cause.path} to have failed it; expected either, not both"
-    return ""
-
-
 def _units_of(path: str, robot: Robot, kind: str, place: Path) -> set[str]:
     """The units that a path of a part, a member of it or a module names."""
     of_module = [part for part in robot.all_components() if part.path.startswith(path + "/") and not part.members]
@@ -112,50 +96,14 @@ def _units_of(path: str, robot: Robot, kind: str, place: Path) -> set[str]:
 
 def _leg(said: schema.Leg, robot: Robot, place: Path) -> Leg:
     distance, duration = _distance_and_duration(place, said.distance, said.speed, said.duration)
-    for i, name in enumerate(said.functions):
-        if name not in robot.functions:
-            hint = nearest(name, robot.functions) if robot.functions else "; the design names none"
-            raise Fault((*place, "functions", str(i)), f"no function '{name}'{hint}")
-    for name in ("cycles", "starts"):
-        if (count := getattr(said, name)) is not None and not count <= _MOST_CYCLES:
-            raise Fault((*place, name), f"{count:g} {name}; expected at most {_MOST_CYCLES:g}")
+    check_functions(said.functions, robot, place)
     stresses = {name: _stated(name, value, robot, (*place, "stresses", name)) for name, value in said.stresses.items()}
-    return Leg(duration, distance, said.cycles, said.starts, tuple(dict.fromkeys(said.functions)), stresses)
-
-
-_MOST_CYCLES = 1e15
+    with below(place):
+        return Leg(duration, distance, said.cycles, said.starts, tuple(said.functions), stresses)
 
 
 def _stated(key: str, value: str | float, robot: Robot, place: Path) -> float:
     """A stated stress in the unit of the model inputs that take it."""
-    path, _, name = key.rpartition("/")
-    stresses = [
-        (mode, stress)
-        for mode in robot.modes
-        for stress in mode.stresses
-        if name in stress.design and name in stress.model.numbers
-    ]
-    below = f"{path}/" if "/" in key else ""
-    takers = [(mode, stress) for mode, stress in stresses if f"{mode.origin}/".startswith(below)]
-    if not takers:
-        known = sorted({name for mode in robot.modes for stress in mode.stresses for name in stress.model.numbers})
-        hint = nearest(name, known)
-        if name in known:
-            hint = nearest(path, [mode.path[:end] for mode, _ in stresses for end in _ends(mode.path)])
-        where = f" below '{path}'" if below else ""
-        raise Fault(place, f"no part{where} takes a stress '{name}'{hint}")
-    units = {stress.model.numbers[name].unit for _, stress in takers}
-    if len(units) > 1:
-        raise Fault(place, f"parts take '{name}' in {' and '.join(sorted(units))}; expected it below one module")
-    number = written(place, value, units.pop())
-    for mode, stress in takers:
-        entry, channel = stress.model.numbers[name], stress.channels.get(name)
-        at = number + (channel.shift if channel else 0.0)
-        if not entry.low <= at <= entry.high:
-            raise Fault(place, f"{at:g} {entry.unit} of {mode.path} is outside {stress.model.expected(name)}")
+    number = written(place, value, takers(key, robot, place)[1])
+    check_stress(key, number, robot, place)
     return number
-
-
-def _ends(path: str) -> list[int]:
-    """Where the path of a part, and of each module around it, ends."""
-    return [i for i, letter in enumerate(f"{path}/") if letter == "/"]

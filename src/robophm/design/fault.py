@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
 
 from robophm.core.errors import DesignError, UnitError
 from robophm.core.units import quantity
@@ -17,6 +20,20 @@ class Fault(DesignError):  # noqa: N818  what geologists and engineers call it
     def __init__(self, place: Path, message: str) -> None:
         super().__init__(message)
         self.place = place
+
+
+def at(*place: str) -> Callable[[str], Fault]:
+    """What makes a fault at a place of its message."""
+    return partial(Fault, place)
+
+
+@contextmanager
+def below(place: Path) -> Iterator[None]:
+    """What is at fault inside is so at this place of the file."""
+    try:
+        yield
+    except Fault as fault:
+        raise Fault((*place, *fault.place), str(fault)) from None
 
 
 def written(place: Path, value: object, unit: str) -> float:

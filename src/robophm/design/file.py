@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from robophm.core.errors import DesignError, nearest
 from robophm.core.files import write_atomically
+from robophm.core.given import path as given_path
 from robophm.design.nodes import MAX_DEPTH, MAX_VALUES, compose, uncollected
 from robophm.design.robot import Robot
 
@@ -31,7 +32,8 @@ _Model = TypeVar("_Model", bound="BaseModel")
 
 def load(path: str | os.PathLike[str]) -> Robot:
     """Read a robot's design. Raises DesignError, one line with file, line, place, what was expected."""
-    return parse(read(Path(path)), str(path))
+    where = given_path(path, "design", DesignError)
+    return parse(read(where), str(where))
 
 
 def parse(text: str, name: str = "design") -> Robot:

@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import fsum
+from math import fsum, inf
+from typing import TypeVar
+
+from robophm.core.given import instance, number, shown
+from robophm.design.fault import Fault, at
 
 LONGEST_TASK = 1e6
 """Hours, more than a century: what a task, or a list of them, may take in all."""
 
+FARTHEST = 1e12
+"""Metres; twice the distance to Neptune is no task either."""
+
+MOST_CYCLES = 1e15
+"""Of one leg, and as many starts."""
+
 
 @dataclass(frozen=True)
 class Leg:
-    """A part of a task: ``duration`` [h] in which ``distance`` [m] is driven and ``functions`` must work."""
+    """A part of a task: ``duration`` [h] in which ``distance`` [m] is driven and ``functions`` must work.
+
+    Raises DesignError where a number is negative, not finite or none, or names are none.
+    """
 
     duration: float
     distance: float = 0.0
@@ -24,6 +37,24 @@ class Leg:
     """By name; none named is the whole robot."""
     stresses: Mapping[str, float] = field(default_factory=dict)
     """What sensors of a model input would read, in its unit: of all parts, or below one (``Power/temperature``)."""
+
+    def __post_init__(self) -> None:
+        """Hold a leg to what a file of tasks is held to."""
+        for name in ("duration", "distance", "cycles", "starts"):
+            if (value := getattr(self, name)) is not None or name in ("duration", "distance"):
+                object.__setattr__(self, name, number(value, name, error=at(name)))
+        if not (self.duration <= LONGEST_TASK and self.distance <= FARTHEST):
+            raise Fault((), f"{self.distance:g} m in {self.duration:g} h; expected at most {LONGEST_TASK:g} h and "
+                            f"{FARTHEST:g} m")  # fmt: skip
+        for name in ("cycles", "starts"):
+            if (count := getattr(self, name)) is not None and not count <= MOST_CYCLES:
+                raise Fault((name,), f"{count:g} {name}; expected at most {MOST_CYCLES:g}")
+        functions = dict.fromkeys(names(self.functions, "functions", "functions by name"))
+        object.__setattr__(self, "functions", tuple(functions))
+        instance(self.stresses, Mapping, "stresses", "what each is, by name", at("stresses"))
+        names(self.stresses, "stresses", "stresses by name")
+        for key, value in self.stresses.items():
+            number(value, f"stress '{key}'", low=-inf, error=at("stresses", key))
 
     def stated(self, path: str, name: str) -> float | None:
         """What is stated of a model input of the failure mode at a path; the nearest statement holds."""
@@ -41,6 +72,13 @@ class Task:
 
     legs: tuple[Leg, ...]
     name: str = ""
+
+    def __post_init__(self) -> None:
+        """Hold a task to what a file of tasks is held to."""
+        object.__setattr__(self, "legs", _all(self.legs, Leg, "legs", "legs, such as (Leg(0.5),)"))
+        instance(self.name, str, "name", "a text", at("name"))
+        if self.duration > LONGEST_TASK:
+            raise Fault(("legs",), f"take {self.duration:g} h in all; expected at most {LONGEST_TASK:g} h")
 
     @classmethod
     def plain(cls, distance: float, duration: float) -> Task:
@@ -65,6 +103,11 @@ class Knowledge:
     failed: frozenset[str] = frozenset()
     working: frozenset[str] = frozenset()
 
+    def __post_init__(self) -> None:
+        """Take any collection of names."""
+        for name in ("failed", "working"):
+            object.__setattr__(self, name, frozenset(names(getattr(self, name), name, "units by name")))
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -74,3 +117,30 @@ class Plan:
     knowledge: Knowledge = field(default_factory=Knowledge)
     every: float | None = None
     """Hours after which the list begins anew; None: as the design's operating share allows."""
+
+    def __post_init__(self) -> None:
+        """Check what it is made of."""
+        object.__setattr__(self, "tasks", _all(self.tasks, Task, "tasks", "tasks, such as (Task((Leg(0.5),)),)"))
+        instance(self.knowledge, Knowledge, "knowledge", "a Knowledge", at("knowledge"))
+        if self.every is not None:
+            number(self.every, "every", above=True, high=LONGEST_TASK, error=at("every"))
+
+
+_Kind = TypeVar("_Kind")
+
+
+def _all(given: object, kind: type[_Kind], what: str, expected: str) -> tuple[_Kind, ...]:
+    """Things of one kind in their order. Raises Fault where they are not."""
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise Fault((what,), f"{what} {shown(given)}: expected {expected}")
+    return tuple(instance(one, kind, what, expected, at(what)) for one in given)
+
+
+def names(given: object, what: str, expected: str) -> Collection[str]:
+    """Names, in the order given. Raises Fault where they are none, or one text, whose letters are no names."""
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise Fault((what,), f"{what} {shown(given)}: expected {expected}, such as ('a', 'b')")
+    found = tuple(given)
+    for name in found:
+        instance(name, str, what, expected, at(what))
+    return found

@@ -8,10 +8,11 @@ import os
 from collections import Counter
 from collections.abc import Iterable
 from itertools import count, groupby
-from pathlib import Path
 from typing import Any
 
 from robophm.core.errors import DesignError, nearest
+from robophm.core.given import instance
+from robophm.core.given import path as given_path
 from robophm.design.file import Lines, located, mapping, read, validated
 from robophm.design.robot import Robot
 from robophm.design.task import Plan
@@ -25,7 +26,8 @@ _MOST_ROWS = 100_000
 
 def load_plan(path: str | os.PathLike[str], robot: Robot) -> Plan:
     """Tasks of a robot from a .yaml or .csv file. Raises DesignError with file, line and what was expected."""
-    path = Path(path)
+    path = given_path(path, "list of tasks", DesignError)
+    instance(robot, Robot, "robot", "a Robot, as of robophm.load", DesignError)
     text = read(path)
     return (
         plan_from_csv(text, robot, str(path)) if path.suffix.lower() == ".csv" else parse_plan(text, robot, str(path))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -99,8 +100,7 @@ def effects(
                     weakened.add(unit)
                 if not function and group:
                     one = replace(outlook, knowledge=Knowledge(frozenset((unit,))))
-                    ahead = one.ahead(diagram, advance[:, 0], effective[:, 0])
-                    betas[unit] = float(1 - ahead.survives)
+                    betas[unit] = float(one.ahead(diagram, advance[:, 0], effective[:, 0])[0])
                 elif not function:  # the robot fails with the unit, or does so by itself: sums of positive terms
                     betas[unit] = 1.0 if alone[k] == 0 else fails + float(works[k] * hangs[k])
     chances = fault_chances(outlook, hours)
@@ -178,38 +178,36 @@ def silent_states(outlook: Outlook, diagram: Block, hours: float, most: int = 15
     drawn = Drawn(outlook.plant, diagram)
     known = outlook.known(drawn, drawn.needed)
     names = drawn.structure.names
-    chances = {name: float(-np.expm1(-h)) for name, h in zip(names, known.tolist(), strict=True) if h > 0}
-    silent = sorted((name for name in chances if chances[name] < 1), key=lambda name: -chances[name])
+    lived = {name: h for name, h in zip(names, known.tolist(), strict=True) if 0 < h < math.inf}
+    silent = sorted(lived, key=lambda name: -lived[name])
+    logs = {name: (math.log(-math.expm1(-h)), -h) for name, h in lived.items()}  # ln P(failed by now), and not
     if not silent:
         raise RobophmError(
             "nothing can have failed unseen: every part is new, monitored, or needed by what works; expected a robot "
             "with a past (--store, or --after) and redundancy that nobody watches"
         )
     advance, effective = outlook.paced(np.array([hours]))
-    states, weights, outcomes, total, listed = [], [], [], 0.0, 0.0
+    states, weights, outcomes, listed = [], [], [], 0.0
     for size in range(len(silent) + 1):
         before = listed
         for failed in combinations(silent, size):
-            chance = float(np.prod([chances[n] if n in failed else 1 - chances[n] for n in silent]))
-            listed += chance
+            chance = sum(logs[name][name not in failed] for name in silent)
+            listed += math.exp(chance)
             one = replace(outlook, knowledge=Knowledge(
                 outlook.knowledge.failed | frozenset(failed),
                 outlook.knowledge.working | frozenset(n for n in silent if n not in failed),
             ))  # fmt: skip
-            ahead = one.ahead(diagram, advance[:, 0], effective[:, 0])
-            works = float(ahead.fails + ahead.survives)
-            if works > 0:
+            works = one.log_works(diagram)
+            if works > -math.inf:
                 states.append(frozenset(failed))
-                weights.append(chance * works)
-                outcomes.append(float(ahead.survives) / works)
-                total += chance * works
+                weights.append(chance + works)
+                outcomes.append(float(one.ahead(diagram, advance[:, 0], effective[:, 0])[1]))
             if len(states) >= most:
                 break
         if len(states) >= most or 1 - listed < 1e-9 or (size > 2 and listed - before < 1e-9):
             break
-    return SilentStates(
-        tuple(silent), tuple(states), np.array(weights) / total, np.array(outcomes), max(1 - listed, 0.0)
-    )
+    likely = np.exp(np.array(weights) - max(weights, default=0.0))
+    return SilentStates(tuple(silent), tuple(states), likely / likely.sum(), np.array(outcomes), max(1 - listed, 0.0))
 
 
 def alarm_chances(states: Sequence[frozenset[str]], detects: Mapping[str, float], false_alarm: float) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -12,6 +12,7 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block
 from robophm.blocks.reliability import State
 from robophm.core.errors import DesignError
+from robophm.core.given import instance, numbers
 from robophm.core.waiting_time import Curve, time_at, times_of_many
 from robophm.health.plant import Plant, System, finite, infinite
 from robophm.health.prognosis import Outlook, nominal_outlook, steady_pace
@@ -55,6 +56,10 @@ class Fleet:
     @classmethod
     def designed(cls, plant: Plant, age: Array) -> Fleet:
         """Robots of these ages, shape (modes, robots), at design stress; nothing is known but what is monitored."""
+        instance(plant, Plant, "plant", "a Plant, of a robot", DesignError)
+        age = numbers(age, "ages", error=DesignError)
+        if age.ndim != 2 or len(age) != len(plant.robot.modes):
+            raise DesignError(f"ages of shape {age.shape}: expected ({len(plant.robot.modes)} failure modes, robots)")
         none, known = np.empty((0, 0)), (plant.monitored[:, None], np.zeros((len(plant.monitored), 1), dtype=bool))
         usage, pace = plant.usage[:, None], plant.pace[:, None]
         return cls(plant, lambda i: nominal_outlook(plant, age[:, i]), age, none, none, *known, usage, pace, pace)
@@ -65,6 +70,10 @@ class Fleet:
 
         Raises DesignError where their designs differ, or a future is not steady.
         """
+        for one in (outlooks := list(instance(outlooks, Iterable, "outlooks", "a list of them", DesignError))):
+            instance(one, Outlook, "outlook", "an Outlook", DesignError)
+        if not outlooks:
+            raise DesignError("no outlooks; expected at least one robot")
         plant = outlooks[0].plant
         for one in outlooks:
             if one.plant.robot.design_hash != plant.robot.design_hash:
@@ -110,9 +119,7 @@ class Fleet:
             known = self._known(system, turn)
             hazard = self._speeding(system, turn, system.lives.hazard(_of(self.age, system.modes, turn)))
             hazard = self._and_groups(hazard, system, turn, lambda one: one.groups_rates_now(system))
-            _, works, density = system.knowing(known, hazard)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                found[turn] = np.where(works > 0, infinite(density / works), np.inf)
+            found[turn] = system.rate(known, hazard)
         return found
 
     def ahead(self, diagram: Block, hours: Array | float) -> tuple[Array, Array]:
@@ -121,7 +128,9 @@ class Fleet:
         ``hours`` of all, or of each robot, shape (robots,).
         """
         system = self.plant.system(diagram)
-        hours = np.asarray(hours, dtype=float).reshape(-1)
+        hours = numbers(hours, "hours", error=DesignError).reshape(-1)
+        if len(hours) not in (1, len(self)):
+            raise DesignError(f"hours of {len(hours)}: expected one number, or one of each of {len(self)} robots")
         found = np.empty((2, len(self)))
         if len(system.groups):
             for i in range(len(self)):
@@ -134,7 +143,7 @@ class Fleet:
     def remaining_life(self, diagram: Block, survives: Sequence[float] = (0.95, 0.5, 0.05)) -> Array:
         """Calendar hours [h] until so large a share of robots in each state still works; shape (levels, robots)."""
         system = self.plant.system(diagram)
-        levels = np.array(survives)
+        levels = numbers(survives, "survives", high=1.0, error=DesignError).reshape(-1)
         found = np.empty((len(levels), len(self)))
         if len(system.groups):
             for i in range(len(self)):

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from robophm.blocks.conditional import FAINTEST, Conditional, as_decimals, decimals, likely_failed, survival
+from robophm.blocks.conditional import chances as of_hazards
 from robophm.blocks.diagram import Block
 from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.fussell_vesely import fussell_vesely
@@ -79,6 +82,7 @@ class Drawn(Parts):
 
     def __init__(self, plant: Plant, diagram: Block) -> None:
         self.diagram, self.structure = diagram, Structure(diagram)
+        self.conditional = Conditional(diagram, structure=self.structure)
         super().__init__(plant, [(name,) for name in self.structure.names])
         fatal = single_points_of_failure(diagram)
         self.needed = np.array([name in fatal for name in self.structure.names])
@@ -92,16 +96,16 @@ def importances(outlook: Outlook, drawn: Drawn, hours: float, *, lifelong: bool 
     """
     known = outlook.known(drawn, drawn.needed)
     more = _added(outlook, drawn, np.array([hours]))[:, 0]
-    chances = -np.expm1(-known), np.exp(-known) * -np.expm1(-more), np.exp(-known - more)
-    system = drawn.structure.transition(*chances)
-    works = float(system.fails + system.survives)
+    works = float(drawn.conditional.log_works(known))
     caused = np.full(len(known), math.nan)
-    if works > 0 and lifelong:
-        caused = _caused(outlook, drawn, known) / works
-    ever = float(caused.sum()) if works > 0 else 1.0
+    if works > -math.inf and lifelong:
+        caused = _caused(outlook, drawn, known, works)
+    ever = float(caused.sum()) if works > -math.inf else 1.0
     share = caused / ever if ever > 0 else caused
-    failure = float(system.fails) / works if works > 0 else 1.0
-    return _stated(drawn.diagram, drawn.structure, chances, share, hours, failure, ever)
+    failure = float(drawn.conditional.ahead(known, more)[0])
+    with decimals():
+        chances = of_hazards(*_numbers(works, known, more))
+        return _stated(drawn.diagram, drawn.structure, chances, share, hours, failure, ever)
 
 
 def of_tree(tree: FaultTree, occurred: Array, not_yet: Array, hours: float = math.nan) -> Importances:
@@ -137,20 +141,25 @@ def _stated(
     )
 
 
-def _caused(outlook: Outlook, drawn: Drawn, known: Array) -> Array:
-    """P(the system works now, and it is this unit that fails it, ever)."""
+def _numbers(works: float, *of_units: Array) -> Sequence[Array]:
+    """As they are; as decimals where so little speaks for it, ln P(works now), that floats would lose digits."""
+    return of_units if works > math.log(FAINTEST) else [as_decimals(one) for one in of_units]
+
+
+def _caused(outlook: Outlook, drawn: Drawn, known: Array, works: float) -> Array:
+    """P(it is this unit that fails the system, ever), given that it works now; ``works`` is ln P(that)."""
 
     def rates(hours: Array) -> Array:
-        total = known[:, None] + _added(outlook, drawn, hours)
-        works = np.exp(-total)
         hazard = outlook.hazard_then(drawn, *outlook.paced(hours))
-        return intensity(drawn.structure, works, -np.expm1(-total), hazard * works)
+        with decimals():
+            past, more, rate = _numbers(works, known[:, None], _added(outlook, drawn, hours), hazard)
+            alive, _ = drawn.structure.probability(survival(past), likely_failed(past))
+            left = survival(past + more)
+            found = intensity(drawn.structure, left, likely_failed(past + more), rate * left)
+            return np.asarray(found / alive, dtype=float)
 
     def curve(hours: Array) -> tuple[Array, Array]:
-        more, before = _added(outlook, drawn, hours), known[:, None]
-        return drawn.structure.transition(
-            -np.expm1(-before), np.exp(-before) * -np.expm1(-more), np.exp(-before - more)
-        ).given_works()
+        return drawn.conditional.ahead(known[:, None], _added(outlook, drawn, hours))
 
     return barlow_proschan(rates, curve)
 

@@ -6,6 +6,7 @@ is known), jointly over the legs. Robots do not heal within a task, so that only
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
@@ -15,7 +16,6 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
-from robophm.blocks.reliability import Transition
 from robophm.core.errors import DesignError
 from robophm.design.robot import FailureMode, Stress
 from robophm.design.task import Plan, Task
@@ -26,7 +26,8 @@ from robophm.health.prognosis import Outlook
 
 Array = npt.NDArray[np.float64]
 
-_FAINTEST = 1e-290  # a probability beyond which products lose their digits
+_FAINTEST = math.log(1e-290)  # of a probability of which nobody asks any more
+_FEW = 256  # repetitions to begin with
 _AT_ONCE = 1_000_000  # numbers that one array may hold: more repetitions take turns
 
 
@@ -155,12 +156,12 @@ def repetitions(outlook: Outlook, tasks: Sequence[Task], count: int, gap: float 
     """Prognostic analysis: a list of tasks again and again, the exposure carried on.
 
     Yields (probability, failure) of the next repetitions, shape (2, some), given that all before succeeded, until
-    ``count`` are done; whoever has seen enough stops asking. It ends before where no number is small enough for the
-    probability that all before succeeded. ``gap``: hours of calendar time between two.
+    ``count`` are done; whoever has seen enough stops asking. It ends before where it is too unlikely, e⁻⁶⁶⁷, that all
+    before succeeded. ``gap``: hours of calendar time between two. Raises DesignError where there are no legs.
     """
     task = Task(tuple(chain.from_iterable(one.legs for one in tasks)))
     if not task.legs:
-        raise ValueError("no legs; expected tasks that take time")
+        raise DesignError("tasks: no legs; expected tasks that take time")
     plant = outlook.plant
     wanted, ends = needs(task)
     mission = plant.mission(wanted, tuple((phase + len(ends), function) for phase, function in wanted))
@@ -173,9 +174,10 @@ def repetitions(outlook: Outlook, tasks: Sequence[Task], count: int, gap: float 
     # What lies before the repetition before, and what that adds in each phase. The first has nothing before it.
     lived, again = np.zeros((len(known), 1)), np.zeros((len(known), len(ends), 1))
     alone = mission.of_groups(mission.needed.astype(float)) > 0  # it has worked till now, or none succeeded
-    lost = False  # from the start on
-    turn = max(1, _AT_ONCE // (2 * legs.advance.size))
-    for start in range(0, count, turn):
+    first, lost = 0.0, False  # ln P(works now); whether it cannot
+    most, start = max(1, _AT_ONCE // (2 * legs.advance.size)), 0
+    while start < count:
+        turn = min(most, max(_FEW, 3 * start))  # what nobody is told is not to be worked out
         k = np.arange(start, min(start + turn, count), dtype=float)
         before, pause, every = np.maximum(k - 1, 0), between * np.minimum(k, 1), np.ones(len(k))
         steps = (
@@ -191,15 +193,18 @@ def repetitions(outlook: Outlook, tasks: Sequence[Task], count: int, gap: float 
         lived, again = past[:, -1:], rounds[..., -1:]
         earlier = rounds[..., :-1].copy()
         earlier[:, 0] += past[:, :-1]
-        found = mission.phases.transition(known, np.moveaxis(np.concatenate((earlier, more), axis=1), 1, 0))
-        works = found.fails + found.survives
-        lost = lost or (start == 0 and not works[0] > 0)
-        told = (works > _FAINTEST) | lost
-        fails, survives = found.given_works()
+        phases = np.moveaxis(np.concatenate((earlier, more), axis=1), 1, 0)
+        fails, survives = mission.phases.given(known, phases)
         given = np.stack((survives, fails))
+        likely = mission.phases.log_known(known, phases)  # that all before succeeded
+        if start == 0:
+            first = likely[0]
+            lost = first == -math.inf
+        told = np.full(len(k), True) if lost else likely - first > _FAINTEST
         yield given if told.all() else given[:, : int(np.argmin(told))]
         if not told.all():
             return
+        start += turn
 
 
 def deciding(outlook: Outlook, task: Task) -> list[Deciding]:
@@ -216,7 +221,7 @@ def deciding(outlook: Outlook, task: Task) -> list[Deciding]:
     turn = max(1, _AT_ONCE // (len(mission.units) * (len(ends) + 1)))
     for start in range(0, len(parts), turn):
         some = parts[start : start + turn]
-        failures, _ = _transition(outlook, mission, hazard, ends, without=some).given_works()
+        failures, _ = _transition(outlook, mission, hazard, ends, without=some)
         for i, failure in zip(some, failures, strict=True):
             share = (whole - float(failure)) / whole if whole > 0 else 0.0
             found.append(Deciding(plant.paths[i], float(failure), max(share, 0.0)))
@@ -240,7 +245,7 @@ def with_new_parts(outlook: Outlook, new: Outlook, task: Task, parts: npt.NDArra
     turn = max(1, _AT_ONCE // (len(mission.units) * (len(ends) + 1)))
     for start in range(0, len(parts), turn):
         some = parts[start : start + turn]
-        found[:, start : start + turn] = _transition(outlook, mission, hazard, ends, some, instead).given_works()
+        found[:, start : start + turn] = _transition(outlook, mission, hazard, ends, some, instead)
     return found[0], found[1]
 
 
@@ -249,17 +254,18 @@ def now(wanted: Sequence[Need]) -> tuple[Need, ...]:
     return tuple(sorted({(0, function) for _, function in wanted}))
 
 
-def _given(found: Transition) -> Completion:
-    fails, survives = found.given_works()
+def _given(found: tuple[Array, Array]) -> Completion:
+    fails, survives = found
     return Completion(float(survives), float(fails))
 
 
 def _transition(
     outlook: Outlook, mission: Mission, hazard: Array, ends: Sequence[int],
     without: npt.NDArray[np.intp] | None = None, instead: Array | None = None,
-) -> Transition:  # fmt: skip
-    """What becomes of a mission, from what each leg adds to every mode; ``ends`` are the last legs of its phases.
+) -> tuple[Array, Array]:  # fmt: skip
+    """P(a mission is lost) and P(it is completed), given what is known, from what each leg adds to every mode.
 
+    ``ends`` are the last legs of its phases;
     ``without`` the failures of one component after the other, shape (components,); or, of that one, with what each leg
     adds ``instead`` to every mode.
     """
@@ -271,7 +277,7 @@ def _transition(
         known = np.where(others, known[:, None], 0.0)
         other = 0.0 if instead is None else mission.of_units(np.add.reduceat(instead[mission.rows], starts, axis=1))
         more = np.where(others[:, None], more[..., None], np.asarray(other)[..., None])
-    return mission.phases.transition(mission.of_groups(known), np.moveaxis(mission.of_groups(more), 1, 0))
+    return mission.phases.given(mission.of_groups(known), np.moveaxis(mission.of_groups(more), 1, 0))
 
 
 def _factors(outlook: Outlook, task: Task) -> Array:

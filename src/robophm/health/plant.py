@@ -17,10 +17,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_array
 
+from robophm.blocks.conditional import Conditional
 from robophm.blocks.diagram import Block, Group, KOutOfN, Unit, units
 from robophm.blocks.merging import merge_series, single_points_of_failure
 from robophm.blocks.phases import Phases
 from robophm.blocks.reliability import Structure
+from robophm.core.errors import StructureError, nearest
+from robophm.core.given import instance
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
 from robophm.health.dependent import Held
@@ -126,6 +129,7 @@ class Plant:
 
     def system(self, diagram: Block) -> System:
         """A diagram prepared; once for each."""
+        instance(diagram, Block, "diagram", "a block of the robot's, such as its diagram", StructureError)
         if id(diagram) not in self._systems:  # by identity: to hash ten thousand blocks costs more than to fold them
             self._systems[id(diagram)] = diagram, System(self, diagram)
         return self._systems[id(diagram)][1]
@@ -245,8 +249,14 @@ class System(Parts):
     """A diagram prepared."""
 
     def __init__(self, plant: Plant, diagram: Block) -> None:
+        for unit in units(diagram):
+            if unit not in plant.place:
+                raise StructureError(
+                    f"no unit '{unit}' in the design of {plant.robot.name}{nearest(unit, plant.place)}"
+                )
         (self._merged,), self._stands_for = merge_series(diagram)
         self.structure = Structure(self._merged)
+        self.conditional = Conditional(self._merged, structure=self.structure)
         super().__init__(plant, [self._stands_for[name] for name in self.structure.names], by_life=True)
         self.needed = _of_units(self, plant, single_points_of_failure(diagram))
         """Whether the system works only while a unit does."""
@@ -264,22 +274,15 @@ class System(Parts):
         """
         if not known.any():  # what fails is what fails from now on
             return lambda of_modes: tuple(self.lived(of_modes))
-        failed, works = -np.expm1(-known), np.exp(-known)
-
-        def ahead(of_modes: Array) -> tuple[Array, Array]:
-            less = -self.of_rows(of_modes)
-            fails, survives = -np.expm1(less), np.exp(less)
-            return self.structure.transition(failed, works * fails, works * survives).given_works()
-
-        return ahead
+        return lambda of_modes: self.conditional.ahead(known, self.of_rows(of_modes))
 
     def lived(self, of_modes: Array, hazard: Array | None = None) -> Array:
         """P(it has failed), P(it works) and its density, as of Structure.lived, from its failure modes' hazards."""
         return self.structure.lived(self._leaves(of_modes), None if hazard is None else finite(self._leaves(hazard)))
 
-    def knowing(self, known: Array, hazard: Array) -> Array:
-        """The same from what is known of each group of units, as of ``given``."""
-        return self.structure.lived(known[self.structure.leaves], finite(self._leaves(hazard)))
+    def rate(self, known: Array, hazard: Array) -> Array:
+        """Its hazard rate now, given that it works, from what is known of each group of units, as of ``given``."""
+        return infinite(self.conditional.rate(known, finite(self.of_rows(hazard))))
 
     def by_kind(self, *of_modes: Array) -> tuple[Structure, Modes, Sums]:
         """The same with one failure mode and one unit of each kind; ``of_modes``, shape (modes,), tell them apart.

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
-from robophm.blocks.reliability import State, Transition
+from robophm.blocks.reliability import State
 from robophm.core.waiting_time import Curve, mean_time, time_at
 from robophm.design.task import Knowledge
 from robophm.health.dependent import Held, Standing
@@ -127,11 +127,7 @@ class Outlook:
     def hazard_rate(self, diagram: Block) -> float:
         """f/p now, given what is known now [1/h of operation]; infinite where the system has failed."""
         system = self.plant.system(diagram)
-        known = system.of_groups(self.known(system, system.needed))
-        works = np.exp(-known)
-        density = finite(system.of_rows(self._mode_hazard(system))) * works
-        state = system.structure.state(works, -np.expm1(-known), density)
-        return float(infinite(state.density / state.works)) if state.works > 0 else math.inf
+        return float(system.rate(system.of_groups(self.known(system, system.needed)), self._mode_hazard(system)))
 
     def component_hazard_rates(self) -> Array:
         """Of every component [1/h of operation], the equal parts of one together; shape (components,)."""
@@ -230,12 +226,15 @@ class Outlook:
             age, step = drawn * age, drawn * step
         return weight * modes.lives.increment(age, step)
 
-    def ahead(self, diagram: Block, advance: Array, effective: Array) -> Transition:
-        """What the system does while every clock advances; arguments as of ``gathered`` without steps."""
+    def ahead(self, diagram: Block, advance: Array, effective: Array) -> tuple[Array, Array]:
+        """P(the system fails) while every clock advances, and P(it survives that), given that it works now.
+
+        Arguments as of ``gathered`` without steps.
+        """
         system = self.plant.system(diagram)
         more = system.of_groups(self.gathered(system, advance[:, None], effective[:, None])[:, 0])
         known = column(system.of_groups(self.known(system, system.needed)), more.ndim)
-        return system.structure.transition(-np.expm1(-known), np.exp(-known) * -np.expm1(-more), np.exp(-known - more))
+        return system.conditional.ahead(known, more)
 
     def along(self, modes: Modes, future: Future, ratios: Array | None = None) -> Callable[[Array], Array]:
         """What a future adds to the cumulative hazard of modes, as a function of hours; shape (modes, hours, draws).
@@ -321,14 +320,18 @@ class Outlook:
     def remaining_life(self, diagram: Block, future: Future | None = None) -> RemainingLife:
         """Of the system along its course, or a future."""
         future = future or self.course
-        still = np.zeros(len(self.age))
-        if not self.ahead(diagram, still, still).survives > 0:
+        if self.log_works(diagram) == -math.inf:
             return RemainingLife(0.0, 0.0, 0.0, 0.0)
         curve = self.curve(diagram, future)
         wanted = self.plant.robot.thresholds.survival
         survives = np.array([0.95, 0.5, 0.05, *([wanted] if wanted else [])])
         early, median, late, *threshold = (float(time) for time in time_at(curve, 1 - survives, survives))
         return RemainingLife(mean_time(curve, _drawn_out(future).hours), median, early, late, *threshold)
+
+    def log_works(self, diagram: Block) -> float:
+        """ln P(the system works now), by what else is known; minus infinite where it cannot."""
+        system = self.plant.system(diagram)
+        return float(system.conditional.log_works(system.of_groups(self.known(system, system.needed))))
 
     def mean_remaining_life(self, diagram: Block) -> float:
         """The mean alone [h]."""

@@ -169,9 +169,7 @@ class _Ahead:
         for i, part in alone.items():
             instead[np.ix_(part.rows, columns == i)] = 0.0
         total = self._system.of_groups(np.where(new, instead, added))
-        fails, survives = self._system.structure.transition(
-            -np.expm1(-known), np.exp(-known) * -np.expm1(-total), np.exp(-known - total)
-        ).given_works()
+        fails, survives = self._system.conditional.ahead(known, total)
         for i, part in alone.items():
             here = columns == i
             lost, left = part.given(*(one[:, here] for one in more))
@@ -207,9 +205,9 @@ class _Ahead:
             if i in unsure:
                 diagrams = [(phase, plant.diagram(function)) for phase, function in wanted]
                 parts = (swapped := Swapped(outlook, diagrams, plant.components[i].units)).parts
-                more = (np.add.reduceat(parts.of_units(one[parts.rows]), starts, axis=1) for one in hazards)
-                ahead_of = swapped.transition(*more)
-                fails = float(ahead_of.given_works()[0]) if ahead_of.failed < 1 else fails
+                hazards_of = [parts.of_units(one[parts.rows]) for one in hazards]
+                if swapped.may_work:
+                    fails = float(swapped.given(*(np.add.reduceat(one, starts, axis=1) for one in hazards_of))[0])
             found.append(fails)
         return found
 
@@ -315,9 +313,8 @@ class _Part:
         self._rows = np.array([row[int(unit)] for unit in swapped.parts.units])
         self.rows = np.unique(self._rows)
         """Its units' among the system's."""
-        nothing = np.zeros((len(self._rows), 1))
-        self.may_work = bool(swapped.transition(nothing, nothing).failed < 1)
+        self.may_work = swapped.may_work
 
     def given(self, more: Array, instead: Array) -> tuple[Array, Array]:
         """P(fails), P(survives), from what is added to the hazard of each of the system's units, old and new."""
-        return self._swapped.transition(more[self._rows][:, None], instead[self._rows][:, None]).given_works()
+        return self._swapped.given(more[self._rows][:, None], instead[self._rows][:, None])

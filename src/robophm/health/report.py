@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args, overload
 
 import numpy as np
+import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
+from robophm.core.given import number, numbers, one_of
 from robophm.core.signal import SECOND
+from robophm.design.asked import check_knowledge, check_plan, check_task
 from robophm.design.robot import FailureMode, Robot, Thresholds
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.health.exposure import Exposure
@@ -24,6 +27,10 @@ from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, l
 SCHEMA_VERSION = 1
 """Of a report as JSON."""
 
+MOST_DRAWS = 100_000
+"""Of uncertain rates and loads."""
+
+Array = npt.NDArray[np.float64]
 VIEWS: tuple[View, ...] = ("nominal", "sensor_based")
 
 
@@ -88,11 +95,10 @@ class HealthReport:
         return self.subjects[0]
 
     def subject(self, path: str) -> Subject:
-        """A module or function by its path. Raises KeyError."""
-        for subject in self.subjects:
-            if subject.path == path:
-                return subject
-        raise KeyError(path)
+        """A module or function by its path. Raises RobophmError, with the nearest known, where there is none."""
+        by_path = {subject.path: subject for subject in reversed(self.subjects)}
+        found: Subject = by_path[one_of(path, by_path, "module or function")]
+        return found
 
     def looking_ahead(
         self, *, remaining_life: bool = True, parts: bool = False, pause: Callable[[], None] = lambda: None
@@ -114,8 +120,8 @@ class HealthReport:
             }  # fmt: skip
             subjects.append(_subject(system, one.flags, ahead))
             pause()
-        for number, diagram in enumerate(lived.plant.alone if parts else ()):
-            components[number] = replace(components[number], remaining_life=lived.remaining_life(diagram))
+        for i, diagram in enumerate(lived.plant.alone if parts else ()):
+            components[i] = replace(components[i], remaining_life=lived.remaining_life(diagram))
             pause()
         return replace(self, subjects=tuple(subjects), components=tuple(components))
 
@@ -134,19 +140,37 @@ class HealthReport:
             ),
         )
 
-    def reliability(self, hours: float, view: View = "sensor_based") -> float:
-        """Survival since new after so many more operating hours of the same use."""
-        outlook = self.outlooks[view]
-        return float(outlook.reliability_curve(outlook.plant.robot.diagram, np.array([hours]))[0][0])
+    @overload
+    def reliability(self, hours: float, view: View = "sensor_based") -> float: ...
+
+    @overload
+    def reliability(self, hours: Sequence[float] | Array, view: View = "sensor_based") -> Array: ...
+
+    def reliability(self, hours: float | Sequence[float] | Array, view: View = "sensor_based") -> float | Array:
+        """Survival since new after so many more operating hours of the same use; of many, shape of ``hours``.
+
+        Raises RobophmError where hours are negative or not finite, or there is no such view.
+        """
+        outlook, asked = self._outlook(view), numbers(hours, "hours")
+        works = outlook.reliability_curve(outlook.plant.robot.diagram, asked.ravel())[0].reshape(asked.shape)
+        return works if asked.ndim else float(works)
 
     def remaining_life(self, view: View = "sensor_based") -> RemainingLife:
-        """Of the robot [h]."""
-        outlook = self.outlooks[view]
+        """Of the robot [h]. Raises RobophmError where there is no such view."""
+        outlook = self._outlook(view)
         return outlook.remaining_life(outlook.plant.robot.diagram)
 
     def completion(self, task: Task, view: View = "sensor_based") -> Completion:
-        """Of a task by the robot as it is now."""
-        return completion(self.outlooks[view], task)
+        """Of a task by the robot as it is now.
+
+        Raises RobophmError where the robot lacks a function or stress that the task names, or there is no such view.
+        """
+        outlook = self._outlook(view)
+        check_task(task, outlook.plant.robot)
+        return completion(outlook, task)
+
+    def _outlook(self, view: View) -> Outlook:
+        return self.outlooks[one_of(view, VIEWS, "view")]
 
     def to_json(self) -> dict[str, Any]:
         """As plain values, schema-versioned; infinite times are null."""
@@ -200,7 +224,9 @@ def health_report(
 
     Under a ``plan`` the robot does its tasks again and again for the rest of its life. ``draws`` of uncertain rates and
     loads tell how far the remaining life may lie; ``parts``: state that of every component too.
+    Raises RobophmError where the robot lacks what a task, plan or knowledge names, or ``draws`` are no number of them.
     """
+    draws = round(number(draws, "draws", high=MOST_DRAWS))
     now = health_now(plant, exposure, ledger, task=task, future=future, plan=plan, knowledge=knowledge)
     return replace(
         now.looking_ahead(remaining_life=remaining_life, parts=parts),
@@ -215,6 +241,13 @@ def health_now(
 ) -> HealthReport:  # fmt: skip
     """Hazard rates and reliabilities alone, quickly; ``looking_ahead`` of it gives the rest."""
     robot = plant.robot
+    one_of(future, get_args(FutureName), "future")
+    if task is not None:
+        check_task(task, robot)
+    if plan is not None:
+        check_plan(plan, robot)
+    if knowledge is not None:
+        check_knowledge(knowledge, robot)
     views = outlooks(plant, exposure, ledger, future=future, knowledge=knowledge)
     if plan:
         views = {view: replace(outlook, plan=plan_future(outlook, plan)) for view, outlook in views.items()}

@@ -14,7 +14,6 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block, Unit, with_blocks
 from robophm.blocks.merging import merge_series, single_points_of_failure
 from robophm.blocks.phases import Phases
-from robophm.blocks.reliability import Transition
 from robophm.health.plant import Parts
 from robophm.health.prognosis import Outlook
 
@@ -44,9 +43,12 @@ class Swapped:
         fatal = single_points_of_failure(*known)
         self._known = outlook.known(self.parts, np.array([name in fatal for name in drawn]))
         self._known[self._new] = 0.0
+        nothing = np.zeros((max(phase for phase, _ in wanted), len(groups)))
+        self.may_work = bool(self._phases.log_known(self.parts.of_groups(self._known), nothing) > -np.inf)
+        """Whether the diagrams can work now."""
 
-    def transition(self, more: Array, instead: Array) -> Transition:
-        """What becomes of them, shape (...); ``failed``: it is not so that they work now.
+    def given(self, more: Array, instead: Array) -> tuple[Array, Array]:
+        """P(they fail) and P(they work until then), given that they work now; 1 and 0 where they cannot. Shape (...).
 
         From what each phase adds to the cumulative hazard of each of ``parts``, as an old unit and ``instead`` as a new
         one; shape (units, phases, ...).
@@ -54,7 +56,7 @@ class Swapped:
         new = self._new.reshape(-1, *[1] * (more.ndim - 1))
         added = np.moveaxis(self.parts.of_groups(np.where(new, instead, more)), 1, 0)
         known = self.parts.of_groups(self._known).reshape(-1, *[1] * (more.ndim - 2))
-        return self._phases.transition(known, added)
+        return self._phases.given(known, added)
 
 
 def _with_new(block: Block, units: frozenset[str], done: dict[int, Block]) -> Block:

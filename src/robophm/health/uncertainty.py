@@ -201,11 +201,10 @@ def _completions(outlook: Outlook, task: Task, ratios: Array, futures: Sequence[
     wanted, ends = needs(task)
     mission = outlook.plant.mission(now(wanted), wanted)
 
-    def works(known: Array) -> Array:
-        found = mission.phases.transition(known, np.zeros((len(ends), *known.shape)))
-        return found.fails + found.survives
+    def log_works(known: Array) -> Array:
+        return mission.phases.log_known(known, np.zeros((len(ends), *known.shape)))
 
-    drawn = _Drawn(outlook, mission, mission.needed, ratios, len(futures), works)
+    drawn = _Drawn(outlook, mission, mission.needed, ratios, len(futures), log_works)
     legs = [planned(replace(outlook, future=future), task) for future in futures]
     stated = [outlook.increments(drawn.scaling, *leg) for leg in legs]
     others = [
@@ -217,31 +216,26 @@ def _completions(outlook: Outlook, task: Task, ratios: Array, futures: Sequence[
         for future, leg in zip(futures, legs, strict=True)
     ]
     more = np.add.reduceat(drawn.gathered(stated, others, groups), [0, *(end + 1 for end in ends[:-1])], axis=1)
-    found = mission.phases.transition(drawn.known, np.moveaxis(more, 1, 0))
-    return np.stack(found.given_works()), drawn.weight
+    return np.stack(mission.phases.given(drawn.known, np.moveaxis(more, 1, 0))), drawn.weight
 
 
 def predictive_life(outlook: Outlook, diagram: Block, ratios: Array, futures: Sequence[Future]) -> Interval:
     """Quantiles of the remaining life [h] over draws of all rates (``draw_rates``), each with one of the futures."""
     system = outlook.plant.system(diagram)
 
-    def works(known: Array) -> Array:
-        return system.structure.state(np.exp(-known), -np.expm1(-known)).works
-
     def curve_of(ratios: Array) -> Curve:
-        drawn = _Drawn(outlook, system, system.needed, ratios, len(futures), works)
-        failed, alive = -np.expm1(-drawn.known)[:, None], np.exp(-drawn.known)[:, None]
+        drawn = _Drawn(outlook, system, system.needed, ratios, len(futures), system.conditional.log_works)
+        known = drawn.known[:, None]
         stated = [outlook.along(drawn.scaling, future) for future in futures]
         others = [outlook.along(drawn.others, *one) for one in zip(futures, drawn.ratios, strict=True)]
         groups = [outlook.groups_along(system, future) for future in futures]
         turn = max(1, _AT_ONCE // ratios.size)
-        few = max(1, _IN_CACHE // (turn * len(failed)))
+        few = max(1, _IN_CACHE // (turn * len(known)))
         draws = [slice(start, start + few) for start in range(0, ratios.shape[1], few)]
 
         def ends(more: Array, some: slice) -> Array:
-            now = alive[..., some]
-            t = system.structure.transition(failed[..., some], now * -np.expm1(-more), now * np.exp(-more))
-            result: Array = np.stack(t.given_works()) @ drawn.weight[some]
+            given = np.stack(system.conditional.ahead(known[..., some], more))
+            result: Array = given @ drawn.weight[some]
             return result
 
         def curve(hours: Array) -> tuple[Array, Array]:
@@ -261,7 +255,7 @@ def predictive_life(outlook: Outlook, diagram: Block, ratios: Array, futures: Se
 
         return curve
 
-    if not (outlook.ahead(diagram, *np.zeros((2, len(ratios)))).survives > 0):
+    if outlook.log_works(diagram) == -math.inf:
         return Interval(0.0, 0.0, 0.0)
     survives = np.array([0.95, 0.5, 0.05])
     guess = time_at(curve_of(ratios[:, :_FEW]), 1 - survives, survives, tolerance=1e-3)
@@ -320,7 +314,7 @@ class _Drawn:
 
     def __init__(
         self, outlook: Outlook, parts: Parts, needed: npt.NDArray[np.bool_], ratios: Array, futures: int,
-        works: Callable[[Array], Array],
+        log_works: Callable[[Array], Array],
     ) -> None:  # fmt: skip
         m, ratios = parts.modes, ratios[parts.modes]
         degrees = [outlook.plant.robot.modes[i].life.degree for i in m]
@@ -362,7 +356,7 @@ class _Drawn:
         self.known = parts.of_groups(known)
         """Shape (groups, draws)."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            total = alone + np.log(works(self.known))
+            total = alone + log_works(self.known)
             if failed.any():  # since it was last seen to work
                 total = total + (unseen - lived + np.log(-np.expm1(-unseen)))[failed].sum(axis=0)
         top = np.max(total)

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robophm.core.errors import ModelError, nearest
+from robophm.core.given import floats, number
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -90,7 +91,9 @@ class LifeDistribution(ABC):
         Raises ModelError where no such distribution exists, or a shape parameter is unknown or missing.
         """
         shape = cls._shape(shape)
-        life = cls._positive("mean − location", mean - shape.get("location", 0.0))
+        stated = {"mean": mean, "location": shape.get("location", 0.0)}
+        mean, location = (number(one, name, low=-math.inf, error=ModelError) for name, one in stated.items())
+        life = cls._positive("mean − location", mean - location)
         scale = cls._scale_parameter()
         unit = cls(**{**shape, scale: 1.0}).mean() - shape.get("location", 0.0)
         if not math.isfinite(unit):
@@ -119,7 +122,7 @@ class LifeDistribution(ABC):
 
     def hazard(self, age: ArrayLike) -> Array:
         """h(age) [1/clock], 0 below the location; never by way of a survival that has underflowed."""
-        age = np.asarray(age, dtype=float)
+        age = floats(age, "age", ModelError)
         with limits():
             h = self._hazard(self._since_location(age))
             h = np.where(age < self._origin + self.lowest, 0.0, h)
@@ -130,7 +133,7 @@ class LifeDistribution(ABC):
 
         Raises ModelError where a duration is negative.
         """
-        age, d = np.asarray(age, dtype=float), np.asarray(duration, dtype=float)
+        age, d = floats(age, "age", ModelError), floats(duration, "duration", ModelError)
         if np.any(d < 0):
             raise ModelError(f"{type(self).__name__}: duration = {np.min(d)}, expected ≥ 0")
         if self.lowest == 0:
@@ -144,7 +147,7 @@ class LifeDistribution(ABC):
 
         Raises ModelError where a value is negative.
         """
-        H = np.asarray(cumulative_hazard, dtype=float)
+        H = floats(cumulative_hazard, "cumulative hazard", ModelError)
         if np.any(H < 0):
             raise ModelError(f"{type(self).__name__}: cumulative hazard = {np.min(H)}, expected ≥ 0")
         with limits():
@@ -169,7 +172,7 @@ class LifeDistribution(ABC):
 
         Raises ModelError for what is no probability. Far in the upper tail use ``age_at(−ln S)``.
         """
-        p = np.asarray(probability, dtype=float)
+        p = floats(probability, "probability", ModelError)
         if np.any((p < 0) | (p > 1)):
             raise ModelError(f"{type(self).__name__}: probability = {p}, expected 0 … 1")
         with limits():
@@ -188,7 +191,7 @@ class LifeDistribution(ABC):
 
     def mean_residual_life(self, age: ArrayLike) -> Array:
         """∫₀^∞ exp(−(H(age + x) − H(age))) dx [clock]: the mean remaining life at an age."""
-        age = np.asarray(age, dtype=float)
+        age = floats(age, "age", ModelError)
         x = self._since_location(age)
         with limits():
             wait = np.maximum(self._origin - age, 0.0) if self.lowest == 0 else 0.0
@@ -200,7 +203,7 @@ class LifeDistribution(ABC):
         return origin
 
     def _since_location(self, age: ArrayLike) -> Array:
-        return np.maximum(np.asarray(age, dtype=float) - self._origin, self.lowest)
+        return np.maximum(floats(age, "age", ModelError) - self._origin, self.lowest)
 
     def _residual_moment(self, x: Array, order: int) -> Array:
         """E[(T − x)^order | T > x], over panels in each of which the increment doubles.
@@ -242,7 +245,7 @@ class LifeDistribution(ABC):
 
     @classmethod
     def _positive(cls, name: str, value: float) -> float:
-        if not 0 < value < math.inf:
+        if not isinstance(value, Real) or isinstance(value, bool) or not 0 < value < math.inf:
             raise ModelError(f"{cls.__name__}: {name} = {value!r}, expected a finite number > 0")
         return value
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError, nearest
+from robophm.core.given import path as given_path
 from robophm.core.signal import CLOCK, Sample, split_signal
 
 LONGEST_LINE = 1 << 20
@@ -195,6 +196,9 @@ def open_source(*paths: str | Path) -> SignalSource:
 
     Raises SourceError where a file is missing or cannot be read.
     """
+    if not paths:
+        raise SourceError("no recordings; expected at least one")
+    paths = tuple(given_path(path, "recording", SourceError) for path in paths)
     suffixes = {Path(path).suffix.lower() for path in paths}
     if len(paths) == 1 and suffixes == {".csv"}:
         from robophm.transports.csv import CsvRecording

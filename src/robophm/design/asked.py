@@ -1,0 +1,98 @@
+"""What a robot may be asked to do, and what may be known of it: checked alike for files, command line and Python."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from robophm.core.errors import nearest
+from robophm.core.given import instance
+from robophm.design.fault import Fault, Path, at
+from robophm.design.robot import FailureMode, Robot, Stress
+from robophm.design.task import Knowledge, Plan, Task
+
+
+def check_task(task: Task, robot: Robot) -> None:
+    """Raises Fault where a task is none, or names a function or a stress that the robot does not have."""
+    instance(task, Task, "task", "a Task of legs, such as Task((Leg(0.5),))", at("task"))
+    for i, leg in enumerate(task.legs):
+        place = ("legs", str(i))
+        check_functions(leg.functions, robot, place)
+        for key, value in leg.stresses.items():
+            check_stress(key, value, robot, (*place, "stresses", key))
+
+
+def check_plan(plan: Plan, robot: Robot) -> None:
+    """The same of a list of tasks, and of what is known before the first."""
+    instance(plan, Plan, "plan", "a Plan of tasks, as of robophm.load_plan", at("plan"))
+    for task in plan.tasks:
+        check_task(task, robot)
+    check_knowledge(plan.knowledge, robot)
+
+
+def check_knowledge(knowledge: Knowledge, robot: Robot) -> None:
+    """Raises Fault where it names units that the robot does not have, or contradicts itself."""
+    instance(knowledge, Knowledge, "knowledge", "a Knowledge of units that failed or work", at("knowledge"))
+    units = {unit for part in robot.all_components() for unit in part.units}
+    for kind in ("failed", "working"):
+        for unit in getattr(knowledge, kind):
+            if unit not in units:
+                raise Fault(("knowledge", kind), f"unknown part '{unit}'{nearest(unit, units)}")
+    if says := contradiction(knowledge, robot):
+        raise Fault(("knowledge",), says)
+
+
+def check_functions(names: Iterable[str], robot: Robot, place: Path = ()) -> None:
+    """Raises Fault where the robot has no function of such a name."""
+    for i, name in enumerate(names):
+        if name not in robot.functions:
+            hint = nearest(name, robot.functions) if robot.functions else "; the design names none"
+            raise Fault((*place, "functions", str(i)), f"no function '{name}'{hint}")
+
+
+def contradiction(knowledge: Knowledge, robot: Robot) -> str:
+    """What cannot both be known; "" where there is nothing."""
+    if both := sorted(knowledge.failed & knowledge.working):
+        return f"{both[0]} is said to have failed and to work; expected either, not both"
+    for cause in robot.causes:
+        if cause.path in knowledge.failed and (alive := sorted(knowledge.working.intersection(cause.members))):
+            return f"{alive[0]} is said to work, and {cause.path} to have failed it; expected either, not both"
+    return ""
+
+
+def takers(key: str, robot: Robot, place: Path) -> tuple[list[tuple[FailureMode, Stress]], str]:
+    """The failure modes that take a stated stress, and the unit they take it in. Raises Fault where there are none."""
+    path, _, name = key.rpartition("/")
+    stresses = [
+        (mode, stress)
+        for mode in robot.modes
+        for stress in mode.stresses
+        if name in stress.design and name in stress.model.numbers
+    ]
+    below = f"{path}/" if "/" in key else ""
+    found = [(mode, stress) for mode, stress in stresses if f"{mode.origin}/".startswith(below)]
+    if not found:
+        known = sorted({name for mode in robot.modes for stress in mode.stresses for name in stress.model.numbers})
+        hint = nearest(name, known)
+        if name in known:
+            hint = nearest(path, [mode.path[:end] for mode, _ in stresses for end in _ends(mode.path)])
+        where = f" below '{path}'" if below else ""
+        raise Fault(place, f"no part{where} takes a stress '{name}'{hint}")
+    units = {stress.model.numbers[name].unit for _, stress in found}
+    if len(units) > 1:
+        raise Fault(place, f"parts take '{name}' in {' and '.join(sorted(units))}; expected it below one module")
+    return found, units.pop()
+
+
+def check_stress(key: str, number: float, robot: Robot, place: Path) -> None:
+    """Raises Fault where no part takes a stress, or it is outside the range of one that does."""
+    name = key.rpartition("/")[2]
+    for mode, stress in takers(key, robot, place)[0]:
+        entry, channel = stress.model.numbers[name], stress.channels.get(name)
+        at = number + (channel.shift if channel else 0.0)
+        if not entry.low <= at <= entry.high:
+            raise Fault(place, f"{at:g} {entry.unit} of {mode.path} is outside {stress.model.expected(name)}")
+
+
+def _ends(path: str) -> list[int]:
+    """Where the path of a part, and of each module around it, ends."""
+    return [i for i, letter in enumerate(f"{path}/") if letter == "/"]
