@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.groups.path import Array
-
+from robophm.groups.table import FARTHEST
 
 class Solved(ABC):
     """A group along a path. Times are the path's; ``now`` is when what is known of the members is known."""
@@ -32,14 +32,15 @@ class Solved(ABC):
     def lived(self, s: Array, length: Array) -> Array:
         """What a stretch adds to the cumulative hazard of the group, given that it works at its beginning."""
         hazard = np.where(length > 0, np.inf, 0.0)
-        todo = (length > 0) & ~self.over(s + length)
-        hazard[todo] = self._lived(s[todo], length[todo])
+        todo = (length > 0) & ~self.over(s, length)
+        if todo.any():
+            hazard[todo] = self.gathered(s[todo], length[todo])
         return hazard
 
-    def _lived(self, s: Array, length: Array) -> Array:
-        if not len(s):
-            return np.zeros(0)
+    def gathered(self, s: Array, length: Array) -> Array:
+        """The same, though it be far more than can be outlived; infinite beyond FARTHEST."""
         works = self.log_works(s)
+        works = np.where(works < -FARTHEST, -np.inf, works)
         with np.errstate(invalid="ignore"):
             fails = np.exp(np.minimum(self.log_fails_in(s, length) - works, 0.0))
         hazard = np.zeros(len(s))
@@ -51,8 +52,8 @@ class Solved(ABC):
         hazard[works == -np.inf] = np.inf
         return np.maximum(hazard, 0.0)
 
-    def over(self, s: Array) -> npt.NDArray[np.bool_]:
-        """Where it is plain that nothing works any more: with a probability below exp(−1000)."""
+    def over(self, s: Array, length: Array) -> npt.NDArray[np.bool_]:
+        """Where it is plain that no group that works at s outlives the stretch: but one of exp(1000)."""
         return np.zeros(len(s), dtype=bool)
 
     def rate(self, s: Array) -> Array:

@@ -91,7 +91,7 @@ class Standing:
         """Cumulative hazard till now: 0 where something is known of a member, as then it is known whether it works."""
         if self._told:
             return np.inf if self.failed else 0.0
-        return float(self._solved(self._path).lived(np.zeros(1), np.array([self._now]))[0])
+        return float(self._solved(self._path).gathered(np.zeros(1), np.array([self._now]))[0])
 
     def to(self, aged: Array) -> Array:
         """What going on so far in one step adds, shape (modes, n) → (n,)."""
