@@ -111,6 +111,14 @@ class Chain(Solved):
             result: Array = log + np.log(np.einsum("ti,ti->t", v, failed))
         return result
 
+    def log_stays(self, s: Array, length: Array, works: Array) -> Array:
+        """As of Solved, with its own digits."""
+        v, _, piece = self._states(s)
+        working, _, shift = exponential(self._generators[piece], length)
+        with np.errstate(divide="ignore"):
+            result: Array = shift + np.log(np.einsum("ti,tij->t", v, working))
+        return result
+
     def log_density(self, s: Array) -> Array:
         """As of Solved."""
         v, log, piece = self._states(s)
@@ -159,15 +167,21 @@ def exponential(rates: Array, durations: Array) -> tuple[Array, Array, Array]:
     """exp of generators given by their rates ≥ 0 off the diagonal, shape (times, n + 1, n + 1), over durations.
 
     Of the n working states: to each other, shape (times, n, n), times exp of the last result; to the failed one, n.
+    What has failed stays so: a state is left for good, so that it lasts exp(−rate·time), which is put in its place
+    whenever time doubles. What leads from one state to another is then as good as the few steps that it takes,
+    however often time doubles and however far apart the rates are. (Al-Mohy and Higham 2009, §2, for any triangle.)
     """
     n = rates.shape[-1]
     out = rates.sum(axis=2)
+    slowest = out[:, :-1].min(axis=1)
+    faster = out[:, :-1] - slowest[:, None]
     most = np.maximum(out.max(axis=1), 1e-300)
     with np.errstate(over="ignore"):
         turns = np.where(durations > 0, most * durations, 0.0)
     turns = np.minimum(turns, 1e290)
     halvings = np.maximum(np.ceil(np.log2(np.maximum(turns, 1e-300))), 0).astype(int)
     small = turns / 2.0**halvings
+    time = small / most
     step = rates / most[:, None, None]
     diagonal = np.arange(n)
     step[:, diagonal, diagonal] += 2 - out / most[:, None]  # twice as many events as there are: none is left over
@@ -178,17 +192,25 @@ def exponential(rates: Array, durations: Array) -> tuple[Array, Array, Array]:
         term = term @ step * (2 * small / k)[:, None, None]
         total += term
     total *= np.exp(-2 * small)[:, None, None]
-    working, failed = total[:, :-1, :-1].copy(), total[:, :-1, -1].copy()
-    log = np.zeros(len(rates))
+    failed = total[:, :-1, -1].copy()
+    working = total[:, :-1, :-1] * np.exp(slowest * time)[:, None, None]
+    diagonal = diagonal[:-1]
+    working[:, diagonal, diagonal] = np.exp(-faster * time[:, None])
+    power = np.zeros(len(rates))  # of two, by which working has been divided
     for k in range(int(halvings.max(initial=0))):
         here = halvings > k
-        now = working[here]
-        failed[here] += np.exp(np.minimum(log[here], 0.0))[:, None] * np.einsum("tij,tj->ti", now, failed[here])
+        now, log = working[here], power[here] * np.log(2.0) - slowest[here] * time[here]
+        failed[here] += np.exp(log)[:, None] * np.einsum("tij,tj->ti", now, failed[here])
         now = now @ now
-        top = np.maximum(now.max(axis=(1, 2)), 1e-300)
-        working[here] = now / top[:, None, None]
-        log[here] = 2 * log[here] + np.log(top)
-    return working, failed, log
+        exponent = np.frexp(now.max(axis=(1, 2)))[1]
+        time[here] *= 2
+        power[here] = 2 * power[here] + exponent
+        with np.errstate(over="ignore"):
+            lasts = -faster[here] * time[here, None] - power[here, None] * np.log(2.0)
+        now = np.ldexp(now, -exponent[:, None, None])
+        now[:, diagonal, diagonal] = np.exp(np.minimum(lasts, 1.0))
+        working[here] = now
+    return working, failed, power * np.log(2.0) - slowest * time
 
 
 def _normal(v: Array, log: float) -> tuple[Array, float]:

@@ -90,7 +90,7 @@ def log_integral(log_f: LogFunction, low: Array, high: Array, breaks: Sequence[f
         most = np.exp(np.minimum(bound - shift[of], 600.0))
         estimate = total + np.bincount(of, parts, len(low))
         # What a logarithm of that size, and a place so near to where the stretch begins, have left of their digits.
-        rounding = 1e-15 * (16 + np.abs(shift[of]) + 8 * (end / (end - start))[panel]) * one
+        rounding = 1e-15 * (16 + 8 * np.abs(shift[of]) + 8 * (end / (end - start))[panel]) * one
         off, allowed = np.abs(parts - one), TOLERANCE * estimate[of]
         enough = (off <= allowed + rounding) & ((off <= _RESOLVED * parts) & (parts > 0) | (most <= allowed))
         enough |= shift[of] < _FAINTEST

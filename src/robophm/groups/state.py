@@ -25,6 +25,10 @@ class Solved(ABC):
     def log_fails_in(self, s: Array, length: Array) -> Array:
         """ln P(works at s, fails in the stretch after it, and what is known); no corner lies within."""
 
+    def log_stays(self, s: Array, length: Array, works: Array) -> Array:
+        """ln P(works at the end of the stretch after s | ``works`` at s, ln of its P); no corner lies within."""
+        return self.log_works(s + length) - works
+
     @abstractmethod
     def log_density(self, s: Array) -> Array:
         """ln of the failure density at s, and what is known; per unit of s."""
@@ -48,7 +52,7 @@ class Solved(ABC):
         hazard[small] = -np.log1p(-fails[small])
         large = ~small & (works > -np.inf)
         if large.any():
-            hazard[large] = works[large] - self.log_works((s + length)[large])
+            hazard[large] = -self.log_stays(s[large], length[large], works[large])
         hazard[works == -np.inf] = np.inf
         return np.maximum(hazard, 0.0)
 
