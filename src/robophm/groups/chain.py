@@ -22,6 +22,9 @@ MOST_STATES = 256
 """Of a group of different parts; equal ones are only counted, and may be far more."""
 
 
+_TERMS = 24  # of an exponential over a short time
+
+
 class Transition(NamedTuple):
     """A member fails, which brings the group from one state to another; ``end`` None: it fails."""
 
@@ -179,7 +182,8 @@ def exponential(rates: Array, durations: Array) -> tuple[Array, Array, Array]:
     with np.errstate(over="ignore"):
         turns = np.where(durations > 0, most * durations, 0.0)
     turns = np.minimum(turns, 1e290)
-    halvings = np.maximum(np.ceil(np.log2(np.maximum(turns, 1e-300))), 0).astype(int)
+    # So short a time to begin with that of n steps hardly more than a few fall into one such.
+    halvings = np.maximum(np.ceil(np.log2(np.maximum(turns, 1e-300))), 0).astype(int) + 4 + int(np.log2(n))
     small = turns / 2.0**halvings
     time = small / most
     step = rates / most[:, None, None]
@@ -188,7 +192,7 @@ def exponential(rates: Array, durations: Array) -> tuple[Array, Array, Array]:
     step /= 2
     term = np.broadcast_to(np.eye(n), step.shape).copy()
     total = term.copy()
-    for k in range(1, n + 24):
+    for k in range(1, _TERMS):
         term = term @ step * (2 * small / k)[:, None, None]
         total += term
     total *= np.exp(-2 * small)[:, None, None]

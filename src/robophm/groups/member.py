@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robophm.groups.path import Array, Path
+from robophm.groups.table import SMALLEST
 from robophm.life.distribution import LifeDistribution
 from robophm.life.exponential import Exponential
 
@@ -95,4 +96,4 @@ def log_density(member: Member, path: Path, since: Array, length: Array, end: Ar
         hazard = hazard + np.where(speed > 0, mode.multiplicity * speed * np.minimum(here, 1e300), 0.0)
         lived = lived + mode.multiplicity * mode.life.increment(age, gained[mode.column])
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where((lived > 1e100) | (hazard == 0), -np.inf, np.log(hazard) - lived)
+        return np.where((lived > 1e100) | (hazard < SMALLEST), -np.inf, np.log(hazard) - lived)

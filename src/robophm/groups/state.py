@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.groups.path import Array
-from robophm.groups.table import FARTHEST
+from robophm.groups.table import FARTHEST, SMALLEST
 
 class Solved(ABC):
     """A group along a path. Times are the path's; ``now`` is when what is known of the members is known."""
@@ -69,7 +69,8 @@ class Solved(ABC):
 
 
 def log_fails(hazard: Array) -> Array:
-    """ln(1 − exp(−H))."""
+    """ln(1 − exp(−H)); −inf of an H with hardly any digits left."""
+    hazard = np.where(hazard < SMALLEST, 0.0, hazard)
     with np.errstate(divide="ignore"):
         found: Array = np.where(hazard < 0.6931, np.log(-np.expm1(-hazard)), np.log1p(-np.exp(-hazard)))
     return found

@@ -16,12 +16,16 @@ from robophm.groups.path import Array, Rows
 FARTHEST = 1e9
 """Of the logarithm of a probability: what is beyond has no digits left to be told apart, and is never."""
 
+SMALLEST = 1e-300
+"""Hazard: what is smaller underflows."""
+
 _DEGREE = 19
 _NODES = chebyshev.chebpts1(_DEGREE + 1)
 _FIT = np.linalg.inv(chebyshev.chebvander(_NODES, _DEGREE))
 _LOWEST = 120  # halvings of the scale, below which it is a power of time
 _NARROWEST = 2.0**-30  # stretch, in log₂ of time: what is not smooth on it is a jump, or rounding
 _NOISE = 1e-9  # what is smaller, and does not fall with the stretch, is no shape but rounding
+_UNDERFLOW = -600.0  # a logarithm below which zeros are not of the function but of what it is made of
 _AT_ONCE = 200_000  # places looked up together
 
 
@@ -91,7 +95,8 @@ class _Piece:
             nodes = self._begin + self._unit * 2.0 ** (starts[:, None] + width * (_NODES + 1) / 2)
             values = self._log_f(nodes.ravel()).reshape(nodes.shape)
             zero, highest = values == -np.inf, values.max(axis=1)
-            level = (highest < -FARTHEST) | ((width <= _NARROWEST) & zero.any(axis=1))
+            narrow = (width <= _NARROWEST) | ((width < 0.01) & (highest < _UNDERFLOW))
+            level = (highest < -FARTHEST) | (narrow & zero.any(axis=1))
             fits = np.where(zero, 0.0, values) @ _FIT.T
             fits[level] = 0.0
             fits[level, 0] = highest[level]
