@@ -33,6 +33,8 @@ class Transition(NamedTuple):
     member: int
     weight: float
     """Times the member's rate."""
+    always: float
+    """Times the rate of what it depends on."""
 
 
 class Chain(Solved):
@@ -48,22 +50,23 @@ class Chain(Solved):
     ) -> None:  # fmt: skip
         self.now, self.told = now, any(one is not None for one in status)
         self._path = path
-        rates = np.zeros((len(path.corners), len(members)))
+        rates, always = (np.zeros((len(path.corners), len(members))) for _ in range(2))
         for i, member in enumerate(members):
             for mode in member:
-                rates[:, i] += mode.multiplicity * mode.life.hazard(mode.age) * path.speed[:, mode.column]
-        alike = bool(np.all(rates == rates[:, :1])) and (None not in status or not self.told)
+                of = always if mode.always else rates
+                of[:, i] += mode.multiplicity * mode.life.hazard(mode.age) * path.speed[:, mode.column]
+        alike = all(bool(np.all(of == of[:, :1])) for of in (rates, always)) and (None not in status or not self.told)
         if alike:
             status = sorted(status, key=lambda one: one is not False)  # whichever has failed
-        states, transitions = reachable(group, alike)
+        states, transitions = reachable(group, alike, bool(always.any()))
         if len(states) > MOST_STATES:
             raise StructureError(
                 f"{group.name}: {len(states)} states of different parts; expected at most {MOST_STATES}"
             )
         n = len(states)
         self._generators = np.zeros((len(rates), n + 1, n + 1))
-        for start, end, i, weight in transitions:
-            self._generators[:, start, n if end is None else end] += weight * rates[:, i]
+        for start, end, i, weight, alone in transitions:
+            self._generators[:, start, n if end is None else end] += weight * rates[:, i] + alone * always[:, i]
         self._consistent = np.array([
             all(said is None or said is not bool(failed >> i & 1) for i, said in enumerate(status)) for failed in states
         ])  # fmt: skip
@@ -130,40 +133,43 @@ class Chain(Solved):
         return result
 
 
-def reachable(group: Standby | LoadSharing, alike: bool) -> tuple[list[int], list[Transition]]:
+def reachable(group: Standby | LoadSharing, alike: bool, depend: bool = False) -> tuple[list[int], list[Transition]]:
     """The states, as bits of the members that have failed, all working first; and what leads from each to others.
 
-    Of members ``alike``, only how many have failed counts: the lowest bits.
+    Of members ``alike``, only how many have failed counts: the lowest bits. ``depend``: some depend on others.
     """
     states, transitions = {0: 0}, list[Transition]()
     todo = [0]
     while todo and len(states) <= MOST_STATES:
         failed = todo.pop()
-        for i, step, weight in failures(group, failed):
+        for i, step, weight, always in failures(group, failed):
+            if weight == 0 and not (depend and always):
+                continue
             if step is not None and alike:
                 step = (1 << step.bit_count()) - 1
             if step is not None and step not in states:
                 states[step] = len(states)
                 todo.append(step)
-            transitions.append(Transition(states[failed], None if step is None else states[step], i, weight))
+            transitions.append(Transition(states[failed], None if step is None else states[step], i, weight, always))
     return list(states), transitions
 
 
-def failures(group: Standby | LoadSharing, failed: int) -> list[tuple[int, int | None, float]]:
-    """What may happen in a state: (member, the state that its failure leads to, weight of its rate)."""
+def failures(group: Standby | LoadSharing, failed: int) -> list[tuple[int, int | None, float, float]]:
+    """What may happen in a state: (member, the state that its failure leads to, weights as of a Transition)."""
     alive = [i for i in range(len(group.members)) if not failed >> i & 1]
     if isinstance(group, LoadSharing):
         factor = group.factors[len(group.members) - len(alive)]
-        return [(i, failed | 1 << i if len(alive) > group.k else None, factor) for i in alive]
-    found: list[tuple[int, int | None, float]] = []
+        return [(i, failed | 1 << i if len(alive) > group.k else None, factor, 1.0) for i in alive]
+    found: list[tuple[int, int | None, float, float]] = []
     for place, i in enumerate(alive):
         if place >= group.active:
-            found.append((i, failed | 1 << i, group.dormancy))
+            found.append((i, failed | 1 << i, group.dormancy, 1.0))
         elif len(alive) > group.active:
-            found += [(i, failed | 1 << i, group.switch), (i, None, 1 - group.switch)]
+            made, missed = group.switch, 1 - group.switch
+            found += [(i, failed | 1 << i, made, made), (i, None, missed, missed)]
         else:
-            found.append((i, None, 1.0))
-    return [one for one in found if one[2] > 0]
+            found.append((i, None, 1.0, 1.0))
+    return found
 
 
 def exponential(rates: Array, durations: Array) -> tuple[Array, Array, Array]:

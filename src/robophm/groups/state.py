@@ -10,6 +10,7 @@ import numpy.typing as npt
 from robophm.groups.path import Array
 from robophm.groups.table import FARTHEST, SMALLEST
 
+
 class Solved(ABC):
     """A group along a path. Times are the path's; ``now`` is when what is known of the members is known."""
 
