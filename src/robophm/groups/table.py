@@ -25,7 +25,7 @@ _FIT = np.linalg.inv(chebyshev.chebvander(_NODES, _DEGREE))
 _LOWEST = 120  # halvings of the scale, below which it is a power of time
 _NARROWEST = 2.0**-30  # stretch, in log₂ of time: what is not smooth on it is a jump, or rounding
 _NOISE = 1e-9  # what is smaller, and does not fall with the stretch, is no shape but rounding
-_UNDERFLOW = -600.0  # a logarithm below which zeros are not of the function but of what it is made of
+_UNDERFLOW = -600.0  # a logarithm below which a function that begins is made of what underflows
 _AT_ONCE = 200_000  # places looked up together
 
 
@@ -95,17 +95,18 @@ class _Piece:
             nodes = self._begin + self._unit * 2.0 ** (starts[:, None] + width * (_NODES + 1) / 2)
             values = self._log_f(nodes.ravel()).reshape(nodes.shape)
             zero, highest = values == -np.inf, values.max(axis=1)
-            narrow = (width <= _NARROWEST) | ((width < 0.01) & (highest < _UNDERFLOW))
-            level = (highest < -FARTHEST) | (narrow & zero.any(axis=1))
             fits = np.where(zero, 0.0, values) @ _FIT.T
-            fits[level] = 0.0
-            fits[level, 0] = highest[level]
             rough = np.abs(fits[:, -3:]).max(axis=1)
+            size = 1 + np.abs(np.where(zero, 0.0, values)).max(axis=1)
             # Times near ``begin`` have lost digits to it, and weigh the less.
             lost = 1e-15 * self._begin / (self._unit * 2.0**starts)
-            size = 1 + np.abs(np.where(zero, 0.0, values)).max(axis=1)
             fine = (rough <= 1e-13 * size + lost) | ((rough < _NOISE * size) & (rough > parent / 2))
-            fine = level | (fine & ~zero.any(axis=1)) | (width <= _NARROWEST)
+            fine &= ~zero.any(axis=1)
+            underflows = (values[:, 0] <= values[:, -1]) & (highest < _UNDERFLOW) & (width < 0.5)
+            level = (highest < -FARTHEST) | (~fine & (underflows | (zero.any(axis=1) & (width <= _NARROWEST))))
+            fits[level] = 0.0
+            fits[level, 0] = highest[level]
+            fine |= level | (width <= _NARROWEST)
             made.append((starts[fine], np.full(np.count_nonzero(fine), width), fits[fine]))
             starts, parent, width = starts[~fine], np.repeat(rough[~fine], 2), width / 2
             starts = np.add.outer(starts, (0.0, width)).ravel()
