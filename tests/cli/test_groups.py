@@ -69,3 +69,35 @@ def test_chance_knows_what_fails_together(inside: Callable[..., Any], tmp_path: 
     expected = math.exp(-0.01) * (1 - (1 - math.exp(-0.09)) ** 2)
     error = math.sqrt(expected * (1 - expected) / 100_000)
     assert found["probability"] == pytest.approx(expected, abs=5 * error)
+
+
+REFUSED = {
+    "a shared load": "{load_sharing: {of: [A, B, C], exponent: 2}}",
+    "two of three warm": "{standby: {of: [A, B, C], active: 2, dormancy: 0.1}}",
+    "cold, not equal": "{standby: {of: [A, B, D], active: 2}}",
+    "in a function": "A\nfunctions: {lift: {load_sharing: {of: [B, C, D], exponent: 2}}}",
+}
+
+
+@pytest.mark.parametrize("diagram", REFUSED.values(), ids=REFUSED.keys())
+def test_what_a_command_refuses_check_refuses(inside: Callable[..., Any], tmp_path: Path, diagram: str) -> None:
+    """In the same words, and with the same exit code."""
+    parts = ", ".join(f"{name}: {{rate: 1e-3 /h, life: {{distribution: weibull, shape: {shape}}}}}"
+                      for name, shape in zip("ABCD", (2, 2, 2, 3), strict=True))  # fmt: skip
+    text = f"schema_version: 1\nname: R\ncomponents: {{{parts}}}\ntask: {{duration: 1 h}}\ndiagram: {diagram}\n"
+    (tmp_path / "robot.yaml").write_text(text)
+    checked = inside("check", "robot.yaml")
+    assert checked.returncode == 3
+    assert checked.stdout == ""
+    says = checked.stderr.splitlines()[-1].removeprefix("error: robot.yaml: ")
+    for command in ("show", "report", "task", "predict", "importance", "cutsets"):
+        refused = inside(command, "robot.yaml")
+        assert refused.returncode in (0, 3)
+        if refused.returncode:
+            assert refused.stderr.splitlines()[-1] == f"error: {says}"
+    assert inside("show", "robot.yaml").returncode == 3
+
+
+def test_what_commands_take_check_takes(inside: Callable[..., Any], tmp_path: Path) -> None:
+    (tmp_path / "robot.yaml").write_text(DESIGN)
+    assert inside("check", "robot.yaml").returncode == 0

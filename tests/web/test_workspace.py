@@ -151,3 +151,15 @@ def test_what_is_no_file_of_edits_is_left_alone(path):
     assert path.with_name("courier.yaml.edits").read_text() == "something else"
     with pytest.raises(DesignError, match="no such folder"):
         Workspace(path.parent / "nowhere" / "robot.yaml")
+
+
+def test_a_design_for_which_there_are_no_figures_is_no_design_without_problems(path):
+    """Three parts that age share a load: the robot can be drawn and saved, but nothing computed."""
+    pump = "pump: {rate: 1e-3 /h, quantity: 3, life: {distribution: weibull, shape: 2}}"
+    path.write_text(f"schema_version: 1\nname: R\ncomponents: {{{pump}}}\n"
+                    "diagram: {load_sharing: {of: [pump], exponent: 2}}\n")  # fmt: skip
+    checked = Workspace(path).check()
+    (problem,) = checked.problems
+    assert problem.level == "error"
+    assert "no exact solution" in problem.message
+    assert checked.robot is not None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -70,6 +70,8 @@ class Group(Unit):
     """
 
     members: tuple[tuple[str, ...], ...]
+    always: frozenset[str] = field(default=frozenset(), kw_only=True)
+    """Units of members that age as if they stood alone, whoever works: what members depend on."""
 
     def __post_init__(self) -> None:
         """Check what the members are: StructureError where one is in the group twice, or alone."""

@@ -18,7 +18,7 @@ MOST_PROBLEMS = 500
 
 @dataclass(frozen=True)
 class Problem:
-    """What is wrong ("error": no robot can be made of it) or odd ("warning") at a place of the file."""
+    """What is wrong ("error": no robot can be made of it, or no figures given) or odd ("warning") at a place."""
 
     level: Literal["error", "warning"]
     place: Path

@@ -134,34 +134,58 @@ class Wiring:
         factors = tuple(said.factors or ()) or blocks.equal_share(len(members), said.k, said.exponent or 0.0)
         return blocks.LoadSharing(name, tuple(members), said.k, factors)
 
-    def _expand_group(self, level: str, group: blocks.Group, place: Path) -> blocks.Group:
-        """The group down to units, once for each name."""
-        members = []
-        for (path,) in group.members:
-            parts = series(self.path(level, path, place))
-            if parts is None:
-                raise Fault(
-                    place, f"'{path}' is not of parts in series; expected a part, or a module of parts in series"
-                )
-            for unit in parts:
-                component = self.components.get(unit.partition("[")[0])
-                if not component:
-                    raise Fault(
-                        place, f"'{path}' may fail together with others ({unit}); expected a part that does not"
-                    )
-                for mode in component.modes:
-                    if mode.scaling == "hazard":
-                        raise Fault(place, f"{mode.path}: scaling 'hazard' in a group of parts; expected 'age'")
-                    if mode.uncertainty:
+    def _expand_group(self, level: str, group: blocks.Group, place: Path) -> blocks.Block:
+        """The group down to units, once for each name; in series with what all its members depend on.
+
+        What one member alone depends on is part of it, and ages whichever works.
+        """
+        paths = [path for (path,) in group.members]
+        needed = [series(self.path(level, path, place)) for path in paths]
+        common = [
+            block for block in needed[0]
+            if all(block in others for others in needed[1:]) and not self._of_members(paths, block)
+        ]  # fmt: skip
+        members, always = [], set[str]()
+        for path, wanted in zip(paths, needed, strict=True):
+            parts = [self._member(path, block, place) for block in wanted if block not in common]
+            for block in parts:
+                if not _within(block.name, path):
+                    always.add(block.name)
+                    others = [one for one, these in zip(paths, needed, strict=True) if one != path and block in these]
+                    if any(_within(block.name, one) for one in paths):
+                        raise Fault(place, f"'{path}' depends on '{block.name}' of its own group; expected on others")
+                    if others:
                         raise Fault(
-                            place, f"{mode.path}: 'uncertainty' in a group of parts; expected a rate that is exact"
-                        )
-            members.append(parts)
-        found = replace(group, members=tuple(members))
+                            place, f"'{path}' and '{others[0]}' depend on '{block.name}', others of their group do "
+                            "not; expected that one does, or all",
+                        )  # fmt: skip
+            members.append(tuple(block.name for block in parts))
+        found = replace(group, members=tuple(members), always=frozenset(always))
         if self.groups.setdefault(group.name, found) != found:
             raise Fault(place, f"{group.name}: drawn elsewhere with other numbers; expected the same")
         self.group_places.setdefault(group.name, place)
-        return found
+        return blocks.Series(found, *common) if common else found
+
+    def _member(self, path: str, block: blocks.Block, place: Path) -> blocks.Unit:
+        """The unit that a block in series in a member of a group has to be. Raises Fault."""
+        if not isinstance(block, blocks.Unit) or isinstance(block, blocks.Group):
+            raise Fault(place, f"'{path}' is not of parts in series; expected a part, or a module of parts in series")
+        component = self.components.get(block.name.partition("[")[0])
+        if not component:
+            raise Fault(place, f"'{path}' may fail together with others ({block.name}); expected a part that does not")
+        for mode in component.modes:
+            if mode.scaling == "hazard":
+                raise Fault(place, f"{mode.path}: scaling 'hazard' in a group of parts; expected 'age'")
+            if mode.uncertainty:
+                raise Fault(place, f"{mode.path}: 'uncertainty' in a group of parts; expected a rate that is exact")
+        return block
+
+    def _of_members(self, paths: Iterable[str], block: blocks.Block) -> bool:
+        """Whether it is a part of a member of a group, or a cause by which such may fail together."""
+        return isinstance(block, blocks.Unit) and any(
+            any(_within(unit, path) for path in paths)
+            for unit in (block.name, *(unit for unit, causes in self.causes.items() if block.name in causes))
+        )
 
     def check_groups(self, used: Iterable[str]) -> None:
         """Raise Fault where a member of a group is drawn outside it too."""
@@ -172,7 +196,12 @@ class Wiring:
                 if other != name:
                     raise Fault(self.group_places[name], f"'{unit}' is a member of two groups; expected of one")
         if alone := next((unit for unit in sorted(used) if unit in of), None):
-            raise Fault(self.group_places[of[alone]], f"'{alone}' is drawn outside its group too; expected in it alone")
+            always = alone in self.groups[of[alone]].always
+            raise Fault(
+                self.group_places[of[alone]],
+                f"'{alone}', on which a member depends, is needed outside the group too; expected that all members do"
+                if always else f"'{alone}' is drawn outside its group too; expected in it alone",
+            )  # fmt: skip
 
     def _is_part(self, level: str, name: str) -> bool:
         path = (name[1:] if name.startswith("/") else _join(level, name)).partition("[")[0]
@@ -261,21 +290,24 @@ class Wiring:
         return blocks.with_blocks(block, [self._expand(level, child, place) for child in block.blocks])
 
 
-def series(block: blocks.Block) -> tuple[str, ...] | None:
-    """The units of a diagram that are all in series; None where they are not."""
-    found: list[str] = []
+def series(block: blocks.Block) -> list[blocks.Block]:
+    """What must all work: the diagram itself, or what it is a series of, each once."""
+    found: list[blocks.Block] = []
     todo = [block]
     while todo:
         top = todo.pop()
-        if isinstance(top, blocks.Group | blocks.Network) or (isinstance(top, blocks.Parallel) and len(top.blocks) > 1):
-            return None
-        if isinstance(top, blocks.Unit):
-            found.append(top.name)
-        elif isinstance(top, blocks.KOutOfN) and top.k < len(top.blocks):
-            return None
-        else:
+        if isinstance(top, blocks.Series) or (
+            isinstance(top, blocks.Parallel | blocks.KOutOfN) and getattr(top, "k", 1) == len(top.blocks)
+        ):
             todo += reversed(top.blocks)
-    return tuple(dict.fromkeys(found))
+        elif top not in found:
+            found.append(top)
+    return found
+
+
+def _within(unit: str, path: str) -> bool:
+    """Whether a unit is that part, or one in that module."""
+    return unit == path or unit.startswith(f"{path}/")
 
 
 def _join(level: str, name: str) -> str:

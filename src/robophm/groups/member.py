@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robophm.groups.path import Array, Path
+from robophm.groups.table import SMALLEST
 from robophm.life.distribution import LifeDistribution
 from robophm.life.exponential import Exponential
 
@@ -23,6 +24,8 @@ class Mode:
     """At the start of the path."""
     multiplicity: float = 1.0
     """Equal parts in series that it is of."""
+    always: bool = False
+    """Whether it ages as if it stood alone, whether its member waits, works, or bears more than its share."""
 
     @property
     def constant_rate(self) -> bool:
@@ -35,7 +38,7 @@ Member = Sequence[Mode]
 
 def alike(members: Sequence[Member], path: Path) -> bool:
     """Whether all have the same lives and ages, and age alike."""
-    kinds = {tuple((mode.life, mode.age, mode.multiplicity) for mode in member) for member in members}
+    kinds = {tuple((mode.life, mode.age, mode.multiplicity, mode.always) for mode in member) for member in members}
     if len(kinds) > 1:
         return False
     return all(
@@ -45,24 +48,27 @@ def alike(members: Sequence[Member], path: Path) -> bool:
     )
 
 
+def _waiting(mode: Mode, dormancy: float) -> float:
+    """The share of its speed at which it ages while its member waits."""
+    return 1.0 if mode.always else dormancy
+
+
 def waiting_hazard(member: Member, path: Path, s: Array, dormancy: float) -> Array:
     """Cumulative hazard that a spare gathers while it waits from the start to ``s``."""
-    total = np.zeros(np.shape(s))
-    if dormancy > 0:
-        ages = path.at(s)
-        for mode in member:
-            total += mode.multiplicity * mode.life.increment(mode.age, dormancy * ages[mode.column])
+    total, ages = np.zeros(np.shape(s)), path.at(s)
+    for mode in member:
+        if share := _waiting(mode, dormancy):
+            total += mode.multiplicity * mode.life.increment(mode.age, share * ages[mode.column])
     return total
 
 
 def waiting_more(member: Member, path: Path, s: Array, length: Array, dormancy: float) -> Array:
     """What it gathers in the stretch after ``s``."""
-    total = np.zeros(np.broadcast(s, length).shape)
-    if dormancy > 0:
-        ages, more = path.at(s), path.between(s, length)
-        for mode in member:
-            age = mode.age + dormancy * ages[mode.column]
-            total += mode.multiplicity * mode.life.increment(age, dormancy * more[mode.column])
+    total, ages, more = np.zeros(np.broadcast(s, length).shape), path.at(s), path.between(s, length)
+    for mode in member:
+        if share := _waiting(mode, dormancy):
+            age = mode.age + share * ages[mode.column]
+            total += mode.multiplicity * mode.life.increment(age, share * more[mode.column])
     return total
 
 
@@ -73,7 +79,7 @@ def working_hazard(member: Member, path: Path, since: Array, length: Array, dorm
     ages, gained = path.at(since), path.between(since, length)
     more = gained if then is None else path.between(since + length, then)
     for mode in member:
-        age = mode.age + dormancy * ages[mode.column]
+        age = mode.age + _waiting(mode, dormancy) * ages[mode.column]
         if then is not None:
             age = age + gained[mode.column]
         total = total + mode.multiplicity * mode.life.increment(age, more[mode.column])
@@ -89,10 +95,10 @@ def log_density(member: Member, path: Path, since: Array, length: Array, end: Ar
     piece = path.piece(end)
     hazard, lived = np.zeros(np.broadcast(since, length).shape), np.zeros(np.broadcast(since, length).shape)
     for mode in member:
-        age = mode.age + dormancy * ages[mode.column]
+        age = mode.age + _waiting(mode, dormancy) * ages[mode.column]
         speed = path.speed[piece, mode.column]
         here = mode.life.hazard(age + gained[mode.column])
         hazard = hazard + np.where(speed > 0, mode.multiplicity * speed * np.minimum(here, 1e300), 0.0)
         lived = lived + mode.multiplicity * mode.life.increment(age, gained[mode.column])
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where((lived > 1e100) | (hazard == 0), -np.inf, np.log(hazard) - lived)
+        return np.where((lived > 1e100) | (hazard < SMALLEST), -np.inf, np.log(hazard) - lived)

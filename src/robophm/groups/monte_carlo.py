@@ -7,7 +7,7 @@ stands in for them where there is none.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -143,10 +143,10 @@ class _Toss:
                 self._known[unit.name] = toss(float(np.exp(-lived)), self._words, self._random)
         return self._known[unit.name]
 
-    def _life(self, member: Sequence[str]) -> Array:
-        """How many hours of work a member of a group has in it; shape (samples,)."""
+    def _life(self, units: Iterable[str]) -> Array:
+        """How many hours of work units in series have in them; shape (samples,)."""
         shortest = np.full(64 * self._words, np.inf)
-        for wear in (wear for unit in member for wear in self._units[unit]):
+        for wear in (wear for unit in units for wear in self._units[unit]):
             if wear.speed > 0:
                 budget = self._random.standard_exponential(len(shortest)) / wear.multiplicity
                 end = wear.life.age_at(float(wear.life.increment(0.0, wear.age)) + budget)
@@ -155,20 +155,34 @@ class _Toss:
 
     def _group(self, group: Group) -> Array:
         """When it fails [h]; shape (samples,)."""
-        lives = [self._life(member) for member in group.members]
+        lives = [self._life(unit for unit in member if unit not in group.always) for member in group.members]
+        lasts = [self._life(unit for unit in member if unit in group.always) for member in group.members]
         if isinstance(group, Standby):
-            return self._standby(group, lives)
+            return self._standby(group, lives, lasts)
         assert isinstance(group, LoadSharing)
-        ends = np.sort(np.array(lives), axis=0)[: len(group.factors)]
-        shared: Array = (np.diff(ends, axis=0, prepend=0.0) / np.array(group.factors)[:, None]).sum(axis=0)
-        return shared
+        return self._sharing(group, np.array(lives), np.array(lasts))
 
-    def _standby(self, group: Standby, lives: Sequence[Array]) -> Array:
-        ends = np.array(lives[: group.active])
+    @staticmethod
+    def _sharing(group: LoadSharing, lives: Array, lasts: Array) -> Array:
+        """Of lives by the load borne, and of what members depend on by the clock; shapes (members, samples)."""
+        borne, now = np.zeros(lives.shape[1]), np.zeros(lives.shape[1])
+        for factor in group.factors:
+            ends = now + np.where(lives < np.inf, lives - borne, np.inf) / factor
+            np.minimum(ends, lasts, out=ends)
+            first = np.argmin(ends, axis=0)[None]
+            then = np.take_along_axis(ends, first, axis=0)[0]
+            borne, now = borne + np.where(then < np.inf, factor * (then - now), 0.0), then
+            np.put_along_axis(lives, first, np.inf, axis=0)
+            np.put_along_axis(lasts, first, np.inf, axis=0)
+        return now
+
+    def _standby(self, group: Standby, lives: Sequence[Array], lasts: Sequence[Array]) -> Array:
+        """Of lives by work, and of what members depend on by the clock."""
+        ends = np.minimum(lives[: group.active], lasts[: group.active])
         every = np.arange(ends.shape[1])
         failed = np.full(len(every), np.inf)  # when a switch did not come off
         called = np.full(len(every), -1.0)  # when a switch was called for last
-        for spare in lives[group.active :]:
+        for spare, until in zip(lives[group.active :], lasts[group.active :], strict=True):
             place = np.argmin(ends, axis=0)
             now = ends[place, every]
             if group.switch < 1:  # one call for each failure, however many dead spares are passed over
@@ -176,8 +190,8 @@ class _Toss:
                 called = now
                 missed = new & (self._random.random(len(every)) >= group.switch)
                 failed = np.where(missed & (failed == np.inf), now, failed)
-            waits = spare > group.dormancy * now
-            ends[place[waits], every[waits]] = (now + spare - group.dormancy * now)[waits]
+            waits = (spare > group.dormancy * now) & (until > now)
+            ends[place[waits], every[waits]] = np.minimum(now + spare - group.dormancy * now, until)[waits]
         first: Array = np.minimum(ends.min(axis=0), failed)
         return first
 

@@ -48,9 +48,9 @@ class Positions(Solved):
             LogTable(partial(self._place.serves, i), self._place.breaks, scale) for i in range(1, self._spares + 1)
         ]
 
-    def over(self, s: Array) -> np.ndarray:
+    def over(self, s: Array, length: Array) -> np.ndarray:
         """Where no place could have had enough."""
-        return self._place.over(s)
+        return self._place.over(s, length)
 
     def _counts(self, places: int, s: Array) -> list[Array]:
         """ln P(so many failures in some places until s), 0 … as many as there are spares."""

@@ -1,7 +1,8 @@
 """Integrals of positive functions that are given by their logarithms, many at once, to about 1e-13 of each.
 
 A substitution takes the edge off both ends, where densities begin as powers of time; then panels are halved until
-halving changes nothing. Every weight is positive, so that nothing cancels, and no value is too small.
+halving changes nothing and none can hide a peak. Every weight is positive, so that nothing cancels, and what an
+integral is measured by follows the highest value seen so far, so that no value is too small.
 """
 
 from __future__ import annotations
@@ -22,72 +23,85 @@ TOLERANCE = 5e-14
 _HALVINGS = 60
 _PANELS = 4  # to begin with
 _MOST_PANELS = 100_000  # of so many that are still rough, what they are off by evens out
-_FAINTEST = -2000.0  # a logarithm below which only its size matters
 _AT_ONCE = 400_000  # numbers that one array may hold: more take turns
+_RESOLVED = 0.01  # a panel whose halves agree with it so well has no peak between its nodes
+_FAINTEST = -1e12  # a logarithm below which only its size matters
+_OVERSHOOT = 0.02  # of the span of the logarithms on a panel, by which a peak may exceed the highest of them
 
 _x, _w = np.polynomial.legendre.leggauss(16)
-_NODES, _WEIGHTS = (_x + 1) / 2, np.log(_w / 2)
+_NODES = np.concatenate(([0.0], (_x + 1) / 2, [1.0]))  # at its edges a panel is seen, but not weighed
+with np.errstate(divide="ignore"):
+    _WEIGHTS = np.log(np.concatenate(([0.0], _w / 2, [0.0])))
 
 
 def log_integral(log_f: LogFunction, low: Array, high: Array, breaks: Sequence[float] = ()) -> Array:
     """ln ∫ f from ``low`` to ``high``, arrays of shape (integrals,); f may bend at ``breaks``. −inf where empty."""
     which, start, end = _between_breaks(low, high, breaks)
-    top, total = np.full(len(low), -np.inf), np.zeros(len(low))
     panel = np.repeat(np.arange(len(which)), _PANELS)
     left = np.tile(np.arange(_PANELS) / _PANELS, len(which))
     width = np.full(len(panel), 1 / _PANELS)
 
-    def logs(panel: Rows, left: Array, width: Array) -> Array:
-        """Of the integral over each panel, by Gauss's rule."""
-        found = np.empty(len(panel))
+    def logs(panel: Rows, left: Array, width: Array) -> tuple[Array, Array]:
+        """Of the integral over each panel, by Gauss's rule, and of what it surely does not exceed."""
+        found, bound = np.empty(len(panel)), np.empty(len(panel))
         turn = _AT_ONCE // len(_NODES)
         for i in range(0, len(panel), turn):
             some = slice(i, i + turn)
             x = left[some, None] + width[some, None] * _NODES
-            x_rest = 1 - left[some, None] - width[some, None] * _NODES
+            x_rest = np.maximum(1 - left[some, None] - width[some, None] * _NODES, 0.0)
             a, b, at = start[panel[some], None], end[panel[some], None], which[panel[some], None]
             length = b - a
             share, rest = _smooth(x), _smooth(x_rest)
             place = np.where(share < 0.5, a + length * share, b - length * rest)
             to_end = length * rest + (high[at] - b)
-            with np.errstate(divide="ignore"):
-                steep = np.log(140 * length) + 3 * (np.log(x) + np.log(np.maximum(x_rest, 0.0)))
-            values = log_f(np.broadcast_to(at, place.shape), place, to_end) + steep
-            peak = np.max(values, axis=1, initial=-np.inf)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                steep = np.log(140 * length) + 3 * (np.log(x) + np.log(x_rest))
+                values = log_f(np.broadcast_to(at, place.shape), place, to_end) + steep
+            values = np.where(steep > -np.inf, values, -np.inf)
+            peak = np.max(values, axis=1)
             safe = np.where(np.isfinite(peak), peak, 0.0)
             with np.errstate(divide="ignore"):
                 sums = np.log(np.exp(values - safe[:, None] + _WEIGHTS).sum(axis=1))
+            lowest = np.min(values, axis=1, where=values > -np.inf, initial=np.inf)
+            span = np.where(np.isfinite(peak), peak - np.minimum(lowest, safe), 0.0)
             found[some] = safe + sums + np.log(width[some])
-        return found
+            bound[some] = peak + _OVERSHOOT * span + np.log(width[some])
+        return found, bound
 
-    whole = logs(panel, left, width)
+    top, total = np.full(len(low), -np.inf), np.zeros(len(low))
+    whole, bound = logs(panel, left, width)
     np.maximum.at(top, which[panel], whole)
-    shift = np.where(np.isfinite(top), top, 0.0)
-    estimate = np.zeros(len(low))
-    np.add.at(estimate, which[panel], np.exp(whole - shift[which[panel]]))
-    todo = top[which[panel]] > -np.inf
+    todo = bound > -np.inf
     panel, left, width, whole = panel[todo], left[todo], width[todo], whole[todo]
     for halving in range(_HALVINGS):
         if not len(panel):
             break
         width = width / 2
-        first, second = logs(panel, left, width), logs(panel, left + width, width)
+        halves = np.concatenate((left, left + width))
+        both, bound = logs(np.tile(panel, 2), halves, np.tile(width, 2))
+        (first, second), bound = np.split(both, 2), bound.reshape(2, -1).max(axis=0)
         of = which[panel]
-        one, two, before = (np.exp(np.minimum(log - shift[of], 600.0)) for log in (first, second, whole))
-        np.add.at(estimate, of, one + two - before)
+        before = top.copy()
+        np.maximum.at(top, of, np.maximum(first, second))
+        shift = np.where(np.isfinite(top), top, 0.0)
+        with np.errstate(invalid="ignore"):
+            total *= np.where(before > -np.inf, np.exp(before - shift), 0.0)
+        parts, one = (np.exp(log - shift[of]) for log in (np.logaddexp(first, second), whole))
+        most = np.exp(np.minimum(bound - shift[of], 600.0))
+        estimate = total + np.bincount(of, parts, len(low))
         # What a logarithm of that size, and a place so near to where the stretch begins, have left of their digits.
-        rounding = 1e-15 * (16 + np.abs(shift[of]) + 8 * (end / (end - start))[panel]) * before
-        enough = np.abs(one + two - before) <= TOLERANCE * estimate[of] + rounding
-        if halving == 0:
-            enough |= shift[of] < _FAINTEST
+        rounding = 1e-15 * (16 + 8 * np.abs(shift[of]) + 8 * (end / (end - start))[panel]) * one
+        off, allowed = np.abs(parts - one), TOLERANCE * estimate[of]
+        enough = (off <= allowed + rounding) & ((off <= _RESOLVED * parts) & (parts > 0) | (most <= allowed))
+        enough |= shift[of] < _FAINTEST
         if halving == _HALVINGS - 1 or len(panel) > _MOST_PANELS:
             enough[:] = True
-        np.add.at(total, of[enough], (one + two)[enough])
+        total += np.bincount(of[enough], parts[enough], len(low))
         more = ~enough
         panel, left = np.repeat(panel[more], 2), np.column_stack((left[more], left[more] + width[more])).ravel()
         width, whole = np.repeat(width[more], 2), np.column_stack((first[more], second[more])).ravel()
     with np.errstate(divide="ignore"):
-        result: Array = np.log(total) + shift
+        result: Array = np.log(total) + np.where(np.isfinite(top), top, 0.0)
     return result
 
 

@@ -24,6 +24,7 @@ from robophm.groups.state import Solved, log_fails, log_outlives
 from robophm.groups.table import LogTable
 
 _OVER = 1000.0  # a cumulative hazard that nothing outlives
+_PARTS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
 class InOrder(Solved):
@@ -57,13 +58,16 @@ class InOrder(Solved):
         lived = working_hazard(self._members[0], self._path, np.zeros_like(s), s, self._dormancy)
         return float(s[min(int(np.argmax(lived > 1)), len(s) - 1)])
 
-    def over(self, s: Array) -> npt.NDArray[np.bool_]:
-        """One member has worked for its share of the time, or the group has failed."""
-        share = s / len(self._members)
+    def over(self, s: Array, length: Array) -> npt.NDArray[np.bool_]:
+        """One member works for its share of the stretch: fresh, or having worked for a part of the time before."""
+        share = length / len(self._members)
         found = np.ones(len(s), dtype=bool)
         for member in self._members:
-            for since in (np.zeros_like(s), s - share):
-                found &= working_hazard(member, self._path, since, share, self._dormancy) > _OVER
+            for part in _PARTS:
+                begin = s + (length - share) * part
+                for since in (begin, s * part):
+                    hazard = working_hazard(member, self._path, since, begin - since, self._dormancy, share)
+                    found &= hazard > _OVER
         return found
 
     # Spares that wait: alive at s, dead at s, or either, consistent with what is known; logarithms.

@@ -13,7 +13,7 @@ import numpy as np
 
 from robophm.blocks.diagram import LoadSharing
 from robophm.core.errors import StructureError
-from robophm.groups.member import Member, alike
+from robophm.groups.member import Member, Mode, alike
 from robophm.groups.path import Array, Path, Rows
 from robophm.groups.quadrature import log_integral, log_sum
 from robophm.groups.state import Solved, log_fails, log_outlives
@@ -43,7 +43,7 @@ class Sharing(Solved):
         more = None if then is None else self._path.between(s + length, then)
         total = np.zeros(np.broadcast(s, length).shape)
         for mode in self._member:
-            i, (slow, fast) = mode.column, self._factors
+            i, (slow, fast) = mode.column, self._speeds(mode)
             age = mode.age + slow * ages[i]
             if more is None:
                 total = total + mode.multiplicity * mode.life.increment(age, fast * gained[i])
@@ -57,23 +57,27 @@ class Sharing(Solved):
         more = None if length is None else self._path.between(s, length)
         total = np.zeros(np.shape(s))
         for mode in self._member:
-            i, slow = mode.column, self._factors[0]
+            i, (slow, _) = mode.column, self._speeds(mode)
             if more is None:
                 total = total + mode.multiplicity * mode.life.increment(mode.age, slow * ages[i])
             else:
                 total = total + mode.multiplicity * mode.life.increment(mode.age + slow * ages[i], slow * more[i])
         return total
 
-    def _log_rate(self, s: Array, length: Array, factor: float) -> Array:
-        """ln of one part's hazard rate, all having worked until s, per unit of s, after ``length`` more."""
+    def _speeds(self, mode: Mode) -> tuple[float, float]:
+        """How much faster than the path it ages while all work, and once one has failed."""
+        return (1.0, 1.0) if mode.always else (self._factors[0], self._factors[1])
+
+    def _log_rate(self, s: Array, length: Array, lost: int) -> Array:
+        """ln of one part's hazard rate, all having worked until s, per unit of s, ``length`` later, so many lost."""
         ages, gained = self._path.at(s), self._path.between(s, length)
         piece = self._path.piece(s + length)
         rate = np.zeros(np.broadcast(s, length).shape)
         for mode in self._member:
-            i, (slow, fast) = mode.column, self._factors
+            i, (slow, fast) = mode.column, self._speeds(mode)
             here = np.minimum(mode.life.hazard(mode.age + slow * ages[i] + fast * gained[i]), 1e300)
             speed = self._path.speed[piece, i]
-            rate = rate + np.where(speed > 0, mode.multiplicity * factor * speed * here, 0.0)
+            rate = rate + np.where(speed > 0, mode.multiplicity * (slow, fast)[lost] * speed * here, 0.0)
         with np.errstate(divide="ignore"):
             return np.log(rate)
 
@@ -82,7 +86,7 @@ class Sharing(Solved):
         n, lived = self._n, self._whole_hazard(s)
         with np.errstate(divide="ignore"):
             count = np.log(np.where((s < self.now) & (until >= self.now), self._may, n if self._whole else 0))
-        return count + self._log_rate(s, np.zeros_like(s), self._factors[0]) + log_outlives(n * lived)
+        return count + self._log_rate(s, np.zeros_like(s), 0) + log_outlives(n * lived)
 
     def log_works(self, s: Array) -> Array:
         """As of Solved."""
@@ -114,8 +118,8 @@ class Sharing(Solved):
 
         def second(which: Rows, since: Array, length: Array) -> Array:
             lived = log_outlives((self._n - 1) * self._hazard(since, length))
-            rate = self._log_rate(since, length, (self._n - 1) * self._factors[1])
-            return self._first(since, s[which]) + lived + rate
+            rate = self._log_rate(since, length, 1)
+            return self._first(since, s[which]) + lived + rate + float(np.log(self._n - 1))
 
         return log_integral(second, np.zeros(len(s)), s, self._breaks)
 

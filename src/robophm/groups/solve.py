@@ -28,7 +28,8 @@ def solve(
         return Chain(group, members, path, now, status)
     if isinstance(group, Standby) and group.active == 1:
         return InOrder(group, members, path, now, status)
-    if isinstance(group, Standby) and group.dormancy == 0 and alike(members, path):
+    cold = not any(mode.always for member in members for mode in member) and getattr(group, "dormancy", 1.0) == 0
+    if isinstance(group, Standby) and cold and alike(members, path):
         return Positions(group, members, path, now, status)
     if isinstance(group, LoadSharing) and len(group.factors) == 2 and alike(members, path):
         return Sharing(group, members, path, now, status)

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.groups.path import Array
+from robophm.groups.table import FARTHEST, SMALLEST
 
 
 class Solved(ABC):
@@ -25,6 +26,10 @@ class Solved(ABC):
     def log_fails_in(self, s: Array, length: Array) -> Array:
         """ln P(works at s, fails in the stretch after it, and what is known); no corner lies within."""
 
+    def log_stays(self, s: Array, length: Array, works: Array) -> Array:
+        """ln P(works at the end of the stretch after s | ``works`` at s, ln of its P); no corner lies within."""
+        return self.log_works(s + length) - works
+
     @abstractmethod
     def log_density(self, s: Array) -> Array:
         """ln of the failure density at s, and what is known; per unit of s."""
@@ -32,14 +37,15 @@ class Solved(ABC):
     def lived(self, s: Array, length: Array) -> Array:
         """What a stretch adds to the cumulative hazard of the group, given that it works at its beginning."""
         hazard = np.where(length > 0, np.inf, 0.0)
-        todo = (length > 0) & ~self.over(s + length)
-        hazard[todo] = self._lived(s[todo], length[todo])
+        todo = (length > 0) & ~self.over(s, length)
+        if todo.any():
+            hazard[todo] = self.gathered(s[todo], length[todo])
         return hazard
 
-    def _lived(self, s: Array, length: Array) -> Array:
-        if not len(s):
-            return np.zeros(0)
+    def gathered(self, s: Array, length: Array) -> Array:
+        """The same, though it be far more than can be outlived; infinite beyond FARTHEST."""
         works = self.log_works(s)
+        works = np.where(works < -FARTHEST, -np.inf, works)
         with np.errstate(invalid="ignore"):
             fails = np.exp(np.minimum(self.log_fails_in(s, length) - works, 0.0))
         hazard = np.zeros(len(s))
@@ -47,12 +53,12 @@ class Solved(ABC):
         hazard[small] = -np.log1p(-fails[small])
         large = ~small & (works > -np.inf)
         if large.any():
-            hazard[large] = works[large] - self.log_works((s + length)[large])
+            hazard[large] = -self.log_stays(s[large], length[large], works[large])
         hazard[works == -np.inf] = np.inf
         return np.maximum(hazard, 0.0)
 
-    def over(self, s: Array) -> npt.NDArray[np.bool_]:
-        """Where it is plain that nothing works any more: with a probability below exp(−1000)."""
+    def over(self, s: Array, length: Array) -> npt.NDArray[np.bool_]:
+        """Where it is plain that no group that works at s outlives the stretch: but one of exp(1000)."""
         return np.zeros(len(s), dtype=bool)
 
     def rate(self, s: Array) -> Array:
@@ -64,7 +70,8 @@ class Solved(ABC):
 
 
 def log_fails(hazard: Array) -> Array:
-    """ln(1 − exp(−H))."""
+    """ln(1 − exp(−H)); −inf of an H with hardly any digits left."""
+    hazard = np.where(hazard < SMALLEST, 0.0, hazard)
     with np.errstate(divide="ignore"):
         found: Array = np.where(hazard < 0.6931, np.log(-np.expm1(-hazard)), np.log1p(-np.exp(-hazard)))
     return found

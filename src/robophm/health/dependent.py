@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
-ModeOf = tuple[int, LifeDistribution, float]
-"""A failure mode of a member: its index among the robot's, its life, and how many equal parts in series it is of."""
+ModeOf = tuple[int, LifeDistribution, float, bool]
+"""A failure mode of a member: its index among the robot's, its life, how many equal parts in series it is of, and
+whether it ages whoever works."""
 
 
 _MOMENT = 1e-9
@@ -38,21 +39,26 @@ class Held:
 
     def __init__(self, group: Group, members: Sequence[Sequence[ModeOf]]) -> None:
         self.group = group
-        self.modes = np.array(sorted({mode for member in members for mode, _, _ in member}), dtype=np.intp)
+        self.modes = np.array(sorted({mode for member in members for mode, *_ in member}), dtype=np.intp)
         """Indices among the robot's, ascending; the order of all arrays below."""
         column = {int(mode): i for i, mode in enumerate(self.modes)}
-        self._members = [[(column[mode], life, count) for mode, life, count in member] for member in members]
+        self._members = [
+            [(column[mode], life, count, always) for mode, life, count, always in member] for member in members
+        ]
         waits = getattr(group, "active", len(members))
         share = group.dormancy if isinstance(group, Standby) else 1.0
         self.share = np.ones(len(self.modes))
         """At which each ages before anything has failed."""
         for member in self._members[waits:]:
-            self.share[[i for i, _, _ in member]] = share
+            self.share[[i for i, _, _, always in member if not always]] = share
         solve(group, self.members(np.zeros(len(self.modes))), Path(len(self.modes)), 0.0)  # refused if it has to be
 
     def members(self, ages: Array) -> list[list[Mode]]:
         """The members with their failure modes at these ages."""
-        return [[Mode(i, life, float(ages[i]), count) for i, life, count in member] for member in self._members]
+        return [
+            [Mode(i, life, float(ages[i]), count, always) for i, life, count, always in member]
+            for member in self._members
+        ]
 
 
 class Standing:
@@ -91,7 +97,7 @@ class Standing:
         """Cumulative hazard till now: 0 where something is known of a member, as then it is known whether it works."""
         if self._told:
             return np.inf if self.failed else 0.0
-        return float(self._solved(self._path).lived(np.zeros(1), np.array([self._now]))[0])
+        return float(self._solved(self._path).gathered(np.zeros(1), np.array([self._now]))[0])
 
     def to(self, aged: Array) -> Array:
         """What going on so far in one step adds, shape (modes, n) → (n,)."""

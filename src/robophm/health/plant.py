@@ -26,7 +26,7 @@ from robophm.core.errors import StructureError, nearest
 from robophm.core.given import instance
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
-from robophm.health.dependent import Held
+from robophm.health.dependent import Held, ModeOf
 from robophm.life.distribution import LifeDistribution
 from robophm.life.side_by_side import Lives, kind
 
@@ -65,7 +65,9 @@ class Plant:
         """Of each unit."""
         self.share = np.array([mode.share for mode in robot.modes])
         """Of each mode: of the hazard of its life."""
-        self.groups = tuple(Held(group, [list(self._modes_of(member)) for member in group.members]) for group in groups)
+        self.groups = tuple(
+            Held(group, [list(self._modes_of(member, group.always)) for member in group.members]) for group in groups
+        )
         self.by_age = np.array([mode.scaling == "age" for mode in robot.modes])
         self.initial = np.array([mode.initial_exposure for mode in robot.modes])
         self.usage = np.array([robot.usage.per_operating_hour(mode.clock) for mode in robot.modes])
@@ -87,12 +89,12 @@ class Plant:
         self.everything = Parts(self, [(unit,) for unit in self.units]) if groups else self.parts
         """The same, and the groups of parts that depend on each other."""
 
-    def _modes_of(self, member: Sequence[str]) -> Iterator[tuple[int, LifeDistribution, float]]:
+    def _modes_of(self, member: Sequence[str], always: frozenset[str]) -> Iterator[ModeOf]:
         """The failure modes of a member of a group: of all its units in series."""
         for unit in member:
             i = self.component_of[self.place[unit]]
             for mode in range(self.first_mode[i], self.first_mode[i + 1]):
-                yield mode, self.robot.modes[mode].life, float(self.multiplicity[i])
+                yield mode, self.robot.modes[mode].life, float(self.multiplicity[i]), unit in always
 
     @cached_property
     def alone(self) -> tuple[Block, ...]:

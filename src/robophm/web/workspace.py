@@ -12,7 +12,7 @@ import threading
 import zlib
 from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,8 @@ from robophm.core.errors import DesignError, StoreError
 from robophm.design.fault import Fault
 from robophm.design.file import MAX_BYTES, read, replace_text
 from robophm.design.naming import design_name, quoted
-from robophm.design.problems import Checked, check
+from robophm.design.problems import Checked, Problem, check
+from robophm.health.refusal import refusal
 
 VERSION = 1
 """Of the tables; kept in the file's user_version."""
@@ -144,7 +145,7 @@ class Workspace:
         with self._lock:
             text = self.draft().text if text is None else text
             if text not in self._checked:
-                self._checked[text] = check(text)
+                self._checked[text] = _checked(text)
                 while len(self._checked) > _KEPT:
                     self._checked.popitem(last=False)
             self._checked.move_to_end(text)
@@ -260,6 +261,14 @@ class Workspace:
             with self._base:
                 self._base.execute("UPDATE here SET state = ?, revision = revision + 1", (state,))
         return self.draft()  # which takes note of the revision
+
+
+def _checked(text: str) -> Checked:
+    """What is wrong or odd in a text, and why no figures can be given for the robot that it describes."""
+    found = check(text)
+    if found.robot is None or (says := refusal(found.robot)) is None:
+        return found
+    return replace(found, problems=(Problem("error", (), says, None), *found.problems))
 
 
 def new_design(path: Path) -> str:
