@@ -234,7 +234,7 @@ FAULTS = {
         "modules/N/diagram: cycle: M → N → M contains itself",
     ),
     "robot in itself": (TWO + "diagram: {series: [A, /]}\n", 6, "diagram: cycle: the robot → the robot contains its"),
-    "unknown acceleration": (HOT.replace("q10", "q11"), 4, "no acceleration 'q11'; did you mean 'q10'?"),
+    "unknown acceleration": (HOT.replace("q10", "q11"), 4, "no acceleration 'q11'; known: arrhenius, "),
     "acceleration in words": (HOT.replace("{model: q10}", "q10"), 3, "acceleration: expected keys with values, not"),
     "acceleration parameter": (HOT.replace("q10", "q10, Q: 2"), 4, "q10 has no input 'Q'; did you mean 'q'?"),
     "acceleration of a fixed input": (
