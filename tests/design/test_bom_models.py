@@ -150,7 +150,7 @@ def test_other_semiconductors_are_as_printed_too(kind, row, facts, environment):
         ("encoder", {}, "the list does not say that it has contacts"),
         ("capacitor", {"type": "ceramic"}, "the list does not say its capacitance"),
         ("capacitor", {"type": "polymer", "capacitance": "1 uF"}, "the handbook has no polymer capacitors"),
-        ("capacitor", {"type": "ceramic", "capacitance": "9 F"}, "capacitance 9e+06 uF is outside"),
+        ("capacitor", {"type": "ceramic", "capacitance": "9 F"}, "capacitance 9000000 uF is outside"),
         ("supercapacitor", {"capacitance": "1 F"}, "no handbook has a model of a supercapacitor"),
         ("printed board", {}, "the list does not say how many plated holes it has"),
         ("", {}, "is not clear"),

@@ -41,7 +41,7 @@ FAULTS = {
     "no model": (group("of: [A, B]"), 7, "common_causes/heat: expected exactly one of beta, mgl, alpha"),
     "two models": (group("of: [A, B], beta: 0.1, mgl: [0.1]"), 7, "common_causes/heat: expected exactly one of beta"),
     "testing of beta": (group("of: [A, B], beta: 0.1, testing: staggered"), 7, "common_causes/heat: testing is of"),
-    "misspelt key": (group("of: [A, B], bta: 0.1"), 7, "common_causes/heat/bta: unknown key 'bta'; known: alpha, beta"),
+    "misspelt key": (group("of: [A, B], bta: 0.1"), 7, "common_causes/heat/bta: unknown key 'bta'; did you mean 'beta"),
     "too many letters": (group("of: [A, B], mgl: [0.1, 0.2]"), 7, "common_causes/heat: mgl has 2 letters for 2 parts"),
     "alpha of three for two": (group("of: [A, B], alpha: [0.9, 0.06, 0.04]"), 7, "common_causes/heat: alpha has 3"),
     "alpha too much": (

@@ -77,7 +77,7 @@ def _takes(entry: Input) -> str:
         return ", ".join(entry.options) if len(entry.options) <= _MANY else f"one of {len(entry.options)}, below"
     if isinstance(entry, Note):
         return "words"
-    return f"{entry.low:g} … {entry.high:g} {entry.unit}".rstrip()
+    return f"whole, {entry.span}" if entry.whole else entry.span
 
 
 def _default(entry: Input) -> str:

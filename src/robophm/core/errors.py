@@ -127,15 +127,17 @@ def _begins(one: str, other: str) -> bool:
 def _slips(one: str, other: str) -> int | None:
     """How many letters are wrong, missing, too many or exchanged with the next; None where these are two words.
 
-    A letter doubled is always a slip, and numbers that differ never. Of a short word one letter makes another word:
-    another first one up to seven letters (lamp and clamp), a wrong one up to four (belt and bolt), any up to three but
-    two exchanged (lead and led). Of more letters one slip may be for every four, and more than one not in the first.
+    A letter doubled or a last s is always a slip, and numbers that differ never. Of a short word one letter makes
+    another word: another first one up to seven letters (lamp for clamp), a wrong one up to four (belt for bolt), one
+    too many where three are meant (lead for led). Of more letters one slip may be for every four, and more than one
+    not in the first.
     """
     if one == other:
         return 0
-    if re.findall(r"\d+", one) != re.findall(r"\d+", other):
+    numbers = [re.findall(r"\d+", text) for text in (one, other)]
+    if all(numbers) and numbers[0] != numbers[1]:
         return None
-    if re.sub(r"(.)\1", r"\1", one) == re.sub(r"(.)\1", r"\1", other):
+    if re.sub(r"(.)\1|(?<=..)s$", r"\1", one) == re.sub(r"(.)\1|(?<=..)s$", r"\1", other):
         return 1
     length = min(len(one), len(other))
     most = min(max(length // 4, length // 3 == 1), 3)
@@ -143,7 +145,7 @@ def _slips(one: str, other: str) -> int | None:
         return None
     if length < 5 and len(one) == len(other) and sorted(one) != sorted(other):
         return None
-    if length < 4 and len(one) != len(other):
+    if length < 4 and len(one) > len(other):
         return None
     found = _distance(one, other)
     return found if found <= most and (found < 2 or one[0] == other[0]) else None
