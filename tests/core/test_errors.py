@@ -42,7 +42,8 @@ def test_nearest():
     [
         ("capaciter", "mil_hdbk_217f.capacitor"), ("batery", "Power/Battery"), ("mil_217f.capacitor",
          "mil_hdbk_217f.capacitor"), ("temprature", "temperature"), ("motro", "motor"), ("switching", "switch"),
-        ("FITT", "FIT"), ("stile", "style"), ("tpo", "top"), ("bta", "beta"), ("pmp", "pump"), ("fits", "FIT"), ("efort[0]", "effort[]"), ("rack panle", "rack-panel"),
+        ("FITT", "FIT"), ("stile", "style"), ("tpo", "top"), ("bta", "beta"), ("pmp", "pump"), ("fits", "FIT"),
+        ("efort[0]", "effort[]"), ("rack panle", "rack-panel"),
     ],
 )  # fmt: skip
 def test_a_slip_of_the_hand_is_understood(said, meant):

@@ -165,7 +165,8 @@ def test_a_whole_board(tmp_path):
     """As KiCad and Altium list it today: every kind is known and rated, what is no part is left out and said."""
     kinds = {
         "battery": "BT1", "capacitor": "C1, C2, C5-C9 / C3, C4 / C10", "led": "D1", "diode": "D2, D3",
-        "tvs diode": "D4", "fuse": "F1", "ferrite bead": "FB1, FB2", "connector": "J1 / J2 / J3", "relay": "K1",
+        "tvs diode": "D4", "resettable fuse": "F1",
+        "ferrite bead": "FB1, FB2", "connector": "J1 / J2 / J3", "relay": "K1",
         "inductor": "L1", "fet": "Q1", "bipolar transistor": "Q2", "resistor": "R1-R4 / R5", "potentiometer": "RV1",
         "switch": "SW1 / SW2", "microcontroller": "U1", "analog circuit": "U2 / U5", "memory": "U3", "logic": "U4",
         "microcircuit": "U6", "oscillator": "X1", "crystal": "Y1",

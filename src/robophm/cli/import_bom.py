@@ -162,8 +162,12 @@ def _print(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> N
     gone = sum(one.state == "removed" for one in found.removed)
     counts = ", ".join(f"{states[state]} {state}" for state in ("added", "changed", "unchanged", "kept"))
     written = "nothing written (dry run)" if wishes.dry_run else str(design)
-    out.print(f"{written}: {counts}, {gone} removed; {states['needs a rate']} need a rate; "
-              f"λ of the rated {rate_text(_total(found))}" + (f", of which {rate_text(_sum(guesses))} is guessed by letters alone" if guesses else ""), markup=False)  # fmt: skip
+    guessed = f", of which {rate_text(_sum(guesses))} is guessed by letters alone" if guesses else ""
+    out.print(
+        f"{written}: {counts}, {gone} removed; {states['needs a rate']} need a rate; "
+        f"λ of the rated {rate_text(_total(found))}{guessed}",
+        markup=False,
+    )
 
 
 def _by_kind(parts: Iterable[ImportedPart]) -> dict[str, list[ImportedPart]]:

@@ -9,19 +9,24 @@ from dataclasses import dataclass
 KINDS: Mapping[str, str] = {
     # From the special to the general: the first whose words are in a row is what it is. English, German, French; and
     # of semiconductors the beginnings of usual part numbers, for many lists say nothing else of them.
-    "no part": r"test ?points?|testpads?|(mounting|tooling|m[2-8](\.5)?) ?holes?|fiducials?|logo|silkscreen|solder ?jumper|"
-    r"messpunkt",
+    "no part": r"test ?points?|testpads?|(mounting|tooling|m[2-8](\.5)?) ?holes?|fiducials?|logo|silkscreen|"
+    r"solder ?jumper|messpunkt",
     "hardware": r"stand-?offs?|spacers?|screws?|bolts?|nuts?|washers?|rivets?|heat ?sinks?|schrauben?|muttern?|"
-    r"abstandsbolzen|kühlkörper|labels?|etiketten?|zip ?ties?|cable ?ties?|fasteners?",
-    "mechanical part": r"bearings?|pillow ?blocks?|bearing ?blocks?|bushings?|wheels?|casters?|castors?|tyres?|tires?|gears?|"
-    r"gear ?box(es)?|pulleys?|sprockets?|chains?|belts?|shafts?|axles?|couplers?|couplings?|springs?|brackets?|plates?|"
-    r"chassis|enclosures?|housings?|lids?|hinges?|clamps?|extrusions?|horns?|wheel ?hubs?|magnets?|o-?rings?|bumpers?|"
-    r"handles?|knobs?|caster ?balls?|ball ?casters?|(?<!panel )(?<!board )(?<!surface )(?<!chassis )(?<!hole )mounts?|"
-    r"kugellager|wälzlager|lager|zahnr[aä]d(er)?|räder|gehäuse|wellen?|federn?|roulements?|roues?|engrenages?|ressorts?",
-    "whole device": r"\w*lidars?|jetson\w*|raspberry ?pi\w*|arduino\w*|teensy\w*|beagle ?bone\w*|cameras?|webcams?|kamera|"
-    r"realsense|kinect|robo ?claw|odrive|pixhawk|escs?|imus?|gps|computers?|laptops?|tablets?|routers?|modems?|"
-    r"\w* ?boards?(?![- ](?:mount|to|edge)\w*)|(dev(elopment)? ?)?kits?|shields?|hats?|breakouts?|sd ?cards?|joysticks?|gamepads?|power ?suppl(y|ies)|"
-    r"netzteile?|power ?banks?|chargers?|ladegeräte?|usb ?hubs?|manipulators?|grippers?",
+    r"abstandsbolzen|kühlkörper|labels?|etiketten?|zip ?ties?|heat ?shrink( tub(e|ing))?|cable ?ties?|fasteners?",
+    "mechanical part": r"bearings?|(pillow|bearing) ?blocks?|bushings?|(wheel ?)?hubs?|wheels?|cast[eo]rs?|tyres?|"
+    r"tires?|"
+    r"gears?|gear ?box(es)?|pulleys?|sprockets?|chains?|belts?|shafts?|axles?|couplers?|couplings?|springs?|brackets?|"
+    r"plates?|chassis|enclosures?|housings?|lids?|hinges?|clamps?|extrusions?|horns?|magnets?|o-?rings?|bumpers?|"
+    r"handles?|knobs?|holders?|(caster ?)?balls?|(?<!panel )(?<!board )(?<!surface )(?<!chassis )(?<!hole )mounts?|"
+    r"kugellager|wälzlager|zahnr[aä]d(er)?|räder|gehäuse|wellen?|federn?|roulements?|roues?|engrenages?|ressorts?",
+    "whole device": r"\w*lidars?|jetson\w*|raspberry ?pi\w*|arduino\w*|teensy\w*|beagle ?bone\w*|cameras?|webcams?|"
+    r"kamera|real ?sense|kinect|robo ?claw|odrive|pixhawk|escs?|imus?|gps|computers?|laptops?|tablets?|routers?|"
+    r"modems?|"
+    r"\w* ?boards?(?![- ](?:mount|to|edge)\w*)|(dev(elopment)? ?)?kits?|shields?|hats?|breakouts?|sd ?cards?|"
+    r"joysticks?|"
+    r"gamepads?|power ?suppl(y|ies)|netzteile?|power ?banks?|chargers?|ladegeräte?|usb ?hubs?|manipulators?|grippers?|"
+    r"fans?|blowers?|lüfter|ventilat(or|eur)(en|s)?|"
+    r"(relay|sensor|driver|gps|charger|converter|regulator|power|radio|wi-?fi|bluetooth) ?modules?",
     "cable": r"cables?|wires?|kabel|leitung(en)?|câbles?|cords?",
     "resettable fuse": r"pptcs?|poly-?fuses?|poly-?switch(es)?|res(e|et)tt?able( fuses?)?|restt?ble|ptc[ -]?fuses?",
     "thermistor": r"thermistors?|ntc|ptc|heißleiter|kaltleiter",
@@ -54,7 +59,8 @@ KINDS: Mapping[str, str] = {
     "bipolar transistor": r"bjts?|npn|pnp|bipolar|darlington|"
     r"(bc[3-8][0-9]{2}|2n[2-6][0-9]{3}|[mp]mbt|bd[0-9]{3}|bcp5|tip[0-9]|mje[0-9]|s8[05]50)\w*",
     "transistor": r"transistors?|transistoren|igbts?",
-    "tvs diode": r"tvs|transient ?(voltage)? ?suppress\w*|esd (protection|diode)|suppressordioden?|(smaj|smbj|p6ke)\w*",
+    "tvs diode": r"tvs|transient ?(voltage)? ?suppress\w*|esd (protection|diode)|suppressordioden?|"
+    r"(smaj|smbj|p6ke|l?esd[0-9]|pesd|usblc|prtr5v)\w*",
     "zener diode": r"zener\w*|z-?dioden?|(bzx|bzt|mmsz)\w*",
     "schottky diode": r"scho?tt?ky\w*|shottky|(bat[0-9]|1n58[12]|ss[1-5][2-6]|b[0-9]{3}a|mbr)\w*",
     "rectifier": r"rectifiers?|gleichrichter|redresseur|(1n400|1n540|db10|gbu)\w*",
@@ -139,7 +145,7 @@ FAMILIES: tuple[frozenset[str], ...] = tuple(
 
 @dataclass(frozen=True)
 class Spoken:
-    """The cells of a row that may say what kind of part it is, from the surest."""
+    """The cells of a row that may say what kind of part it is."""
 
     names: tuple[str, ...]
     """What describes a part in words: description, library."""
@@ -174,7 +180,7 @@ def kind_of(letters: str, row: Spoken) -> tuple[str, str]:
         return lettered[0], ""
     if found := _named(lettered, row):
         return found, "by its words"
-    if found := _first(kinds if len(lettered) == 1 else _ELECTRONIC, row.footprint):
+    if found := _first(kinds if not _CONNECTS.isdisjoint(lettered) else _ELECTRONIC, row.footprint):
         return found, "" if found in lettered else "by its footprint"
     return (lettered[0], GUESS) if len(lettered) == 1 else ("", "")
 
@@ -184,7 +190,7 @@ def _named(lettered: tuple[str, ...], row: Spoken) -> str:
     for cell in row.names if lettered else (*row.names, row.value, row.note):
         if found := _first(_ELECTRONIC, _beginning(cell)) or _first(_ELECTRONIC, cell):
             board = not row.footprint and not lettered and found in MICROCIRCUITS and _ON_BOARDS.search(cell)
-            return DEVICE if board and not _by_number(found, f"{cell} {row.part_number}") else found
+            return DEVICE if board and not _by_number(found, f"{cell} {row.value} {row.part_number}") else found
     if lettered and not _CONNECTS.isdisjoint(lettered):
         return ""
     return next((kind for kind in _ELECTRONIC if _by_number(kind, f"{row.value} {row.part_number}")), "")
@@ -197,8 +203,13 @@ def _other_than_electronic(lettered: tuple[str, ...], row: Spoken) -> str:
         words = _beginning(cell)
         if _CATALOGUE.match(words):
             return ""
-        ends = {kind: match.end() for kind, pattern in _KIND_WORDS.items() for match in pattern.finditer(words)}
-        if ends:
+        ends = {
+            kind: match.end()
+            for kind, pattern in _KIND_WORDS.items()
+            for match in pattern.finditer(words)
+            if kind in OTHER or not re.search("[0-9]", match[0])
+        }
+        if ends:  # a number that follows is of it, and not what it is: linear bearing LM8UU
             last = max(ends, key=lambda kind: (ends[kind], kind in OTHER))
             return last if last in OTHER and not (last == DEVICE and _PACKAGE.search(row.footprint)) else ""
     marked = f"{row.value} {row.footprint}" if row.footprint else ""
@@ -241,11 +252,12 @@ _APART = re.compile(
     r"[,;:(]|\s[-–]\s|(?<=\w)\s+(?:for|with|w/?|without|to|from|of|incl|für|mit|pour|avec)(?=\s|$|/)", re.IGNORECASE
 )
 _CATALOGUE = re.compile(
-    r"(?:res|cap|conn|ic|ind|fixed ind|diode|mosfet|trans|transistor|ferrite|crystal|inductor|resistor|capacitor|header|"
+    r"(?:res|cap|conn|ic|ind|fixed ind|diode|mosfet|trans|transistor|ferrite|crystal|inductor|resistor|capacitor|"
+    r"header|"
     r"term|terminal|thermistor|filter|mcu)(?![^\W_])",
     re.IGNORECASE,
 )
-_ON_BOARDS = re.compile(r"drivers?|v?reg|regulators?|\w*regler|controllers?|converters?|dc-?dc|treiber", re.IGNORECASE)
+_ON_BOARDS = re.compile(r"drivers?|v?reg|regulators?|\w*regler|controllers?|converters?|dc-?dc|treiber", re.I)
 """What is sold as a board too; where neither letters, nor a package, nor a number speak of a circuit, it is one."""
 
 _PACKAGE = re.compile(r"(?<![A-Za-z])(?:[A-Z]*QF[NP]|LGA|[A-Z]*BGA|SO[TP]?|[A-Z]*SOP|SOIC|DFN|LCC|WLCSP)-?[0-9]")

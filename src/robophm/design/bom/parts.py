@@ -97,6 +97,12 @@ _SURFACE = re.compile(
     re.IGNORECASE,
 )
 _POSITIONS = re.compile(rf"{_NUMBER}[ -]?(?:pins?|pos(?:itions?)?|ways?|pol(?:ig)?|contacts?|p){_END}", re.IGNORECASE)
+_PINS = re.compile(rf"{_NUMBER}[ -]?(?:pins?|leads?){_END}", re.IGNORECASE)
+_LAND_PATTERN = re.compile(
+    r"(?<![A-Z])[A-Z]{2,5}[0-9]{1,3}P[0-9]{2,4}X[0-9]{2,4}(?:X[0-9]{2,4})?-([0-9]{1,4})(?![0-9])"
+)
+"""As IPC-7351 calls them: SOP50P810X120-48N."""
+
 _THROUGH_HOLE = re.compile(
     r"tht|through.?hole|radial|axial|C_Disc|C_Rect|bedrahtet|leaded|traversant|(?<![A-Za-z])[CP]?DIP(?![A-Za-z])|"
     r"TO-?(?:92|126|220|247)(?![0-9])",
@@ -212,7 +218,8 @@ class _Said:
 
     def spoken(self, row: Described) -> Spoken:
         measured = {
-            "capacitor": self.first(_CAPACITANCE, "F", self.value), "inductor": self.first(_INDUCTANCE, "H", self.value),
+            "capacitor": self.first(_CAPACITANCE, "F", self.value),
+            "inductor": self.first(_INDUCTANCE, "H", self.value),
             "resistor": self.first(_RESISTANCE, "ohm", _unit(self.value, "ohm")),
             "crystal": self.first(_FREQUENCY, "Hz", self.value),
         }  # fmt: skip
@@ -229,7 +236,7 @@ class _Said:
         found["mounting"] = self.mounting(self.footprint) or self.mounting(self.words)
         if kind in ("capacitor", "supercapacitor"):
             found |= self.capacitor(found["type"])
-        elif kind in ("resistor", "resistor network", "potentiometer", "thermistor"):
+        elif kind in ("resistor", "resistor network", "potentiometer", "thermistor", "resettable fuse"):
             found |= self.resistor()
         elif kind in _TRANSISTORS:
             found["rated_power"] = self.transistor_power()
@@ -238,7 +245,7 @@ class _Said:
         elif kind in ("crystal", "oscillator"):
             found["frequency"] = self.first(_FREQUENCY, "Hz", self.value, self.rest)
         elif kind in ("connector", "socket", "optocoupler", *MICROCIRCUITS):
-            found["pins"] = self.pins()
+            found["pins"] = self.pins(circuit=kind in MICROCIRCUITS)
         if kind == "memory":
             found["bits"] = self.memory_size()
         elif kind == "microcontroller":
@@ -345,14 +352,17 @@ class _Said:
                 return match[1]
         return None
 
-    def pins(self) -> str | None:
+    def pins(self, *, circuit: bool) -> str | None:
         texts = (self.footprint, self.value, self.rest)
         for text in texts:
+            if land := _LAND_PATTERN.search(text):
+                return land[1]
             if package := _PACKAGE_PINS.search(text):
-                return package[1]
+                return str(int(package[1]))
             if rows := _ROWS_OF_PINS.search(text):
                 return str(int(rows[1]) * int(rows[2]))
-        positions = next((found for text in texts if (found := _POSITIONS.search(text))), None)
+        pattern = _PINS if circuit else _POSITIONS  # an LM358P has not 358
+        positions = next((found for text in texts if (found := pattern.search(text))), None)
         return positions[1] if positions else None
 
 

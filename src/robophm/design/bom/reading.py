@@ -102,16 +102,17 @@ class _List:
     def read(self) -> PartsList:
         rows = list(self.table.rows)
         for i, row in enumerate(rows):
-            if (ends := _SUM.match(next(cell for cell in row.cells if cell))) and not self.any_parts(rows[i:]):
+            ends = _SUM.match(next(cell for cell in row.cells if cell))
+            if ends and not self.any_parts(rows[i:]):
                 self.left_out += [
                     Note(after.number, f"{_text(after)} is below the list, no part") for after in rows[i:]
                 ]
                 break
             self.row(row, of_a_group=not ends and self.of_a_group(rows, i))
-        for reference, rows in self.twice():
-            at = ", ".join(map(str, rows[:5]))
+        for reference, places in self.twice():
+            at = ", ".join(map(str, places[:5]))
             self.notes.append(
-                Note(rows[0], f"{reference} stands in rows {at}; each of them is taken for parts of its own")
+                Note(places[0], f"{reference} stands in rows {at}; each of them is taken for parts of its own")
             )
         return PartsList(self.table, tuple(self.parts), tuple(self.errors), tuple(self.left_out), tuple(self.notes))
 
@@ -120,7 +121,7 @@ class _List:
         return row.cells[at] if at < len(row.cells) else ""
 
     def any_parts(self, rows: Sequence[Row]) -> bool:
-        """Whether there is a part among what follows a sum: one with a reference, or in a list without with a number."""
+        """Whether a part follows a sum: with a reference, or in a list without them with a quantity."""
         if "reference" in self.places:
             return any(are_references(self.cell(row, "reference")) for row in rows if self.cell(row, "reference"))
         return any(re.fullmatch(r"[0-9]+", self.cell(row, "quantity")) for row in rows[1:])
@@ -251,7 +252,8 @@ _ORDERED = re.compile(
 """Headers of how many are bought, and not of how many are on the board."""
 
 _SUM = re.compile(
-    r"\s*((grand |sub[- ]?)?total|sum|summe|gesamt|somme|totale|shipping|postage|versand|tax|vat|mwst)\b(?!.*\d.*\d.*\d.*\d)",
+    r"\s*((grand |sub[- ]?)?total|sum|summe|gesamt|somme|totale|shipping|postage|versand|tax|vat|mwst)\b"
+    r"(?!.*\d.*\d.*\d.*\d)",
     re.IGNORECASE,
 )
 _FORMULA = re.compile(r"[=@]|[+-][^\d\s.,/]*[|(!]")
