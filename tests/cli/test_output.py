@@ -11,7 +11,7 @@ import sys
 import pytest
 
 from robophm.cli import INVALID, OK
-from robophm.cli.output import SCHEMA_VERSION
+from robophm.cli.output import SCHEMA_VERSION, json_text
 
 CDR = ["style=CDR", "capacitance=100 nF", "temperature=60 degC", "dc_voltage=8 V", "rated_voltage=16 V"]
 SET = [word for pair in (*CDR, "environment=GM") for word in ("--set", pair)]
@@ -250,3 +250,16 @@ def test_a_unit_that_measures_something_else_is_refused(inside):
         inside("rate", "mil_hdbk_217f.fuse", "--set", "environment=GM", "--unit", "FIT", "--json").stdout
     )
     assert (document["hazard_rate"], document["unit"]) == (pytest.approx(80), "FIT")
+
+
+def test_what_is_infinite_is_told_from_what_does_not_apply(inside, tmp_path):
+    """Of a part alone: were it perfect nothing failed, RRW = F/0. Without a task there is no PoTC: null."""
+    design = tmp_path / "one.yaml"
+    design.write_text("schema_version: 1\nname: R\ncomponents: {a: {rate: 1 FPMH}}\n")
+    done = inside("importance", design, "--json")
+    document = json.loads(done.stdout, parse_constant=pytest.fail)
+    units = {one["unit"]: one for one in document["importance"]["sensor_based"]["units"]}
+    assert units["a"]["reduction"] == "Infinity"
+    assert document["replacement"]["sensor_based"]["completion_failure"] is None
+    plain = json_text({"up": math.inf, "down": -math.inf, "none": math.nan, "deep": [{"x": (math.inf,)}]})
+    assert json.loads(plain) == {"up": "Infinity", "down": "-Infinity", "none": None, "deep": [{"x": ["Infinity"]}]}
