@@ -102,8 +102,11 @@ FAULTS = {
         "components/A/hazard/inputs/temperature: mil_hdbk_217f.capacitor: temperature: '40' has no unit",
     ),
     "model input range": (part(f"hazard: {{{CAPACITOR.replace('40 degC', '400 degC')}}}"), 4, "is outside -55 … 150"),
-    "overstress": (part(f"hazard: {{{CAPACITOR.replace('5 V', '50 V')}}}"), 4,
-                   "the applied voltage 50 V is more than the rated voltage 10 V"),
+    "overstress": (
+        part(f"hazard: {{{CAPACITOR.replace('5 V', '50 V')}}}"),
+        4,
+        "the applied voltage 50 V is more than the rated voltage 10 V",
+    ),
     "model of another clock": (
         HEAD + f"usage: {{kilometres: 1 km/h}}\ncomponents:\n  A: {{clock: kilometres, hazard: {{{CAPACITOR}}}}}\n",
         5,
