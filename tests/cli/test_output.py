@@ -11,7 +11,7 @@ import sys
 import pytest
 
 from robophm.cli import INVALID, OK
-from robophm.cli.output import SCHEMA_VERSION
+from robophm.cli.output import SCHEMA_VERSION, json_text
 
 CDR = ["style=CDR", "capacitance=100 nF", "temperature=60 degC", "dc_voltage=8 V", "rated_voltage=16 V"]
 SET = [word for pair in (*CDR, "environment=GM") for word in ("--set", pair)]
@@ -200,3 +200,66 @@ def test_in_process_use_leaves_the_streams_alone():
     before = sys.stdout, sys.stderr
     assert CliRunner().invoke(app, ["rate", "--json"]).exit_code == OK
     assert (sys.stdout, sys.stderr) == before
+
+
+MICROCONTROLLER = [
+    word
+    for pair in (
+        "family=CMOS", "bits=32 bit", "package=qfp", "pins=64", "power=0.5 W", "years_in_production=3 year",
+        "environment=GM",
+    )
+    for word in ("--set", pair)
+]  # fmt: skip
+
+
+def test_what_is_assumed_stands_beside_what_was_said(inside):
+    """The handbook's 50 °C of GM and 20 K/W of a small plastic die, which nobody said; both count: TJ is 60 °C."""
+    asked = ("rate", "mil_hdbk_217f.microcircuit.processor", *MICROCONTROLLER)
+    shown = inside(*asked, "--explain").stdout
+    assert re.search(r"case_temperature +50 degC +assumed: the handbook's for the environment GM", shown)
+    assert re.search(r"thermal_resistance +20 K/W +assumed: .* SMT-plastic with a small die", shown)
+    assert re.search(r"quality +commercial +assumed: this model's default", shown)
+    assert re.search(r"pins +64\n", shown)
+    assumed = json.loads(inside(*asked, "--json").stdout)["assumed"]
+    assert {name: one["value"] for name, one in assumed.items()} == {
+        "die": "small", "case_temperature": 50, "thermal_resistance": 20, "quality": "commercial",
+    }  # fmt: skip
+    given = [word for pair in ("case_temperature=50 degC", "thermal_resistance=20 K/W") for word in ("--set", pair)]
+    said = json.loads(inside(*asked, *given, "--json").stdout)
+    assert said["hazard_rate"] == json.loads(inside(*asked, "--json").stdout)["hazard_rate"]
+    assert set(said["assumed"]) == {"die", "quality"}
+
+
+@pytest.mark.parametrize(
+    ("unit", "expected"),
+    [("/10^6 cycle", "2.77 /10^6 cycle"), ("/cycle", "2.77e-6 /cycle"), (None, "2.77e-6 /cycle")],
+)
+def test_a_rate_per_cycle_in_a_unit_of_cycles(inside, unit, expected):
+    asked = ("rate", "nswc_11.solenoid", *(("--unit", unit) if unit else ()))
+    assert inside(*asked).stdout == f"nswc_11.solenoid: {expected}\n"
+
+
+def test_a_unit_that_measures_something_else_is_refused(inside):
+    for json_too in ((), ("--json",)):
+        done = inside("rate", "nswc_11.solenoid", "--unit", "FIT", *json_too)
+        assert (done.returncode, done.stdout) == (INVALID, "")
+        assert done.stderr == (
+            "error: unit '1/cycle' does not measure what 'FIT' does; expected e.g. '1/cycle' or '/10^6 cycle'\n"
+        )
+    document = json.loads(
+        inside("rate", "mil_hdbk_217f.fuse", "--set", "environment=GM", "--unit", "FIT", "--json").stdout
+    )
+    assert (document["hazard_rate"], document["unit"]) == (pytest.approx(80), "FIT")
+
+
+def test_what_is_infinite_is_told_from_what_does_not_apply(inside, tmp_path):
+    """Of a part alone: were it perfect nothing failed, RRW = F/0. Without a task there is no PoTC: null."""
+    design = tmp_path / "one.yaml"
+    design.write_text("schema_version: 1\nname: R\ncomponents: {a: {rate: 1 FPMH}}\n")
+    done = inside("importance", design, "--json")
+    document = json.loads(done.stdout, parse_constant=pytest.fail)
+    units = {one["unit"]: one for one in document["importance"]["sensor_based"]["units"]}
+    assert units["a"]["reduction"] == "Infinity"
+    assert document["replacement"]["sensor_based"]["completion_failure"] is None
+    plain = json_text({"up": math.inf, "down": -math.inf, "none": math.nan, "deep": [{"x": (math.inf,)}]})
+    assert json.loads(plain) == {"up": "Infinity", "down": "-Infinity", "none": None, "deep": [{"x": ["Infinity"]}]}

@@ -1,6 +1,7 @@
 """The text of every error is one line, whatever the names in it hold."""
 
 import inspect
+import re
 
 import pytest
 
@@ -32,4 +33,43 @@ def test_nearest():
     assert nearest("GMM", ["gm", "GB"]) == "; did you mean 'gm'?"
     assert nearest("x", ["b", "a"]) == "; known: a, b"
     assert nearest("x", []) == ""
-    assert nearest("qq", map(str, range(13))) == ""
+    assert nearest("motor_3", ["motor_1", "motor_2"]) == "; known: motor_1, motor_2"  # another one, no slip
+    assert nearest("power rectifer", ["power_rectifier", "Power-Rectifier"]) == "; did you mean 'power_rectifier'?"
+
+
+@pytest.mark.parametrize(
+    ("said", "meant"),
+    [
+        ("capaciter", "mil_hdbk_217f.capacitor"), ("batery", "Power/Battery"), ("mil_217f.capacitor",
+         "mil_hdbk_217f.capacitor"), ("temprature", "temperature"), ("motro", "motor"), ("switching", "switch"),
+        ("FITT", "FIT"), ("stile", "style"), ("tpo", "top"), ("bta", "beta"), ("pmp", "pump"), ("fits", "FIT"),
+        ("efort[0]", "effort[]"), ("rack panle", "rack-panel"),
+    ],
+)  # fmt: skip
+def test_a_slip_of_the_hand_is_understood(said, meant):
+    assert nearest(said, [meant, "quite another"]) == f"; did you mean '{meant}'?"
+
+
+@pytest.mark.parametrize(
+    ("said", "other"),
+    [
+        ("lidar", "linear"), ("fan", "an"), ("belt", "bolt"), ("lamp", "clamp"), ("gear", "ear"), ("coil", "coin"),
+        ("converter", "inverter"), ("encoder", "decoder"), ("camera", "cam"), ("nut", "unit"),
+        ("resistor", "transistor"), ("arm", "alarm"), ("pump", "lamp"), ("sensor", "servo"), ("rotor", "motor"),
+        ("winch", "switch"), ("disc", "discrete"),
+        ("lead", "led"), ("slip", "sip"),
+    ],
+)  # fmt: skip
+def test_two_words_of_robots_are_not_taken_for_each_other(said, other):
+    assert nearest(said, [other]) == f"; known: {other}"
+
+
+def test_of_many_names_the_likest_are_listed():
+    """Always a hint or a list, and never more of it than can be read."""
+    assert nearest("qq", map(str, range(13))) == "; known: " + ", ".join(sorted(map(str, range(13))))
+    many = nearest("Kitchen", (f"/topic/{n}" for n in range(5000)))
+    assert re.match(r"; 30 of 5000 known: /topic/\d+, ", many)
+    assert len(many) < 600
+    assert nearest("Kitchen", ["Kitschen sink", *"abcdefghijklmnop" * 3, *("x" * 500 for _ in range(3))]).startswith(
+        "; "
+    )

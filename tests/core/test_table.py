@@ -46,7 +46,9 @@ def test_a_bad_transcription_does_not_load(text):
 
 
 def test_a_band_holds_up_to_its_limit():
-    values = band([0.0, 0.1, math.nextafter(0.1, 1), 0.8, 0.81, math.inf], (0.1, 0.8, math.inf), (3.3, 1.0, 0.66))
+    values = band(
+        [0.0, 0.1, 0.1 * (1 + 1e-9), 0.8 * (1 + 1e-15), 0.81, math.inf], (0.1, 0.8, math.inf), (3.3, 1.0, 0.66)
+    )
     assert values.tolist() == [3.3, 3.3, 1.0, 1.0, 0.66, 0.66]
     assert np.isnan(band(2.0, (1.0,), (5.0,)))
     assert band(np.ones((2, 3)), (1.0,), (5.0,)).shape == (2, 3)

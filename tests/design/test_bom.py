@@ -165,7 +165,8 @@ def test_a_whole_board(tmp_path):
     """As KiCad and Altium list it today: every kind is known and rated, what is no part is left out and said."""
     kinds = {
         "battery": "BT1", "capacitor": "C1, C2, C5-C9 / C3, C4 / C10", "led": "D1", "diode": "D2, D3",
-        "tvs diode": "D4", "fuse": "F1", "ferrite bead": "FB1, FB2", "connector": "J1 / J2 / J3", "relay": "K1",
+        "tvs diode": "D4", "resettable fuse": "F1",
+        "ferrite bead": "FB1, FB2", "connector": "J1 / J2 / J3", "relay": "K1",
         "inductor": "L1", "fet": "Q1", "bipolar transistor": "Q2", "resistor": "R1-R4 / R5", "potentiometer": "RV1",
         "switch": "SW1 / SW2", "microcontroller": "U1", "analog circuit": "U2 / U5", "memory": "U3", "logic": "U4",
         "microcircuit": "U6", "oscillator": "X1", "crystal": "Y1",
@@ -317,3 +318,19 @@ def test_any_text_gives_a_design_or_one_line(tmp_path):
         else:
             parse(all_rated(found.text))
     assert all(refused)
+
+
+def test_a_guess_is_marked_wherever_it_stands(tmp_path):
+    """In the design beside the model and in the source, and again unchanged when the list is read once more."""
+    source, design = tmp_path / "list.csv", tmp_path / "robot.yaml"
+    source.write_text("Reference,Value,Quantity\nU1,NAV,1\nC1,100nf,1\nTotal,,2\nApproved,Designer,\n")
+    found = import_bom(source, design)
+    assert {one.outcome.name: one.guess for one in found.parts} == {"U1": True, "C1": False}
+    assert (
+        "model: mil_hdbk_217f.microcircuit.linear  # assumed: microcircuit is a guess, by its letters alone"
+        in found.text
+    )
+    assert "list.csv, row 2: U1; a guess, by its letters alone; assumed " in found.text
+    assert [note.row for note in found.parts_list.left_out] == [4, 5]
+    design.write_text(found.text)
+    assert {one.outcome.state for one in import_bom(source, design).parts} == {"unchanged"}

@@ -176,7 +176,7 @@ def test_what_is_not_fitted_is_left_out_and_said(tmp_path, header, cells, fitted
         ("X1", {"value": "X"}, "", {}),
         ("T1", {"value": "BC547"}, "bipolar transistor", {}),
         ("T1", {"value": "type 3"}, "", {}),
-        ("F1", {"value": "500mA", "description": "PTC resettable fuse"}, "fuse", {"rated_current": "500 mA"}),
+        ("F1", {"value": "500mA", "description": "PTC resettable fuse"}, "resettable fuse", {}),
         ("L1", {"value": "10uH 2A"}, "inductor", {"inductance": "10 uH", "rated_current": "2 A"}),
         ("K1", {"value": "G5V", "description": "Solid state relay"}, "solid state relay", {}),
         ("SW1", {"value": "SW_Push"}, "switch", {}),
@@ -250,3 +250,69 @@ def test_kinds_and_facts(reference, cells, kind, facts):
 )
 def test_decimal_commas(text, comma, point):
     assert (with_points(text, ","), with_points(text, ".")) == (comma, point)
+
+
+BESIDE = {"footprint": "X_0805"}
+"""On a board a value is often a label."""
+
+
+@pytest.mark.parametrize(
+    ("reference", "words", "kind"),
+    [
+        ("B1", "#6-32 x 1/4 Button Head Screw", "hardware"), ("S1", "Button Head Screw M3", "hardware"),
+        ("K1", "M3x10 socket head cap screw", "hardware"), ("M1", "M3 nut", "hardware"),
+        ("S10", '0.25" Pillow Bearing Block', "mechanical part"), ("S30", "Wheel", "mechanical part"),
+        ("C1", "Caster wheel", "mechanical part"), ("L4", "Lidar mount bracket", "mechanical part"),
+        ("R1", "Robot chassis", "mechanical part"), ("", "Servo horn", "mechanical part"),
+        ("", "Battery holder", "mechanical part"), ("", "Linear bearing LM8UU", "mechanical part"),
+        ("L1", "RPLIDAR A1", "whole device"), ("U1", "NVIDIA Jetson Nano Developer Kit", "whole device"),
+        ("C3", "USB camera", "whole device"),
+        ("U11", "RP2040-based microcontroller board with wireless", "whole device"),
+        ("", "Motor Driver", "whole device"), ("E4", "5V Buck Boost Regulator", "whole device"),
+        ("", "12V power supply", "whole device"), ("F1", "fan 40 mm", "whole device"), ("", "HDMI cable", "cable"),
+        ("L1", "LM7805 linear regulator 5V", "analog circuit"), ("L3", "L78M08CDT-TR", "analog circuit"),
+        ("E9", "Op Amp LM 358P", "analog circuit"), ("U802", "MOSFET 2P-CH 20V 2.9A CHIPFET", "fet"),
+        ("U2002", "CONN MICRO SD CARD PUSH-PUSH R/A", "connector"), ("X1", "CRYSTAL 24MHZ 8PF SMD", "crystal"),
+        ("RN1", "RES ARRAY 100K OHM 8 RES 1506", "resistor network"),
+        ("F3", "PTC RESTTBLE 0.35A 16V", "resettable fuse"),
+        ("E5", "Gear Motor w Relative Enc. (Drive Motor)", "motor"), ("", "Wheel encoder", "encoder"),
+        ("", "Screw terminal 2p", "connector"), ("J21", "expansion header for Raspberry Pi 2 & 3", "connector"),
+        ("R7", "RES 10K OHM 1/10W for lidar", "resistor"), ("U4", "Board Mount Pressure Sensors", "microcircuit"),
+    ],
+)  # fmt: skip
+def test_words_are_believed_before_letters(reference, words, kind):
+    references = (reference,) if reference else ()
+    assert recognise(references, Described(description=words)).kind == kind
+    if not words.startswith(("PTC", "RES", "CONN", "MOSFET", "expansion", "Board", "RP2040")):
+        assert recognise(references, Described(value=words)).kind == kind
+
+
+@pytest.mark.parametrize(
+    ("reference", "label", "kind"),
+    [
+        ("J7", "LIDAR", "connector"), ("P13", "ADC/DAC", "connector"), ("F3", "LIDAR", "fuse"), ("K2", "FAN", "relay"),
+        ("SW1", "POWER", "switch"), ("D5", "USB", "diode"), ("U3", "USB", "microcircuit"), ("R5", "LED", "resistor"),
+    ],
+)  # fmt: skip
+def test_a_label_names_no_part_and_letters_alone_are_a_guess(reference, label, kind):
+    found = recognise((reference,), Described(value=label, **BESIDE))
+    assert (found.kind, found.concluded["kind"]) == (kind, "a guess, by its letters alone")
+
+
+@pytest.mark.parametrize(
+    ("reference", "value", "description", "fact", "said"),
+    [
+        ("C1", "10UF", "", "capacitance", "10 uF"), ("C1", "100nf", "", "capacitance", "100 nF"),
+        ("C1", "", "CAP CER 4.7UF 10V", "capacitance", "4.7 uF"), ("C1", "22PF", "", "capacitance", "22 pF"),
+        ("C1", "0U47", "", "capacitance", "0.47 uF"), ("C1", "5N6", "", "capacitance", "5.6 nF"),
+        ("C1", "1000P", "", "capacitance", "1000 pF"), ("C1", "100 NF", "", "capacitance", "100 nF"),
+        ("C1", "10uf/25v", "", "rated_voltage", "25 V"), ("L1", "47UH", "", "inductance", "47 uH"),
+        ("L1", "4U7", "", "inductance", "4.7 uH"), ("L1", "10MH", "", "inductance", "10 mH"),
+        ("R1", "4K7", "", "resistance", "4.7 kohm"), ("R1", "1M", "", "resistance", "1 Mohm"),
+        ("U1", "LM358P", "", "pins", None), ("U1", "", "74ALVC164245 SOP50P810X120-48N", "pins", "48"),
+    ],
+)  # fmt: skip
+def test_quantities_in_capitals(reference, value, description, fact, said):
+    found = recognise((reference,), Described(value=value, description=description))
+    assert found.facts.get(fact) == said
+    assert "guess" not in found.concluded.get("kind", "") or reference == "U1"

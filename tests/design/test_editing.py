@@ -256,7 +256,7 @@ def test_a_network_is_made_of_parts_beside_each_other():
         (lambda d: editing.put(d, ["name", "x"], 1), "holds a value"),
         (lambda d: editing.put(d, ["diagram", "series", "99"], "a"), "no place in a list of 3"),
         (lambda d: editing.put(d, [], {}), "as text"),
-        (lambda d: editing.wire(d, ["modules", "pow"], None), "did you mean 'power'"),
+        (lambda d: editing.wire(d, ["modules", "pwoer"], None), "did you mean 'power'"),
         (lambda d: editing.move(d, ["components", "horn"], ["modules", "power"]), "nothing here to move"),
         (lambda d: editing.move(d, ["modules", "power"], ["modules", "power"]), "into itself"),
         (lambda d: editing.move(d, ["components", "a"], ["components", "b"]), "is no level"),

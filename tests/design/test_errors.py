@@ -102,7 +102,11 @@ FAULTS = {
         "components/A/hazard/inputs/temperature: mil_hdbk_217f.capacitor: temperature: '40' has no unit",
     ),
     "model input range": (part(f"hazard: {{{CAPACITOR.replace('40 degC', '400 degC')}}}"), 4, "is outside -55 … 150"),
-    "overstress": (part(f"hazard: {{{CAPACITOR.replace('5 V', '50 V')}}}"), 4, "stress S = 5 of at most 1"),
+    "overstress": (
+        part(f"hazard: {{{CAPACITOR.replace('5 V', '50 V')}}}"),
+        4,
+        "the applied voltage 50 V is more than the rated voltage 10 V",
+    ),
     "model of another clock": (
         HEAD + f"usage: {{kilometres: 1 km/h}}\ncomponents:\n  A: {{clock: kilometres, hazard: {{{CAPACITOR}}}}}\n",
         5,
@@ -234,7 +238,7 @@ FAULTS = {
         "modules/N/diagram: cycle: M → N → M contains itself",
     ),
     "robot in itself": (TWO + "diagram: {series: [A, /]}\n", 6, "diagram: cycle: the robot → the robot contains its"),
-    "unknown acceleration": (HOT.replace("q10", "q11"), 4, "no acceleration 'q11'; did you mean 'q10'?"),
+    "unknown acceleration": (HOT.replace("q10", "q11"), 4, "no acceleration 'q11'; known: arrhenius, "),
     "acceleration in words": (HOT.replace("{model: q10}", "q10"), 3, "acceleration: expected keys with values, not"),
     "acceleration parameter": (HOT.replace("q10", "q10, Q: 2"), 4, "q10 has no input 'Q'; did you mean 'q'?"),
     "acceleration of a fixed input": (

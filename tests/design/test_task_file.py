@@ -283,7 +283,7 @@ FAULTS = {
     "member that is not there": (
         knows("failed: ['Wheel[4]']"),
         5,
-        "knowledge/failed/0: unknown part 'Wheel[4]'; did you mean",
+        "knowledge/failed/0: unknown part 'Wheel[4]'; known: Arm, Power/Battery, Power/Fuse, Wheel, Wheel[1]",
     ),
     "module that failed": (knows("failed: [Power]"), 5, "knowledge/failed/0: "),
     "contradiction": (

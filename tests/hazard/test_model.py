@@ -29,7 +29,11 @@ def model(load, kind, extra=None):
     The formula is the first line.
     """
     more = Factor("c", 0.0 if extra is None else extra)
-    return Factor("a", 2.0 if kind == "bad" else 1.0) * (Factor("b", load, outside=np.asarray(load) > 5) + more) * 3
+    return (
+        Factor("a", 2.0 if kind == "bad" else 1.0)
+        * (Factor("b", load, "nothing said", outside=np.asarray(load) > 5) + more)
+        * 3
+    )
 
 
 @pytest.mark.parametrize(
@@ -109,7 +113,7 @@ def test_what_counts_only_with_others_counts():
 
 
 def test_a_combination_outside_is_an_error_in_a_design_and_a_flag_live():
-    with pytest.raises(ModelError, match="b is outside the handbook's range"):
+    with pytest.raises(ModelError, match="b: nothing said: outside the handbook's range"):
         model.settle({"load": "6 W"})
     value, extrapolated = model.evaluate({"load": np.array([4.0, 6.0, 11.0]), "kind": "good"})
     assert value.tolist() == [12.0, 18.0, 33.0]

@@ -131,9 +131,9 @@ def test_json_has_no_infinity_and_no_nan(part: dict[str, Any]) -> None:
     for subject, told in zip(health.subjects, read["subjects"], strict=True):
         for view in ("nominal", "sensor_based"):
             rate = getattr(subject, view).hazard_rate
-            assert told[view]["hazard_rate"] == (rate if math.isfinite(rate) else None)
+            assert told[view]["hazard_rate"] == (rate if math.isfinite(rate) else "Infinity")
             mean = getattr(subject, view).remaining_life.mean
-            assert told[view]["remaining_life"]["mean"] == (mean if math.isfinite(mean) else None)
+            assert told[view]["remaining_life"]["mean"] == (mean if math.isfinite(mean) else "Infinity")
 
 
 def test_a_robot_that_was_never_heard_can_be_told_of() -> None:

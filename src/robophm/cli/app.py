@@ -122,8 +122,12 @@ def rate(
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="INPUT=VALUE", help="e.g. temperature='60 degC'")
     ] = None,
-    explain: Annotated[bool, typer.Option("--explain", help="show every factor")] = False,
-    unit: Unit = "1/h",
+    explain: Annotated[
+        bool, typer.Option("--explain", help="show every input, what is assumed, and every factor")
+    ] = False,
+    unit: Annotated[
+        str | None, typer.Option(help="of the rate: FIT, FPMH, 1/h, or '/10^6 cycle' of a rate per cycle")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """The hazard rate that a handbook gives for a part."""

@@ -272,18 +272,18 @@ def _power_law(found: PowerLaw) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _bounded(one: Bounded) -> dict[str, float | None]:
-    return {key: value if math.isfinite(value) else None for key, value in one._asdict().items()}
+def _bounded(one: Bounded) -> dict[str, float]:
+    return one._asdict()
 
 
 def _fit_json(one: Fit) -> dict[str, Any]:
     return {
         "distribution": one.name, "parameters": {name: _bounded(value) for name, value in one.parameters.items()},
         "log_likelihood": one.log_likelihood, "aic": one.aic,
-        "aic_corrected": one.aic_corrected if math.isfinite(one.aic_corrected) else None,
-        "mean": one.mean if math.isfinite(one.mean) else None,
+        "aic_corrected": one.aic_corrected,
+        "mean": one.mean,
         "quantiles": {str(p): _bounded(value) for p, value in one.quantiles.items()},
-        "r_squared": one.straightness if math.isfinite(one.straightness) else None, "notes": list(one.notes),
+        "r_squared": one.straightness, "notes": list(one.notes),
     }  # fmt: skip
 
 

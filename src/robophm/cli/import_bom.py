@@ -64,7 +64,11 @@ def run(source: Path, design: Path, wishes: Wishes) -> None:
 
 def _total(found: ImportedList) -> float:
     """Of the parts as the list gives them, in series when new [1/h]."""
-    return math.fsum(one.part.quantity * one.hazard_rate for one in found.parts if one.hazard_rate is not None)
+    return _sum(found.parts)
+
+
+def _sum(parts: Iterable[ImportedPart]) -> float:
+    return math.fsum(one.part.quantity * one.hazard_rate for one in parts if one.hazard_rate is not None)
 
 
 def _document(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> dict[str, Any]:
@@ -104,6 +108,8 @@ def _part(one: ImportedPart) -> dict[str, Any]:
         "references": list(one.part.references),
         "quantity": one.part.quantity,
         "kind": one.part.recognised.kind,
+        "kind_by": one.part.recognised.concluded.get("kind", "its words and letters"),
+        "guess": one.guess,
         "facts": dict(one.part.recognised.facts),
         "model": rating.model if rating else None,
         "inputs": dict(rating.inputs) if rating else None,
@@ -151,11 +157,17 @@ def _print(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> N
     _several(out, "left out", map(str, parts.left_out))
     needing = [f"{one.outcome.name}: {one.outcome.text}" for one in found.parts if one.outcome.state == "needs a rate"]
     _several(out, "needs a rate", needing)
+    guesses = [one for one in found.parts if one.guess]
+    _several(out, "a guess, by letters alone", [f"{one.outcome.name}: {one.part.recognised.kind}" for one in guesses])
     gone = sum(one.state == "removed" for one in found.removed)
     counts = ", ".join(f"{states[state]} {state}" for state in ("added", "changed", "unchanged", "kept"))
     written = "nothing written (dry run)" if wishes.dry_run else str(design)
-    out.print(f"{written}: {counts}, {gone} removed; {states['needs a rate']} need a rate; "
-              f"λ of the rated {rate_text(_total(found))}", markup=False)  # fmt: skip
+    guessed = f", of which {rate_text(_sum(guesses))} is guessed by letters alone" if guesses else ""
+    out.print(
+        f"{written}: {counts}, {gone} removed; {states['needs a rate']} need a rate; "
+        f"λ of the rated {rate_text(_total(found))}{guessed}",
+        markup=False,
+    )
 
 
 def _by_kind(parts: Iterable[ImportedPart]) -> dict[str, list[ImportedPart]]:

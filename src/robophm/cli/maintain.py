@@ -312,10 +312,6 @@ def _signed(hours: float) -> str:
     return ("+" if hours > 0 else "-" if hours < 0 else "") + duration_text(abs(hours))
 
 
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
 def _json(
     robot: Robot, plans: list[_Plan], visit: Visit | None, by_failure: LifeCycle | None, by_age: LifeCycle | None,
     watched: Return | None, stock: dict[str, tuple[int, float]], first: list[dict[str, Any]] | None,
@@ -328,7 +324,7 @@ def _json(
         "robot": robot.name,
         "parts": [
             {"part": p.costs.part.path, "clock": p.mode.clock, "age": p.policy.age and p.policy.age * p.pace,
-             "every_hours": p.policy.age, "cost_per_hour": p.policy.cost_rate, "never": _finite(p.policy.never),
+             "every_hours": p.policy.age, "cost_per_hour": p.policy.cost_rate, "never": p.policy.never,
              "due_in_hours": p.due, "stops_robot": p.stops}
             for p in plans
         ],

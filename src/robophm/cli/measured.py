@@ -185,15 +185,8 @@ def _found_json(
         "without": hits.without,
         "count": hits.count,
         "length": hits.length,
-        "hits": [_finite(hit._asdict()) for hit in hits.hits],
+        "hits": [hit._asdict() for hit in hits.hits],
         "notes": said(hits.notes),
-    }
-
-
-def _finite(document: Mapping[str, Any]) -> dict[str, Any]:
-    """Numbers that JSON does not have are null."""
-    return {
-        key: None if isinstance(value, float) and not math.isfinite(value) else value for key, value in document.items()
     }
 
 
@@ -324,7 +317,7 @@ def _figures(window: Window) -> list[str]:
 
 
 def _window_json(recording: str, signal: Signal, window: Window) -> dict[str, Any]:
-    return {"recording": recording, "signal": signal.name, **_finite(asdict(window))}
+    return {"recording": recording, "signal": signal.name, **asdict(window)}
 
 
 def _seen_json(one: Seen) -> dict[str, Any]:

@@ -30,18 +30,27 @@ def find(kind: str | None) -> dict[str, Model]:
     wanted = kind.lower().split()
     found = {name: model for name, model in models.items() if all(word in _words(name, model) for word in wanted)}
     if not found:
-        known = {word for name, model in models.items() for word in _words(name, model).split()}
-        raise PlugError(f"no hazard model of '{kind}'{nearest(kind.lower(), known)}")
+        known = {word for name, model in models.items() for word in _names(name, model).split()}
+        listed = {name.rpartition(".")[2] for name in models}
+        raise PlugError(f"no hazard model of '{kind}'{nearest(kind.lower(), known, listed)}")
     return found
+
+
+def _names(name: str, model: Model) -> str:
+    """What a model and its choices are called, in lower case."""
+    said = [name.replace("_", " ").replace(".", " ")]
+    for entry in model.inputs.values():
+        if isinstance(entry, Choice):
+            said += [*entry.options, *entry.aliases]
+    return " ".join(said).lower()
 
 
 def _words(name: str, model: Model) -> str:
     """Everything that a model says of itself and its choices, in lower case."""
-    said = [name.replace("_", " ").replace(".", " "), model.formula, model.description, model.source.title]
+    said = [_names(name, model), model.formula, model.description, model.source.title]
     for entry in model.inputs.values():
-        if isinstance(entry, Choice):
-            said += [*entry.options, *entry.aliases]
-            said += entry.options.notes.values() if isinstance(entry.options, Table) else []
+        if isinstance(entry, Choice) and isinstance(entry.options, Table):
+            said += entry.options.notes.values()
     return " ".join(said).lower()
 
 
@@ -69,7 +78,7 @@ def _takes(entry: Input) -> str:
         return ", ".join(entry.options) if len(entry.options) <= _MANY else f"one of {len(entry.options)}, below"
     if isinstance(entry, Note):
         return "words"
-    return f"{entry.low:g} … {entry.high:g} {entry.unit}".rstrip()
+    return f"whole, {entry.span}" if entry.whole else entry.span
 
 
 def _default(entry: Input) -> str:

@@ -17,7 +17,7 @@ from rich.table import Table
 from rich.text import Text
 
 from robophm.core.errors import RobophmError
-from robophm.health.report import HealthReport
+from robophm.health.report import HealthReport, plain
 from robophm.health.uncertainty import Interval
 from robophm.report.words import duration_text, number_text, percent_text, probability_text, rate_text
 
@@ -57,9 +57,12 @@ def print_json(document: Mapping[str, Any]) -> None:
 
 
 def json_text(document: Mapping[str, Any]) -> str:
-    """As it is printed: stdout that cannot show a character gets its JSON escape."""
+    """As it is printed: stdout that cannot show a character gets its JSON escape.
+
+    JSON has no number for what is infinite: it is the text "Infinity" or "-Infinity"; null is what does not apply.
+    """
     unicode = sys.stdout.encoding.lower().startswith("utf")
-    return json.dumps(document, indent=2, ensure_ascii=not unicode, allow_nan=False)
+    return json.dumps(plain(document), indent=2, ensure_ascii=not unicode, allow_nan=False)
 
 
 def warn(text: str) -> None:

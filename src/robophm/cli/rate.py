@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict
 
 import numpy as np
 
 from robophm.cli.output import console, print_json, print_table, table
 from robophm.cli.unused import only
 from robophm.core.errors import ModelError
+from robophm.core.units import in_unit
 from robophm.hazard.handbooks import handbook_model, handbook_models
-from robophm.hazard.model import Choice
-from robophm.report.words import number_text, rate_text
+from robophm.hazard.model import Assumed, Choice, Model, Range
+from robophm.report.words import number_text
 
 
-def run(model: str | None, said: Iterable[str], unit: str, *, explain: bool, as_json: bool) -> None:
+def run(model: str | None, said: Iterable[str], unit: str | None, *, explain: bool, as_json: bool) -> None:
     """List the models, say what one of them takes, or state the rate of what was said as INPUT=VALUE."""
     out = console()
     if model is None:
@@ -35,6 +37,8 @@ def run(model: str | None, said: Iterable[str], unit: str, *, explain: bool, as_
         if name in given:
             raise ModelError(f"--set {pair}: '{name}' is given twice")
         given[name] = value
+    if unit is not None:
+        in_unit(0.0, chosen.unit, unit)
     if not given and any(
         getattr(entry, "required", True) and entry.default is None for entry in chosen.inputs.values()
     ):
@@ -62,19 +66,36 @@ def run(model: str | None, said: Iterable[str], unit: str, *, explain: bool, as_
     taken = [f"{name} '{word}' is taken as {inputs[name]}" for name, word in given.items()
              if isinstance(chosen.inputs[name], Choice) and inputs[name] != word]  # fmt: skip
     result = chosen.explain(inputs)
-    answer = float(np.asarray(result.value))
+    rate = float(np.asarray(result.value))
+    answer = rate if unit is None else in_unit(rate, chosen.unit, unit)
+    assumed = chosen.assumed(given, inputs)
     factors = [(f.symbol, float(np.asarray(f.value)), f.note) for f in result.leaves()]
     if as_json:
         listed = [{"symbol": s, "value": v, "note": n} for s, v, n in factors]
         units = {n: e.unit for n, e in chosen.numbers.items()}
-        print_json({"model": chosen.name, "inputs": inputs, "units": units, "hazard_rate": answer, "unit": chosen.unit,
+        print_json({"model": chosen.name, "inputs": inputs, "units": units,
+                    "assumed": {name: asdict(one) for name, one in assumed.items()},
+                    "hazard_rate": answer, "unit": unit or chosen.unit,
                     "formula": chosen.formula, "source": str(chosen.source), "factors": listed})  # fmt: skip
         return
-    shown = rate_text(answer, unit) if chosen.unit == "1/h" else f"{number_text(answer)} {chosen.unit}"
-    out.print(f"{chosen.name}: {shown}", markup=False)
+    shown = (unit or chosen.unit).removeprefix("1")
+    out.print(f"{chosen.name}: {number_text(answer)} {shown}", markup=False)
     for note in taken:
         out.print(note, markup=False)
     if explain:
         out.print(f"{chosen.formula}\n{chosen.source} ({chosen.source.status})", markup=False)
+        for line in _inputs(chosen, inputs, assumed):
+            out.print(f"  {line}", markup=False)
         for symbol, number, note in factors:
             out.print(f"  {symbol:<6} {number:<12.6g} {note}", markup=False)
+
+
+def _inputs(model: Model, inputs: Mapping[str, str | float], assumed: Mapping[str, Assumed]) -> Iterator[str]:
+    """What the rate is of, input by input, and which of it nobody said."""
+    width = max(map(len, model.inputs), default=0)
+    for name, entry in model.inputs.items():
+        if name not in inputs and name not in assumed:
+            continue  # this choice of others does not use it
+        value = assumed[name].value if name in assumed else inputs[name]
+        text = entry.written(value) if isinstance(entry, Range) and isinstance(value, float | int) else value or "–"
+        yield f"{name:<{width}}  {text}" + (f"   assumed: {assumed[name].why}" if name in assumed else "")

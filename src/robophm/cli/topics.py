@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 import time
 
@@ -39,7 +38,7 @@ def run(ros: str, seconds: float, *, as_json: bool) -> None:
                 "type": info.type,
                 "messages": info.messages,
                 "rate": _rate(info),
-                "values": {field: value if math.isfinite(value) else None for field, value in here.items()},
+                "values": here,
             }
             for info in infos
             for here in (values.get(info.topic, {}),)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -261,11 +260,8 @@ def _print_one(found: _Found, wishes: Wishes) -> None:
 
 
 def _json(robot: Robot, found: Sequence[_Found], lives: Lives) -> dict[str, Any]:
-    def finite(values: Any) -> Any:
-        return {key: value if value is not None and math.isfinite(value) else None for key, value in values.items()}
-
     def life(one: RemainingLife) -> Any:
-        return finite({"early": one.early, "median": one.median, "late": one.late, "mean": one.mean})
+        return {"early": one.early, "median": one.median, "late": one.late, "mean": one.mean}
 
     return {
         "robot": robot.name,
@@ -274,9 +270,9 @@ def _json(robot: Robot, found: Sequence[_Found], lives: Lives) -> dict[str, Any]
                 "mode": one.mode.path,
                 "unit": one.unit,
                 "readings": len(one.values),
-                "trend": finite(one.wear.trend._asdict()),
+                "trend": one.wear.trend._asdict(),
                 "noise": one.wear.noise,
-                "remaining": finite(one.wear.remaining._asdict()),
+                "remaining": one.wear.remaining._asdict(),
                 "never": float(np.mean(np.isinf(one.wear.passage))),
                 "bend": {
                     "direction": one.wear.bend.direction,

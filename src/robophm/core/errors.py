@@ -66,18 +66,100 @@ class PlugError(RobophmError):
     """A plug of that name does not exist."""
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
-    """The hint that ends an error about an unknown name: the nearest known one, or all of a few.
+LONGEST_LIST = 400
+"""Characters of the names that a hint lists, where nothing is near."""
 
-    Returns "; did you mean 'x'?", "; known: a, b, c", or "" where nothing is known.
+MOST_MEANT = 3
+"""Names that a hint may mean; of more it would say nothing."""
+
+
+def nearest(name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
+    """The hint that ends an error about an unknown name: what is really near, or else what there is.
+
+    Returns "; did you mean 'x'?", "; known: a, b, c", of many "; 20 of 70 known: a, b …", or "" where nothing is
+    known. ``listed`` is what there is, where that is not all that may be meant.
     """
-    from difflib import get_close_matches  # only on the way to an error: it is slow to import
+    names = list(known)
+    if meant := _meant(name, names):
+        return f"; did you mean {' or '.join(map(repr, meant))}?"
+    names = sorted(set(names if listed is None else listed))
+    some: list[str] = []
+    for other in sorted(names, key=lambda other: -_alike(name, other)) if len(names) > 12 else names:
+        if len(names) > 12 and (len(some) == 30 or sum(map(len, some)) + 2 * len(some) + len(other) > LONGEST_LIST):
+            break
+        some.append(other)
+    if len(some) < len(names):
+        return f"; {len(some)} of {len(names)} known: {', '.join(sorted(some))}" if some else ""
+    return "; known: " + ", ".join(sorted(some)) if some else ""
 
-    names = sorted(set(known))
-    folded = {other.casefold(): other for other in names}
-    close = get_close_matches(name.casefold(), folded, n=1, cutoff=0.6)
-    if close:
-        return f"; did you mean '{folded[close[0]]}'?"
-    if 0 < len(names) <= 12:
-        return "; known: " + ", ".join(names)
-    return ""
+
+def _alike(name: str, other: str) -> float:
+    from difflib import SequenceMatcher  # only on the way to an error: it is slow to import
+
+    return SequenceMatcher(None, name.casefold()[:100], other.casefold()[:100]).quick_ratio()
+
+
+def _meant(name: str, names: list[str]) -> list[str]:
+    """The names that a slip of the hand away are this one, or whose last step is; or that it begins, or they it."""
+    said = _folded(name)
+    names = list({_folded(other): other for other in reversed(names)}.values())[::-1]  # of two spellings the first
+    for form, its in ((_folded, said), (_last_step, said), (_last_step, _last_step(name))):
+        slips = {other: count for other in names if (count := _slips(its, form(other))) is not None}
+        meant = [other for other, count in slips.items() if count == min(slips.values())]
+        if meant:
+            return sorted(meant) if len(meant) <= MOST_MEANT else []
+    begun = [other for other in names if _begins(said, _folded(other)) or _begins(_folded(other), said)]
+    return begun if len(begun) == 1 else []
+
+
+def _folded(name: str) -> str:
+    return re.sub(r"[\s_-]+", " ", name.casefold()).strip()
+
+
+def _last_step(name: str) -> str:
+    return _folded(re.split(r"[./]", name)[-1])
+
+
+def _begins(one: str, other: str) -> bool:
+    return len(one) > 5 and other.startswith(one)
+
+
+def _slips(one: str, other: str) -> int | None:
+    """How many letters are wrong, missing, too many or exchanged with the next; None where these are two words.
+
+    A letter doubled or a last s is always a slip, and numbers that differ never. Of a short word one letter makes
+    another word: another first one up to seven letters (lamp for clamp), a wrong one up to four (belt for bolt), one
+    too many where three are meant (lead for led). Of more letters one slip may be for every four, and more than one
+    not in the first.
+    """
+    if one == other:
+        return 0
+    numbers = [re.findall(r"\d+", text) for text in (one, other)]
+    if all(numbers) and numbers[0] != numbers[1]:
+        return None
+    if re.sub(r"(.)\1|(?<=..)s$", r"\1", one) == re.sub(r"(.)\1|(?<=..)s$", r"\1", other):
+        return 1
+    length = min(len(one), len(other))
+    most = min(max(length // 4, length // 3 == 1), 3)
+    if not most or abs(len(one) - len(other)) > most or (one[0] != other[0] and length < 8):
+        return None
+    if length < 5 and len(one) == len(other) and sorted(one) != sorted(other):
+        return None
+    if length < 4 and len(one) > len(other):
+        return None
+    found = _distance(one, other)
+    return found if found <= most and (found < 2 or one[0] == other[0]) else None
+
+
+def _distance(one: str, other: str) -> int:
+    """Damerau's and Levenshtein's, neighbours exchanged once."""
+    before: list[int] = []
+    row = list(range(len(other) + 1))
+    for i, letter in enumerate(one, 1):
+        before, above, row = row, before, [i]
+        for j, its in enumerate(other, 1):
+            cost = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (letter != its))
+            if i > 1 and j > 1 and letter == other[j - 2] and one[i - 2] == its:
+                cost = min(cost, above[j - 2] + 1)
+            row.append(cost)
+    return row[-1]

@@ -81,10 +81,26 @@ class Table(Mapping[str, float]):
         return hash((self.name, self.text))
 
 
+ROUNDING = 1e-12
+"""By how much of itself a number may be off a limit and still be it: conversions and ratios round."""
+
+
+def above(value: npt.ArrayLike, limit: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+    """Where a value is more than a limit, and not the limit itself: 2.1 V of 7 V are 0.3."""
+    result: npt.NDArray[np.bool_] = np.asarray(value) > np.asarray(limit) + ROUNDING * np.abs(limit)
+    return result
+
+
+def below(value: npt.ArrayLike, limit: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+    """Where a value is less than a limit, and not the limit itself."""
+    result: npt.NDArray[np.bool_] = np.asarray(value) < np.asarray(limit) - ROUNDING * np.abs(limit)
+    return result
+
+
 def band(value: npt.ArrayLike, limits: tuple[float, ...], results: tuple[float, ...]) -> npt.NDArray[np.float64]:
     """The result of the first band whose upper limit is not below the value; shape of ``value``.
 
     ``limits`` ascend; the last may be infinite. A value above the last limit gives NaN.
     """
-    padded = np.array([*results, np.nan])
-    return padded[np.searchsorted(np.array(limits), np.asarray(value, dtype=float), side="left")]
+    padded, ends = np.array([*results, np.nan]), np.array(limits)
+    return padded[np.searchsorted(ends + ROUNDING * np.abs(ends), np.asarray(value, dtype=float), side="left")]

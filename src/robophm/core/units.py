@@ -123,6 +123,19 @@ def quantity(text: object, inside: str) -> float:
     return _finite((value / whole if exact else value * scale) + offset)
 
 
+def in_unit(value: float, inside: str, unit: str) -> float:
+    """A number that is in ``inside``, in the unit in which somebody wants to see it.
+
+    Raises UnitError where that measures something else: a rate per cycle has no FIT, which are per hour.
+    """
+    try:
+        scale, offset = conversion(inside, unit)
+    except UnitError as error:
+        below = inside.partition("/")[2]
+        raise UnitError(f"{error}; expected e.g. '{inside}'" + (f" or '/10^6 {below}'" if below else "")) from None
+    return value * scale + offset
+
+
 def _finite(number: float | str) -> float:
     try:
         value = float(number)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.core.errors import ModelError, UnitError, nearest
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above, below
 from robophm.core.units import quantity
 
 Array = npt.NDArray[np.float64]
@@ -43,6 +43,8 @@ class Factor:
     parts: tuple[Factor, ...] = ()
     outside: npt.NDArray[np.bool_] | bool = False
     """Where what went into this factor is beyond what the handbook covers (an overstress S > 1)."""
+    beyond: Callable[[], str] = str
+    """What is then wrong, in words with the numbers: "the applied voltage 60 V is more than the rated voltage 50 V"."""
 
     def __mul__(self, other: Factor | float) -> Factor:
         return self._join("·", other, lambda a, b: a * b)
@@ -62,6 +64,20 @@ class Factor:
             yield self
         for part in self.parts:
             yield from part.leaves()
+
+
+def more_than(what: str, value: Array | float, limit: str, most: Array | float, unit: str) -> Callable[[], str]:
+    """Of a factor's ``beyond``: what is more than which limit; ``most`` and ``value`` [``unit``]."""
+
+    def words() -> str:
+        amounts = [f"{float(np.max(number)):.6g} {unit}".rstrip() for number in (value, most)]
+        return f"{what} {amounts[0]} is more than {limit} {amounts[1]}"
+
+    return words
+
+
+Otherwise = Callable[[Mapping[str, Any]], tuple[float, str] | None]
+"""What counts for an input that is left open, by the others, and why; None where it does not count."""
 
 
 @dataclass(frozen=True)
@@ -109,8 +125,34 @@ class Range:
     description: str = ""
     default: float | None = None
     required: bool = True
+    whole: bool = False
+    """Whether it counts things: pins, gates, contacts."""
+    otherwise: Otherwise | None = None
+    """Of an input that may be left open and counts all the same."""
     monotone: int = 0
     """+1 where the result never falls with this input, −1 where it never rises, 0 where it may do either."""
+
+    @property
+    def span(self) -> str:
+        """From where to where, with its unit."""
+        return f"{self.low:.10g} … {self.high:.10g} {self.unit}".rstrip()
+
+    def holds(self, number: Array | float) -> npt.NDArray[np.bool_]:
+        """Where a number is of this range; a limit is, however it was rounded on the way."""
+        return ~(below(number, self.low) | above(number, self.high))
+
+    def written(self, number: float) -> str:
+        """A number of it with its unit."""
+        return f"{number:.10g} {self.unit}".rstrip()
+
+
+@dataclass(frozen=True)
+class Assumed:
+    """What counts for an input that was not said."""
+
+    value: str | float | None
+    """None where it counts as not there."""
+    why: str
 
 
 @dataclass(frozen=True)
@@ -174,7 +216,7 @@ class Model:
                 meant = entry.meant(str(value))
                 if len(meant) != 1:
                     may_be = "; it may be " + " or ".join(f"'{option}'" for option in meant)
-                    hint = may_be if meant else nearest(str(value), (*entry.options, *entry.aliases))
+                    hint = may_be if meant else nearest(str(value), (*entry.options, *entry.aliases), entry.options)
                     raise ModelError(f"{self.name}: {name} '{value}' is not one of its choices{hint}")
                 settled[name] = meant[0]
             else:
@@ -182,14 +224,16 @@ class Model:
                     number = quantity(value, entry.unit) if name in given else float(entry.default or 0.0)
                 except UnitError as error:
                     raise UnitError(f"{self.name}: {name}: {error}") from None
-                if not entry.low <= number <= entry.high:
-                    written = f"{number:g} {entry.unit}".rstrip()
-                    raise ModelError(f"{self.name}: {name} {written} is outside {self.expected(name)}")
-                settled[name] = number
+                if not entry.holds(number):
+                    raise ModelError(f"{self.name}: {name} {entry.written(number)} is outside {entry.span}")
+                if entry.whole and number != round(number):
+                    raise ModelError(f"{self.name}: {name} {entry.written(number)}; expected {self.expected(name)}")
+                settled[name] = min(max(number, entry.low), entry.high)
         # A combination that the handbook has no answer for is an error now, not a flag on the robot.
         for factor in self.explain(settled).leaves():
             if np.any(factor.outside):
-                raise ModelError(f"{self.name}: {factor.symbol} is outside the handbook's range: {factor.note}")
+                what = factor.beyond() or f"{factor.symbol}: {factor.note}"
+                raise ModelError(f"{self.name}: {what}: outside the handbook's range")
         return settled
 
     def _words(self, name: str, value: object) -> str:
@@ -204,7 +248,22 @@ class Model:
             return "one of " + ", ".join(entry.options)
         if isinstance(entry, Note):
             return f"words, at most {LONGEST_NOTE} characters"
-        return f"{entry.low:g} … {entry.high:g} {entry.unit}".rstrip()
+        return f"a whole number of {entry.span}" if entry.whole else entry.span
+
+    def assumed(self, given: Collection[str], settled: Mapping[str, Any]) -> dict[str, Assumed]:
+        """What counts for every input that was not given, of settled inputs; what does not count is not there."""
+        found: dict[str, Assumed] = {}
+        for name, entry in self.inputs.items():
+            if name in given:
+                continue
+            if entry.default is not None:
+                found[name] = Assumed(entry.default, "this model's default")
+            elif isinstance(entry, Range) and entry.otherwise:
+                if other := entry.otherwise(settled):
+                    found[name] = Assumed(*other)
+            elif isinstance(entry, Range) and self.answers_to(name, settled):
+                found[name] = Assumed(None, "not stated, and counts as not there")
+        return found
 
     def answers_to(self, name: str, settled: Mapping[str, Any]) -> bool:
         """Whether a number that settled inputs leave open would change the result: a Zener's voltage would not."""
@@ -236,9 +295,9 @@ class Model:
         for name, entry in self.numbers.items():
             line = lines.get(name)
             if line is not None and line.size and not (entry.low <= line.min() and line.max() <= entry.high):
-                flags.append((line < entry.low) | (line > entry.high))
+                flags.append(~entry.holds(line))
             elif line is None and name in inputs:
-                flags.append(inputs[name] < entry.low or inputs[name] > entry.high)
+                flags.append(not entry.holds(inputs[name]))
         # what is one for all samples costs no pass over them
         outside = np.asarray(any(flag for flag in flags if not np.ndim(flag)))
         for flag in flags:

@@ -173,7 +173,7 @@ class HealthReport:
         return self.outlooks[one_of(view, VIEWS, "view")]
 
     def to_json(self) -> dict[str, Any]:
-        """As plain values, schema-versioned; infinite times are null."""
+        """As plain values, schema-versioned; an infinite time is the text "Infinity"."""
         names = ("robot", "design_hash", "time", "clocks")
         return {
             "schema_version": SCHEMA_VERSION,
@@ -355,9 +355,11 @@ def task_to_json(task: Task) -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """Values that JSON can say: what is infinite or not a number becomes None."""
+    """Values that JSON can say: an infinite number is the text "Infinity" or "-Infinity", what is none is None."""
     if isinstance(value, dict):
         return {key: plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
         return [plain(inner) for inner in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
+    return value

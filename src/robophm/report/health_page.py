@@ -138,7 +138,9 @@ def _history_curves(robot: str, history: list[Mapping[str, Any]]) -> Iterable[Ht
         lines = []
         for view, name in VIEWS.items():
             values = [entry["subjects"][0][view][key] for entry in history]
-            course = np.array([np.nan if value is None else value for value in values])
+            course = np.array(
+                [np.nan if value is None else value for value in values], dtype=float
+            )  # of "Infinity" too
             x, y = np.insert(hours, silent, hours[silent - 1]), np.insert(course, silent, np.nan)
             lines.append(Line(name, x, y, dashed=view == "sensor_based"))
         yield figure(

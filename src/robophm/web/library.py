@@ -29,6 +29,8 @@ class FormInput(Shape):
     unit: str = ""
     low: float | None = None
     high: float | None = None
+    whole: bool = False
+    """Whether it counts things."""
     default: str | float | None = None
     options: list[str] = []
     meanings: dict[str, str] = {}
@@ -142,7 +144,7 @@ def _input(name: str, entry: Choice | Range | Note) -> FormInput:
     }
     if isinstance(entry, Range):
         low, high = (bound if math.isfinite(bound) else None for bound in (entry.low, entry.high))
-        return FormInput(**said, kind="number", unit=entry.unit, low=low, high=high, measurable=True)
+        return FormInput(**said, kind="number", unit=entry.unit, low=low, high=high, whole=entry.whole, measurable=True)
     if isinstance(entry, Choice):
         options = list(entry.options)
         meanings: dict[str, str] = {}

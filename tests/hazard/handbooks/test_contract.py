@@ -195,7 +195,9 @@ def test_overstress_is_an_error_in_a_design_and_a_flag_live(name, applied, rated
     limit = STRESS[name, applied, rated] * inputs[rated]
     unit = model.numbers[applied].unit
     assert plausible(name, **{applied: f"{limit * (1 - 1e-9)} {unit}"})
-    with pytest.raises(ModelError, match=rf"^{name}: .* is outside the handbook's range: .* of at most "):
+    with pytest.raises(
+        ModelError, match=rf"^{name}: the .*{applied.split('_')[-1]}.* is more than .*: outside the handbook's range$"
+    ):
         plausible(name, **{applied: f"{limit * (1 + 1e-6)} {unit}"})
     measured = np.array([limit * (1 - 1e-9), limit * (1 + 1e-6), limit * 2])
     value, extrapolated = model.evaluate({**inputs, applied: measured})
@@ -290,3 +292,40 @@ def test_settled_inputs_settle_nothing_new(name):
         if entry.default is not None and key not in PLAUSIBLE[name]:
             assert inputs[key] == entry.default
         assert isinstance(inputs.get(key, ""), float | str if isinstance(entry, Range) else str)
+
+
+@every
+def test_what_is_assumed_is_told_and_is_what_counts(name):
+    """With all that is said to be assumed given, the rate is the same; nothing that counts is left out."""
+    model = handbook_model(name)
+    bare = {
+        key: ("0.5 W" if "high_power" in name else "0.1 W") if key == "power" else value
+        for key, value in PLAUSIBLE[name].items()
+        if model.inputs[key].default is None and not getattr(model.inputs[key], "otherwise", None)
+    }
+    settled = model.settle(bare)
+    told = model.assumed(bare, settled)
+    values = {key: one.value for key, one in told.items() if one.value is not None}
+    assert model.evaluate({**settled, **values}).value == pytest.approx(model.evaluate(settled).value, rel=1e-14)
+    assert all(one.why for one in told.values())
+    for key in model.numbers.keys() - settled.keys() - told.keys():
+        assert not model.answers_to(key, settled), f"{key} counts, and is not told"
+    assert not model.assumed(settled.keys() | values.keys(), {**settled, **values}).keys() - {
+        key for key, one in told.items() if one.value is None
+    }
+
+
+COUNTS = re.compile(
+    r"(pins|gates|transistors|elements|contacts|\w*holes|planes|brushes|junctions|characters|waves|bits|programming_cycles)"
+)
+
+
+def test_counts_are_whole_numbers():
+    """By their names: a new input that counts things has to say so."""
+    whole = {(name, key) for name, key in numbers() if handbook_model(name).numbers[key].whole}
+    assert whole == {(name, key) for name, key in numbers() if COUNTS.fullmatch(key)}
+    for name, key in whole:
+        model, entry = handbook_model(name), handbook_model(name).numbers[key]
+        wrong = {**PLAUSIBLE[name], key: f"{(entry.low + entry.high) // 2 + 0.5} {entry.unit}"}
+        with pytest.raises(ModelError, match=rf"{key} .*\.5.*; expected a whole number of "):
+            model.settle(wrong)

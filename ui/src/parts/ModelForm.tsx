@@ -76,12 +76,12 @@ function OneInput({ input, value, set }: { input: Input; value: string; set: (va
     return <Select label={label} hint={input.description} value={value} set={set} options={options} />;
   }
   if (input.kind === "words") return <Text label={label} hint={input.description} value={value} set={set} />;
-  const range = [input.low == null ? "" : `from ${numberText(input.low)}`, input.high == null ? "" : `to ${numberText(input.high)}`].filter(Boolean).join(" ");
+  const range = [input.whole ? "a whole number" : "", input.low == null ? "" : `from ${numberText(input.low)}`, input.high == null ? "" : `to ${numberText(input.high)}`].filter(Boolean).join(" ");
   return (
     <Text
       label={`${label}${input.unit ? ` [${input.unit}]` : ""}`}
       hint={[input.description, range, usual].filter(Boolean).join("; ")}
-      inputMode="decimal"
+      inputMode={input.whole ? "numeric" : "decimal"}
       placeholder={input.default == null ? "" : String(input.default)}
       value={value}
       set={set}

@@ -15,6 +15,7 @@ from robophm.core.units import quantity
 from robophm.design.bom.assumptions import Assumptions, TooLittle
 from robophm.design.bom.columns import ColumnMapping
 from robophm.design.bom.component import LONGEST_DESCRIPTION, LONGEST_NAME, Wanted
+from robophm.design.bom.kinds import GUESS
 from robophm.design.bom.merging import Level, Outcome
 from robophm.design.bom.models import Rater, Rating, rates
 from robophm.design.bom.reading import Part, PartsList, read_parts
@@ -32,6 +33,11 @@ class ImportedPart:
     hazard_rate: float | None
     """Of one of them, as the list gives it [1/h]; None where it has no rate."""
     outcome: Outcome
+
+    @property
+    def guess(self) -> bool:
+        """Whether it is rated as what its letters alone say."""
+        return self.rating is not None and self.part.recognised.concluded.get("kind") == GUESS
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from robophm.design.bom.kinds import GUESS
 from robophm.design.bom.models import Rating
 from robophm.design.bom.references import ReferencesError, compressed, expand
 from robophm.design.naming import printable, quoted
@@ -55,7 +56,8 @@ def content(part: Wanted, file: str) -> Content:
     hazard = {"model": part.rating.model, "inputs": dict(part.rating.inputs)}
     made: Content = {"description": part.description, "quantity": part.quantity, "hazard": hazard}
     assumed = f"; assumed {', '.join(part.rating.assumed)}" if part.rating.assumed else ""
-    return made | {"source": f"{_source(part, file)}{assumed} [import {stamp(made)}]"}
+    guess = f"; {GUESS}" if GUESS in part.rating.assumed.get("model", "") else ""
+    return made | {"source": f"{_source(part, file)}{guess}{assumed} [import {stamp(made)}]"}
 
 
 def stamp(made: Content) -> str:

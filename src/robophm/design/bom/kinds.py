@@ -1,14 +1,34 @@
-"""What kind of part a row is: by the letters of its reference, and by its words where these mean several things."""
+"""What kind of part a row is: by its words, and by the letters of its reference where these say no more."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 
 KINDS: Mapping[str, str] = {
     # From the special to the general: the first whose words are in a row is what it is. English, German, French; and
     # of semiconductors the beginnings of usual part numbers, for many lists say nothing else of them.
-    "no part": r"test ?points?|testpads?|mounting ?holes?|fiducials?|logo|solder ?jumper|tooling ?hole|messpunkt",
+    "no part": r"test ?points?|testpads?|(mounting|tooling|m[2-8](\.5)?) ?holes?|fiducials?|logo|silkscreen|"
+    r"solder ?jumper|messpunkt",
+    "hardware": r"stand-?offs?|spacers?|screws?|bolts?|nuts?|washers?|rivets?|heat ?sinks?|schrauben?|muttern?|"
+    r"abstandsbolzen|kühlkörper|labels?|etiketten?|zip ?ties?|heat ?shrink( tub(e|ing))?|cable ?ties?|fasteners?",
+    "mechanical part": r"bearings?|(pillow|bearing) ?blocks?|bushings?|(wheel ?)?hubs?|wheels?|cast[eo]rs?|tyres?|"
+    r"tires?|"
+    r"gears?|gear ?box(es)?|pulleys?|sprockets?|chains?|belts?|shafts?|axles?|couplers?|couplings?|springs?|brackets?|"
+    r"plates?|chassis|enclosures?|housings?|lids?|hinges?|clamps?|extrusions?|horns?|magnets?|o-?rings?|bumpers?|"
+    r"handles?|knobs?|holders?|(caster ?)?balls?|(?<!panel )(?<!board )(?<!surface )(?<!chassis )(?<!hole )mounts?|"
+    r"kugellager|wälzlager|zahnr[aä]d(er)?|räder|gehäuse|wellen?|federn?|roulements?|roues?|engrenages?|ressorts?",
+    "whole device": r"\w*lidars?|jetson\w*|raspberry ?pi\w*|arduino\w*|teensy\w*|beagle ?bone\w*|cameras?|webcams?|"
+    r"kamera|real ?sense|kinect|robo ?claw|odrive|pixhawk|escs?|imus?|gps|computers?|laptops?|tablets?|routers?|"
+    r"modems?|"
+    r"\w* ?boards?(?![- ](?:mount|to|edge)\w*)|(dev(elopment)? ?)?kits?|shields?|hats?|breakouts?|sd ?cards?|"
+    r"joysticks?|"
+    r"gamepads?|power ?suppl(y|ies)|netzteile?|power ?banks?|chargers?|ladegeräte?|usb ?hubs?|manipulators?|grippers?|"
+    r"fans?|blowers?|lüfter|ventilat(or|eur)(en|s)?|"
+    r"(relay|sensor|driver|gps|charger|converter|regulator|power|radio|wi-?fi|bluetooth) ?modules?",
+    "cable": r"cables?|wires?|kabel|leitung(en)?|câbles?|cords?",
+    "resettable fuse": r"pptcs?|poly-?fuses?|poly-?switch(es)?|res(e|et)tt?able( fuses?)?|restt?ble|ptc[ -]?fuses?",
     "thermistor": r"thermistors?|ntc|ptc|heißleiter|kaltleiter",
     "varistor": r"varistors?|mov",
     "optocoupler": r"opto-?couplers?|opto-?isolators?|photo-?couplers?|optokoppler|pc817\w*|4n[23][0-9]|6n13[0-9]",
@@ -18,10 +38,10 @@ KINDS: Mapping[str, str] = {
     "microcontroller": r"microcontrollers?|mikrocontroller|microprocessors?|processors?|mcus?|cpus?|soc|"
     r"(stm(32|8)|at(mega|tiny|xmega|sam)|samd[0-9]|dspic|pic(1[0268]|24|32)|esp(32|8266)|rp2[0-9]|nrf5[0-9]|msp430|"
     r"lpc[0-9]{3}|mimxrt|gd32|ch32|efm32|xmc[0-9])\w*",
-    "programmable logic": r"fpgas?|cplds?|(xc[2-9]|ep[1-5][cm]|10m0|lcmxo|lfe[0-9]|ice40)\w*",
-    "analog circuit": r"op-?amps?|operational ?amplifiers?|amplifiers?|comparators?|regulators?|\w*regler|ldo|"
+    "programmable logic": r"fpgas?|cplds?|(xc[2-7][acksvxz]|xc95|ep[1-5][cm]|10m0|lcmxo|lfe[0-9]|ice40)\w*",
+    "analog circuit": r"op[ -]?amps?|operational ?amplifiers?|amplifiers?|comparators?|v?reg|regulators?|\w*regler|ldo|"
     r"converters?|dc-?dc|(gate |motor |stepper |led |line )?drivers?|treiber|transceivers?|voltage references?|adc|dac|"
-    r"timers?|(lm|tl0|opa|ina|ne55|ams1117|tps|ltc|drv8|tmc[2-9]|mcp[136]|ad[58]|max[0-9]|mp[12]|uln|l78|l298|7[89][0l-m])"
+    r"timers?|(lm|tl0|opa|ina|ne55|ams1117|tps|ltc|drv8|tmc[2-9]|mcp[136]|ad[58]|max[0-9]|mp[12]|uln|l298|l?7[89][0lm]|l78[lmst]|xc6|ld1117|ap1117|az1117|mic[25]|acs7)"
     r"[0-9]\w*",
     "memory": r"memory|speicher|eeproms?|eprom|flash|[sdf]?rams?|(ddr[0-9]?)|(24(lc|aa|fc|c)[0-9]|at2[45]c|"
     r"25(lc|aa)[0-9]|m24[cm]|w25[qn]|mx25|gd25|is25|is6[12]|as6c|cy6|mt4[178]|k4[abt])\w*",
@@ -39,9 +59,10 @@ KINDS: Mapping[str, str] = {
     "bipolar transistor": r"bjts?|npn|pnp|bipolar|darlington|"
     r"(bc[3-8][0-9]{2}|2n[2-6][0-9]{3}|[mp]mbt|bd[0-9]{3}|bcp5|tip[0-9]|mje[0-9]|s8[05]50)\w*",
     "transistor": r"transistors?|transistoren|igbts?",
-    "tvs diode": r"tvs|transient ?(voltage)? ?suppress\w*|esd (protection|diode)|suppressordioden?|(smaj|smbj|p6ke)\w*",
+    "tvs diode": r"tvs|transient ?(voltage)? ?suppress\w*|esd (protection|diode)|suppressordioden?|"
+    r"(smaj|smbj|p6ke|l?esd[0-9]|pesd|usblc|prtr5v)\w*",
     "zener diode": r"zener\w*|z-?dioden?|(bzx|bzt|mmsz)\w*",
-    "schottky diode": r"schottky\w*|(bat[0-9]|1n58[12]|ss[1-5][2-6]|b[0-9]{3}a|mbr)\w*",
+    "schottky diode": r"scho?tt?ky\w*|shottky|(bat[0-9]|1n58[12]|ss[1-5][2-6]|b[0-9]{3}a|mbr)\w*",
     "rectifier": r"rectifiers?|gleichrichter|redresseur|(1n400|1n540|db10|gbu)\w*",
     "diode": r"diodes?|dioden",
     "crystal": r"crystals?|xtals?|quartz|quarze?|resonators?",
@@ -54,7 +75,7 @@ KINDS: Mapping[str, str] = {
     "supercapacitor": r"super-?cap\w*|edlc|ultra-?cap\w*",
     "capacitor": r"capacitors?|caps?|mlcc|\w*kondensator(en)?|elko|kerko|condensateurs?|condensatore?|condensador",
     "circuit breaker": r"circuit ?breakers?|sicherungsautomat",
-    "fuse": r"fuses?|polyfuse|poly-?switch|\w*sicherung(en)?|fusibles?",
+    "fuse": r"fuses?|\w*sicherung(en)?|fusibles?",
     "relay": r"relays?|relais",
     "encoder": r"encoders?|drehgeber",
     "switch": r"switch(es)?|(push)? ?buttons?|taster|\w*schalter|interrupteur",
@@ -66,11 +87,14 @@ KINDS: Mapping[str, str] = {
     "lamp": r"lamps?|lampen?|incandescent",
     "buzzer": r"buzzers?|speakers?|lautsprecher",
     "antenna": r"antennas?|antennen?",
-    "hardware": r"stand-?offs?|spacers?|screws?|nuts?|washers?|heat ?sinks?|schrauben?|muttern?|abstandsbolzen|"
-    r"kühlkörper|labels?|etiketten?",
     "printed board": r"pcbs?|printed (circuit|wiring)? ?boards?|bare ?boards?|leiterplatten?|platine",
 }  # fmt: skip
 """Kinds of parts and the words that name them.""" ""
+
+DEVICE = "whole device"
+
+OTHER = ("no part", "hardware", "mechanical part", DEVICE, "cable")
+"""What no handbook's electronic part stands for."""
 
 NO_PARTS = ("no part", "hardware")
 """What stands on lists and fails no circuit."""
@@ -113,20 +137,101 @@ FAMILIES: tuple[frozenset[str], ...] = tuple(
         ("connector", "socket", "no part"),
         ("switch", "encoder"),
         ("relay", "solid state relay"),
+        ("fuse", "resettable fuse"),
     )
 )  # fmt: skip
 """Kinds that share letters: other words in the row of a part with these letters speak of something else."""
 
 
-def kind_of(letters: str, words: str) -> str:
-    """The kind of a part by the letters of its reference and the words of its row; '' where they do not tell."""
+@dataclass(frozen=True)
+class Spoken:
+    """The cells of a row that may say what kind of part it is."""
+
+    names: tuple[str, ...]
+    """What describes a part in words: description, library."""
+    value: str = ""
+    """A value is often a label: what a connector leads to."""
+    part_number: str = ""
+    note: str = ""
+    footprint: str = ""
+    measured: frozenset[str] = frozenset()
+    """Kinds that its quantities are of: a capacitance."""
+
+
+GUESS = "a guess, by its letters alone"
+"""Why a part is of a kind of which nothing but its reference speaks."""
+
+
+def kind_of(letters: str, row: Spoken) -> tuple[str, str]:
+    """The kind of a part and, unless its words and letters agree, why; '' where nothing tells.
+
+    Words that name what is no electronic part, or another kind, are believed before the letters; of a value or a
+    note, which may be a label, only names of parts are.
+    """
     lettered = PREFIXES.get(letters, ())
+    kinds = {kind for family in FAMILIES if not family.isdisjoint(lettered) for kind in family} | set(lettered)
+    if other := _other_than_electronic(lettered, row):
+        return other, "by its words"
+    said = " ".join((*row.names, row.value, row.note, row.part_number))
+    if lettered and (found := _first(kinds, said)):
+        sure = len(lettered) == 1 and _ORDER.index(lettered[0]) < _ORDER.index(found)
+        return (lettered[0] if sure else found), ""  # RN is a network, also where its words say resistor
+    if len(lettered) == 1 and lettered[0] in row.measured:
+        return lettered[0], ""
+    if found := _named(lettered, row):
+        return found, "by its words"
+    if found := _first(kinds if not _CONNECTS.isdisjoint(lettered) else _ELECTRONIC, row.footprint):
+        return found, "" if found in lettered else "by its footprint"
+    return (lettered[0], GUESS) if len(lettered) == 1 else ("", "")
+
+
+def _named(lettered: tuple[str, ...], row: Spoken) -> str:
+    """The kind that words name, against the letters or without any."""
+    for cell in row.names if lettered else (*row.names, row.value, row.note):
+        if found := _first(_ELECTRONIC, _beginning(cell)) or _first(_ELECTRONIC, cell):
+            board = not row.footprint and not lettered and found in MICROCIRCUITS and _ON_BOARDS.search(cell)
+            return DEVICE if board and not _by_number(found, f"{cell} {row.value} {row.part_number}") else found
+    if lettered and not _CONNECTS.isdisjoint(lettered):
+        return ""
+    return next((kind for kind in _ELECTRONIC if _by_number(kind, f"{row.value} {row.part_number}")), "")
+
+
+def _other_than_electronic(lettered: tuple[str, ...], row: Spoken) -> str:
+    """What is no electronic part, where that is what the words of a cell end in: a button head screw."""
+    label = row.footprint or not _CONNECTS.isdisjoint(lettered)
+    for cell in (*row.names, *(() if label else (row.value,))):
+        words = _beginning(cell)
+        if _CATALOGUE.match(words):
+            return ""
+        ends = {
+            kind: match.end()
+            for kind, pattern in _KIND_WORDS.items()
+            for match in pattern.finditer(words)
+            if kind in OTHER or not re.search("[0-9]", match[0])
+        }
+        if ends:  # a number that follows is of it, and not what it is: linear bearing LM8UU
+            last = max(ends, key=lambda kind: (ends[kind], kind in OTHER))
+            return last if last in OTHER and not (last == DEVICE and _PACKAGE.search(row.footprint)) else ""
+    marked = f"{row.value} {row.footprint}" if row.footprint else ""
+    if "no part" in (found := _first(OTHER, spread(row.value)), _first(OTHER, spread(marked))):
+        return "no part"
+    return DEVICE if found == DEVICE and _first({DEVICE}, row.footprint) else ""
+
+
+def _first(kinds: Collection[str], words: str) -> str:
+    """The most special of some kinds that words name."""
     words = spread(words)
-    family = {kind for family in FAMILIES if not family.isdisjoint(lettered) for kind in family} | set(lettered)
-    for kind, pattern in _KIND_WORDS.items():
-        if (not lettered or kind in family) and pattern.search(words):
-            return kind
-    return lettered[0] if len(lettered) == 1 else ""
+    return next((kind for kind in _ORDER if kind in kinds and _KIND_WORDS[kind].search(words)), "")
+
+
+def _by_number(kind: str, words: str) -> bool:
+    """Whether words name a kind by the number of a part."""
+    return any(re.search(r"[0-9]", match[0]) for match in _KIND_WORDS[kind].finditer(spread(words)))
+
+
+def _beginning(cell: str) -> str:
+    """What a cell names, without what that is for, with or of."""
+    return _APART.split(spread(cell), maxsplit=1)[0]
 
 
 def spread(words: str) -> str:
@@ -140,3 +245,19 @@ def any_of(words: str) -> re.Pattern[str]:
 
 
 _KIND_WORDS = {kind: any_of(words) for kind, words in KINDS.items()}
+_ORDER = tuple(KINDS)
+_ELECTRONIC = tuple(kind for kind in KINDS if kind not in OTHER)
+_CONNECTS = frozenset({"connector", "socket"})
+_APART = re.compile(
+    r"[,;:(]|\s[-–]\s|(?<=\w)\s+(?:for|with|w/?|without|to|from|of|incl|für|mit|pour|avec)(?=\s|$|/)", re.IGNORECASE
+)
+_CATALOGUE = re.compile(
+    r"(?:res|cap|conn|ic|ind|fixed ind|diode|mosfet|trans|transistor|ferrite|crystal|inductor|resistor|capacitor|"
+    r"header|"
+    r"term|terminal|thermistor|filter|mcu)(?![^\W_])",
+    re.IGNORECASE,
+)
+_ON_BOARDS = re.compile(r"drivers?|v?reg|regulators?|\w*regler|controllers?|converters?|dc-?dc|treiber", re.I)
+"""What is sold as a board too; where neither letters, nor a package, nor a number speak of a circuit, it is one."""
+
+_PACKAGE = re.compile(r"(?<![A-Za-z])(?:[A-Z]*QF[NP]|LGA|[A-Z]*BGA|SO[TP]?|[A-Z]*SOP|SOIC|DFN|LCC|WLCSP)-?[0-9]")

@@ -11,6 +11,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError, UnitError, nearest
 from robophm.design.bom.assumptions import Assumptions, TooLittle
+from robophm.design.bom.kinds import DEVICE, GUESS
 from robophm.design.bom.parts import Recognised
 from robophm.design.bom.rules import RULES
 from robophm.hazard.handbooks import handbook_model
@@ -27,6 +28,14 @@ class Rating:
     assumed: Mapping[str, str]
     """Inputs that the list does not say, and why they are what they are."""
     settled: Mapping[str, str | float]
+
+
+BEYOND = {
+    "mechanical part": "it is a mechanical part: state its rate, or a model of nswc_11 with its loads",
+    DEVICE: "it is a whole device, not one electronic part: state its maker's figure, or its own parts",
+    "cable": "it is a cable, of which no handbook has a model: state its rate",
+}
+"""Why what is no electronic part is not rated as one."""
 
 
 class Rater:
@@ -51,12 +60,16 @@ class Rater:
         """The model of a part with its inputs. Raises TooLittle where there is none, or it needs more."""
         if not part.kind:
             raise TooLittle("what kind of part it is, is not clear from its reference and words")
+        if part.kind in BEYOND:
+            raise TooLittle(BEYOND[part.kind])
         if part.kind not in RULES:
             raise TooLittle(f"no handbook has a model of a {part.kind}")
         rule = RULES[part.kind]
         model = handbook_model(rule.model)
         try:
             inputs, assumed = rule.inputs(part, self.assumed)
+            if part.concluded.get("kind") == GUESS:
+                assumed["model"] = "; ".join(filter(None, (f"{part.kind} is {GUESS}", assumed.get("model", ""))))
             level, choices = self.assumed.quality, model.inputs.get("quality")
             if level and isinstance(choices, Choice):
                 if choices.option(level) is not None:

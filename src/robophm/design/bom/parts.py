@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from robophm.design.bom.columns import Decimal
-from robophm.design.bom.kinds import MICROCIRCUITS, PREFIXES, any_of, kind_of, spread
+from robophm.design.bom.kinds import MICROCIRCUITS, Spoken, any_of, kind_of, spread
 from robophm.design.bom.references import prefix
 
 
@@ -46,21 +46,21 @@ def recognise(references: tuple[str, ...], row: Described, decimal: Decimal = ".
     """The kind of a part and what is known of it."""
     said = _Said(row, decimal)
     letters = prefix(references[0]) if references else ""
-    kind = kind_of(letters, f"{said.words} {row.part_number}")
-    if kind and kind not in PREFIXES.get(letters, ()):
-        said.concluded["kind"] = "by its words"
+    kind, why = kind_of(letters, said.spoken(row))
+    if why:
+        said.concluded["kind"] = why
     return Recognised(kind, said.facts(kind), said.concluded)
 
 
 _NUMBER = r"(?<![\w.])([0-9]{1,9}(?:\.[0-9]{1,6})?)"
 _END = r"(?![^\W_])"
-_CAPACITANCE = re.compile(rf"{_NUMBER}\s?([pnuµμm]?)F{_END}"), re.compile(rf"{_NUMBER}\s?([pnuµμ]){_END}")
+_CAPACITANCE = re.compile(rf"{_NUMBER}\s?([pnuµμmPNU]?)[Ff]{_END}"), re.compile(rf"{_NUMBER}\s?([pnuµμPNU]){_END}")
 _RESISTANCE = (
     re.compile(rf"{_NUMBER}\s?([mkKMG]?)\s?(?:Ω|\u2126|[oO]hms?|OHMS?){_END}"),
     re.compile(rf"{_NUMBER}([kKMGR]){_END}"),
 )
-_INDUCTANCE = re.compile(rf"{_NUMBER}\s?([pnuµμm])H{_END}"), re.compile(rf"{_NUMBER}([nuµμ]){_END}")
-_VOLTAGE = (re.compile(rf"{_NUMBER}\s?(k?)V(?:DC|dc)?{_END}"),)
+_INDUCTANCE = re.compile(rf"{_NUMBER}\s?([pnuµμmPNUM])[Hh]{_END}"), re.compile(rf"{_NUMBER}([nuµμNU]){_END}")
+_VOLTAGE = (re.compile(rf"{_NUMBER}\s?(k?)[Vv](?:DC|dc)?{_END}"),)
 _CURRENT = (re.compile(rf"{_NUMBER}\s?([mu]?)A{_END}"),)
 _FREQUENCY = (re.compile(rf"{_NUMBER}\s?([kKMG]?)[hH][zZ]{_END}"),)
 _POWER = (re.compile(rf"(?<![\w./])([0-9]{{1,9}}(?:\.[0-9]{{1,6}})?(?:/[0-9]{{1,2}})?)\s?(m?)W{_END}"),)
@@ -74,8 +74,11 @@ _CONTACTS = re.compile(
     r"(?<![A-Z0-9])([SD346]P[SD]T)(?![A-Z0-9])|([1-4]) ?(?:x ?)?(form ?[ac]|wechsler|schließer)", re.IGNORECASE
 )
 _TOLERANCE = re.compile(r"(?<![\w.])([0-9]{1,2}(?:\.[0-9]{1,3})?)\s?%")
-_SCALE = {"µ": "u", "μ": "u", "K": "k", "R": ""}
-_LETTER_AS_POINT = re.compile(r"(?<![\w.])([0-9]{1,4})([pnuµμmkKMGRV])([0-9]{1,3})(?=[FHΩ]?(?![^\W_]))")  # 4u7, 6V3
+_SCALE = {"µ": "u", "μ": "u", "K": "k", "R": "", "P": "p", "N": "n", "U": "u"}
+"""What people write in capitals; M is a million but of henries, of which nobody has as many."""
+_LETTER_AS_POINT = re.compile(
+    r"(?<![\w.])([0-9]{1,4})([pnuµμmkKMGRVPNU])([0-9]{1,3})(?=[FfHhΩ]?(?![^\W_]))"
+)  # 4u7, 6V3
 
 _CHIP = re.compile(r"(?<![0-9])(01005|0201|0402|0603|0805|1206|1210|1218|1806|1808|1812|2010|2220|2225|2512)(?![0-9])")
 _NUMBERS_OF_CHIPS = ("201", "402", "603", "805")
@@ -94,6 +97,12 @@ _SURFACE = re.compile(
     re.IGNORECASE,
 )
 _POSITIONS = re.compile(rf"{_NUMBER}[ -]?(?:pins?|pos(?:itions?)?|ways?|pol(?:ig)?|contacts?|p){_END}", re.IGNORECASE)
+_PINS = re.compile(rf"{_NUMBER}[ -]?(?:pins?|leads?){_END}", re.IGNORECASE)
+_LAND_PATTERN = re.compile(
+    r"(?<![A-Z])[A-Z]{2,5}[0-9]{1,3}P[0-9]{2,4}X[0-9]{2,4}(?:X[0-9]{2,4})?-([0-9]{1,4})(?![0-9])"
+)
+"""As IPC-7351 calls them: SOP50P810X120-48N."""
+
 _THROUGH_HOLE = re.compile(
     r"tht|through.?hole|radial|axial|C_Disc|C_Rect|bedrahtet|leaded|traversant|(?<![A-Za-z])[CP]?DIP(?![A-Za-z])|"
     r"TO-?(?:92|126|220|247)(?![0-9])",
@@ -113,7 +122,7 @@ TYPES: Mapping[str, Mapping[str, re.Pattern[str]]] = {
             "paper": r"paper|papier",
             "mica": r"mica|glimmer",
             "variable": r"trimmer|trim ?cap|variable",
-            "ceramic": r"ceramic|mlcc|keramik\w*|kerko|c[ée]ramique|C Disc",
+            "ceramic": r"ceramic|cer|mlcc|keramik\w*|kerko|c[ée]ramique|C Disc",
         },
         "resistor": {
             "wirewound": r"wire.?wound|draht\w*|bobin[ée]e?",
@@ -207,6 +216,18 @@ class _Said:
         self.words = " ".join((row.description, row.library, row.footprint, row.value, row.material, row.note))
         self.concluded: dict[str, str] = {}
 
+    def spoken(self, row: Described) -> Spoken:
+        measured = {
+            "capacitor": self.first(_CAPACITANCE, "F", self.value),
+            "inductor": self.first(_INDUCTANCE, "H", self.value),
+            "resistor": self.first(_RESISTANCE, "ohm", _unit(self.value, "ohm")),
+            "crystal": self.first(_FREQUENCY, "Hz", self.value),
+        }  # fmt: skip
+        return Spoken(
+            (row.description, row.library, row.material), row.value, row.part_number, row.note, row.footprint,
+            frozenset(kind for kind, found in measured.items() if found),
+        )  # fmt: skip
+
     def facts(self, kind: str) -> dict[str, str]:
         """What this kind of part can be asked for, as far as the row says it."""
         if not kind:
@@ -215,7 +236,7 @@ class _Said:
         found["mounting"] = self.mounting(self.footprint) or self.mounting(self.words)
         if kind in ("capacitor", "supercapacitor"):
             found |= self.capacitor(found["type"])
-        elif kind in ("resistor", "resistor network", "potentiometer", "thermistor"):
+        elif kind in ("resistor", "resistor network", "potentiometer", "thermistor", "resettable fuse"):
             found |= self.resistor()
         elif kind in _TRANSISTORS:
             found["rated_power"] = self.transistor_power()
@@ -224,7 +245,7 @@ class _Said:
         elif kind in ("crystal", "oscillator"):
             found["frequency"] = self.first(_FREQUENCY, "Hz", self.value, self.rest)
         elif kind in ("connector", "socket", "optocoupler", *MICROCIRCUITS):
-            found["pins"] = self.pins()
+            found["pins"] = self.pins(circuit=kind in MICROCIRCUITS)
         if kind == "memory":
             found["bits"] = self.memory_size()
         elif kind == "microcontroller":
@@ -320,7 +341,7 @@ class _Said:
                     if below and float(below):
                         number = f"{float(number) / float(below):.4g}"
                     scale = match[2]
-                    return f"{number} {_SCALE.get(scale, scale)}{unit}"
+                    return f"{number} {'m' if (scale, unit) == ('M', 'H') else _SCALE.get(scale, scale)}{unit}"
         return None
 
     def chip(self) -> str | None:
@@ -331,14 +352,17 @@ class _Said:
                 return match[1]
         return None
 
-    def pins(self) -> str | None:
+    def pins(self, *, circuit: bool) -> str | None:
         texts = (self.footprint, self.value, self.rest)
         for text in texts:
+            if land := _LAND_PATTERN.search(text):
+                return land[1]
             if package := _PACKAGE_PINS.search(text):
-                return package[1]
+                return str(int(package[1]))
             if rows := _ROWS_OF_PINS.search(text):
                 return str(int(rows[1]) * int(rows[2]))
-        positions = next((found for text in texts if (found := _POSITIONS.search(text))), None)
+        pattern = _PINS if circuit else _POSITIONS  # an LM358P has not 358
+        positions = next((found for text in texts if (found := pattern.search(text))), None)
         return positions[1] if positions else None
 
 

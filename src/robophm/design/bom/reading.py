@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from robophm.design.bom.columns import Column, ColumnMapping, PartsTable, read_t
 from robophm.design.bom.component import LONGEST_NAME
 from robophm.design.bom.kinds import NO_PARTS
 from robophm.design.bom.parts import Described, Recognised, recognise, with_points
-from robophm.design.bom.references import ReferencesError, compressed, expand
+from robophm.design.bom.references import ReferencesError, are_references, compressed, expand
 from robophm.design.bom.tables import Row
 from robophm.design.naming import design_name
 
@@ -100,14 +100,45 @@ class _List:
         self.count = 0
 
     def read(self) -> PartsList:
-        for row in self.table.rows:
-            self.row(row)
-        for reference, rows in self.twice():
-            at = ", ".join(map(str, rows[:5]))
+        rows = list(self.table.rows)
+        for i, row in enumerate(rows):
+            ends = _SUM.match(next(cell for cell in row.cells if cell))
+            if ends and not self.any_parts(rows[i:]):
+                self.left_out += [
+                    Note(after.number, f"{_text(after)} is below the list, no part") for after in rows[i:]
+                ]
+                break
+            self.row(row, of_a_group=not ends and self.of_a_group(rows, i))
+        for reference, places in self.twice():
+            at = ", ".join(map(str, places[:5]))
             self.notes.append(
-                Note(rows[0], f"{reference} stands in rows {at}; each of them is taken for parts of its own")
+                Note(places[0], f"{reference} stands in rows {at}; each of them is taken for parts of its own")
             )
         return PartsList(self.table, tuple(self.parts), tuple(self.errors), tuple(self.left_out), tuple(self.notes))
+
+    def cell(self, row: Row, field: str) -> str:
+        at = self.places.get(field, len(row.cells))
+        return row.cells[at] if at < len(row.cells) else ""
+
+    def any_parts(self, rows: Sequence[Row]) -> bool:
+        """Whether a part follows a sum: with a reference, or in a list without them with a quantity."""
+        if "reference" in self.places:
+            return any(are_references(self.cell(row, "reference")) for row in rows if self.cell(row, "reference"))
+        return any(re.fullmatch(r"[0-9]+", self.cell(row, "quantity")) for row in rows[1:])
+
+    def of_a_group(self, rows: Sequence[Row], i: int) -> bool:
+        """Whether a row's quantity is of it and of rows below, which have none and are the same part."""
+        here = rows[i]
+        if not self.cell(here, "quantity") or not self.cell(here, "reference") or i + 1 == len(rows):
+            return False
+        below = rows[i + 1]
+        alike = [name for name in ("part_number", "description", "footprint") if self.cell(here, name)] or ["value"]
+        return (
+            not self.cell(below, "quantity")
+            and bool(self.cell(below, "reference"))
+            and bool(self.cell(here, alike[0]))
+            and all(self.cell(here, name) == self.cell(below, name) for name in alike)
+        )
 
     def twice(self) -> Iterator[tuple[str, list[int]]]:
         counts = Counter(reference for part in self.parts for reference in part.references)
@@ -118,7 +149,7 @@ class _List:
                     rows[reference].append(part.row)
         yield from rows.items()
 
-    def row(self, row: Row) -> None:
+    def row(self, row: Row, *, of_a_group: bool) -> None:
         said = {field: row.cells[at] if at < len(row.cells) else "" for field, at in self.places.items()}
         said = {field: self.plain(row.number, field, cell) for field, cell in said.items()}
         if all(said[column.field] in ("", column.header) for column in self.table.columns) and any(said.values()):
@@ -149,14 +180,19 @@ class _List:
         number = self.quantity(row.number, count) if count else len(references) or 1
         if number is None:
             return
+        ordered = "quantity" in self.headers and _ORDERED.search(self.headers["quantity"])
+        if references and number > len(references) and (of_a_group or ordered):
+            why = "is of this row and those of the same part below" if of_a_group else "is what is ordered"
+            self.notes.append(
+                Note(row.number, f"the quantity {number} {why}; {_counted(references)}, and so many are taken")
+            )
+            number = len(references)
         if number == 0:
             self.left_out.append(Note(row.number, f"{reference or described.value or 'a part'} has quantity 0"))
             return
         if references and count and number != len(references):
             more = max(number, len(references))
-            counting = "is 1 reference" if len(references) == 1 else f"are {len(references)} references"
-            counted = f"{compressed(references):.60} {counting}"
-            self.notes.append(Note(row.number, f"{counted}, the quantity is {number}; {more} are taken"))
+            self.notes.append(Note(row.number, f"{_counted(references)}, the quantity is {number}; {more} are taken"))
             number = more
         doubled = [name for name, times in Counter(references).items() if times > 1]
         if doubled:
@@ -201,7 +237,25 @@ class _List:
         return None
 
 
-_SUM = re.compile(r"\s*(total|sum|summe|gesamt|somme|totale)\b(?!.*\d.*\d.*\d.*\d)", re.IGNORECASE)
+def _text(row: Row) -> str:
+    return f"'{' '.join(cell for cell in row.cells if cell):.60}'"
+
+
+def _counted(references: Sequence[str]) -> str:
+    counting = "is 1 reference" if len(references) == 1 else f"are {len(references)} references"
+    return f"{compressed(references):.60} {counting}"
+
+
+_ORDERED = re.compile(
+    r"digi-?key|mouser|lcsc|farnell|newark|arrow|reichelt|order|purchase|buy|bestell|stock|moq|minimum", re.IGNORECASE
+)
+"""Headers of how many are bought, and not of how many are on the board."""
+
+_SUM = re.compile(
+    r"\s*((grand |sub[- ]?)?total|sum|summe|gesamt|somme|totale|shipping|postage|versand|tax|vat|mwst)\b"
+    r"(?!.*\d.*\d.*\d.*\d)",
+    re.IGNORECASE,
+)
 _FORMULA = re.compile(r"[=@]|[+-][^\d\s.,/]*[|(!]")
 _DNP = re.compile(
     r"(?<!\w)(?:dn[pfim]|do[ -]not[ -](?:populate|fit|install|mount|place|stuff)|"

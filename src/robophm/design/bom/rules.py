@@ -197,6 +197,11 @@ RULES: Mapping[str, Rule] = {
     "thermistor": Rule(
         "mil_hdbk_217f.resistor", _resistor(assume("RTH", f"{NEAREST} to a thermistor"), "1 W", APPENDIX)
     ),
+    "resettable fuse": Rule(
+        "mil_hdbk_217f.resistor",
+        _resistor(assume("RTH", f"{NEAREST} to a resettable fuse"), "1 W", APPENDIX),
+        taken_for="a thermistor, for the handbook has no resettable fuses",
+    ),
     "potentiometer": Rule(
         "mil_hdbk_217f.resistor",
         _resistor(by_type({"wirewound": "RT"}, "RJ", "not wirewound, as is usual"), "1 W", "as of a resistor"),

@@ -56,7 +56,9 @@ def test_matings(matings, printed, factors):
 
 
 def test_an_insert_beyond_the_printed_temperatures():
-    with pytest.raises(ModelError, match=r"πT is outside the handbook's range: insert at .* °C of at most 250"):
+    with pytest.raises(
+        ModelError, match=r"the temperature of the insert .* °C is more than the handbook's 250 °C: outside"
+    ):
         CONNECTOR.settle({**PLAIN, "temperature": "100 degC", "current": "20 A"})
     design = CONNECTOR.settle(PLAIN)
     value, extrapolated = CONNECTOR.evaluate({**design, "current": np.array([-20.0, 0.0, 5.0, 20.0])})

@@ -27,6 +27,6 @@ def test_by_hand_at_the_reference():
 
 
 def test_a_larger_mmic_has_no_model():
-    with pytest.raises(ModelError, match="C1 is outside the handbook's range: MMIC by elements, at most 1000"):
+    with pytest.raises(ModelError, match="1001 elements are more than the 1000 that the handbook has of MMIC: outside"):
         GAAS.settle({**PLAIN, "application": "MMIC", "elements": 1001})
     assert not np.any(GAAS.evaluate(GAAS.settle({**PLAIN, "elements": 10000})).extrapolated)

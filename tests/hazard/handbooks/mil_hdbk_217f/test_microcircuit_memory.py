@@ -24,7 +24,7 @@ def test_sizes(bits, expected, factors):
     inputs = {key: value for key, value in PLAIN.items() if key != "programming_cycles"}
     inputs = MEMORY.settle({**inputs, "style": "DRAM", "bits": f"{bits} bit"})
     assert factors(MEMORY, inputs)["C1"] == expected
-    with pytest.raises(ModelError, match=r"bits 2e.06 bit is outside 1 "):
+    with pytest.raises(ModelError, match=r"bits 2000000 bit is outside 1 "):
         MEMORY.settle({**PLAIN, "bits": "2 Mbit"})
 
 

@@ -92,8 +92,8 @@ def test_the_two_bases_of_gallium_arsenide(gigahertz, watts, expected, gaas):
 @pytest.mark.parametrize(
     ("gigahertz", "watts", "message"),
     [
-        (3.9, 0.1, "λb is outside the handbook's range: .*no model from 0.1 W on below 4 GHz"),
-        (1, 6, "λb is outside"),
+        (3.9, 0.1, "0.1 W at 3.9 GHz: from 0.1 W on there is no model below 4 GHz: outside"),
+        (1, 6, "6 W at 1 GHz: from 0.1 W on there is no model below 4 GHz: outside"),
         (10.1, 0.05, "frequency 10.1 GHz is outside"),
         (0.9, 0.05, "frequency 0.9 GHz is outside"),
         (5, 6.1, "output_power 6.1 W is outside"),

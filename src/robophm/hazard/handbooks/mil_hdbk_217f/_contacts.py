@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
-from robophm.hazard.model import Array, Factor
+from robophm.hazard.model import Array, Factor, more_than
 
 SOURCE = Source(
     TITLE,
@@ -32,5 +32,6 @@ def load_factor(load: str, load_current: Array, rated_current: Array) -> Factor:
         "πL",
         np.exp((np.minimum(stress, 1.0) / LOAD[load]) ** 2),
         f"{load} load, stress S = {span(stress)} of at most 1",
-        outside=stress > 1,
+        outside=above(stress, 1.0),
+        beyond=more_than("the load current", np.abs(load_current), "the rated current", rated_current, "A"),
     )

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from robophm.core.errors import ModelError
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, span
-from robophm.hazard.model import Array, Choice, Factor, Input, Range
+from robophm.hazard.model import Array, Choice, Factor, Input, Range, more_than
 
 HOT_SPOT = Source(TITLE, "11.3", "11-3 … 11-4", "one transcription; the range of case areas from another program")
 
@@ -133,5 +133,6 @@ def temperature_factor(name: str, temperature: Array, rise_from: str, **given: A
         "πT",
         handbook_arrhenius(hot_spot, 0.11),
         f"Ea = 0.11 eV, hot spot at {span(hot_spot)} °C (up to {HOTTEST:g}), ΔT = {span(rise)} K from {rise_from}",
-        outside=hot_spot > HOTTEST,
+        outside=above(hot_spot, HOTTEST),
+        beyond=more_than("the temperature of the hot spot", hot_spot, "the handbook's", HOTTEST, "°C"),
     )

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above, below
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
-from robophm.hazard.model import Array, Choice, Factor, Input, Range
+from robophm.hazard.model import Array, Choice, Factor, Input, Range, more_than
 
 THERMAL = Source(TITLE, "6.14", "6-23", "two transcriptions agree on the table; the page is by order, not seen")
 
@@ -180,8 +181,15 @@ def junction_inputs(hottest: float = HOTTEST) -> Mapping[str, Input]:
             default="unknown",
             aliases={key.replace("-", ""): key for key in PACKAGE if "-" in key},
         ),
-        "thermal_resistance": Range(0.0, 1e3, "K/W", "junction to case, by its maker", required=False, monotone=1),
+        "thermal_resistance": Range(
+            0.0, 1e3, "K/W", "junction to case, by its maker", required=False, otherwise=_resistance, monotone=1
+        ),
     }
+
+
+def _resistance(given: Mapping[str, Any]) -> tuple[float, str]:
+    package = given["package"]
+    return PACKAGE[package], "the largest of the table" if package == "unknown" else f"the table's, of a {package}"
 
 
 def temperature_factor(
@@ -201,11 +209,17 @@ def temperature_factor(
     resistance = np.asarray(thermal_resistance if given else PACKAGE[package])
     junction = np.asarray(temperature) + resistance * np.abs(power)
     kelvin = np.maximum(junction + 273, 1.0)  # what a broken sensor says: no pole at 0 K
+    too_cold = bool(np.any(below(junction, coolest)))
     origin = "as stated" if given else "of the table's largest" if package == "unknown" else package
     return Factor(
         "πT",
         scale * np.exp(-coefficient * (1 / kelvin - 1 / reference)),
         f"B = {coefficient:g} K, TJ = {span(junction)} °C (of {coolest:g} … {hottest:g}), "
         f"θJC = {span(resistance)} K/W, {origin}",
-        outside=(junction < coolest) | (junction > hottest),
+        outside=below(junction, coolest) | above(junction, hottest),
+        beyond=(
+            (lambda: f"the junction, at {np.min(junction):.6g} °C, is colder than the handbook's {coolest:g} °C")
+            if too_cold
+            else more_than("the temperature of the junction", junction, "the handbook's", hottest, "°C")
+        ),
     )

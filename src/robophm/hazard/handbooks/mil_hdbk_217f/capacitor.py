@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.errors import ModelError
-from robophm.core.table import Source, Table, band
+from robophm.core.table import Source, Table, above, band
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, span
-from robophm.hazard.model import PER_MILLION_HOURS, Array, Choice, Factor, Range, hazard_model
+from robophm.hazard.model import PER_MILLION_HOURS, Array, Choice, Factor, Range, hazard_model, more_than
 
 SOURCE = Source(TITLE, "10.1", "10-1 … 10-6", "three transcriptions agree; checked against Appendix A")
 
@@ -134,7 +134,8 @@ def hazard_rate(
     """λp = λb · πT · πC · πV · πSR · πQ · πE"""
     column = {name: int(STYLE.cell(style, f"{name} column")) for name in ("πT", "πC", "πV")}
     # magnitudes: a reversed voltage that is measured is flagged, and must not make the rate negative
-    stress = (np.abs(dc_voltage) + np.sqrt(2) * np.abs(ac_voltage)) / np.asarray(rated_voltage)
+    applied = np.abs(dc_voltage) + np.sqrt(2) * np.abs(ac_voltage)
+    stress = applied / np.asarray(rated_voltage)
     reference, exponent = VOLTAGE_STRESS[column["πV"]]
     if STYLE.cell(style, "πSR applies"):
         if series_resistance is None:
@@ -154,7 +155,14 @@ def hazard_rate(
             "πV",
             (stress / reference) ** exponent + 1,
             f"column {column['πV']}, stress S = {span(stress)} of at most 1",
-            outside=stress > 1,
+            outside=above(stress, 1.0),
+            beyond=more_than(
+                f"the applied voltage{' (DC and peak AC)' if np.any(ac_voltage) else ''}",
+                applied,
+                "the rated voltage",
+                rated_voltage,
+                "V",
+            ),
         )
         * series
         * Factor("πQ", QUALITY[quality], f"quality {quality}")

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.errors import ModelError
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above
 from robophm.hazard.handbooks.mil_hdbk_217f import (
     TITLE,
     handbook_arrhenius,
@@ -16,7 +16,7 @@ from robophm.hazard.handbooks.mil_hdbk_217f import (
     span,
     steps,
 )
-from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
+from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
 
 SOURCE = Source(
     TITLE,
@@ -128,7 +128,8 @@ def hazard_rate(
             "πT",
             handbook_arrhenius(insert, 0.14),
             f"insert at {span(insert)} °C of at most 250, Ea = 0.14 eV",
-            outside=insert > 250,
+            outside=above(insert, 250.0),
+            beyond=more_than("the temperature of the insert", insert, "the handbook's", 250.0, "°C"),
         )
         * Factor("πK", steps(MATING, matings), "matings and unmatings in 1000 h")
         * Factor("πQ", QUALITY[quality], f"quality {quality}")

@@ -48,7 +48,7 @@ ENVIRONMENT = Table("socket πE", SOURCE, """
             "style of socket",
             aliases={"dip": "IC", "sip": "IC", "chip carrier": "IC", "pga": "IC", "crt": "tube"},
         ),
-        "contacts": Range(1, 180, "", "active contacts", monotone=1),
+        "contacts": Range(1, 180, "", "active contacts", whole=True, monotone=1),
         "quality": Choice(QUALITY, "quality level", default="lower", aliases={"commercial": "lower"}),
         "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
     },

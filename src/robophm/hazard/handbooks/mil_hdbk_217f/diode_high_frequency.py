@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.errors import ModelError
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -105,7 +105,7 @@ def hazard_rate(
         watts = np.asarray(rated_power)
         rating = Factor(
             "πR",
-            np.where(watts <= 10, 0.5, 0.326 * np.log(np.maximum(watts, 10.0)) - 0.25),
+            np.where(above(watts, 10.0), 0.326 * np.log(np.maximum(watts, 10.0)) - 0.25, 0.5),
             f"PIN of {span(watts)} W rated power",
         )
     return (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.errors import ModelError
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing, stress_ratio
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -15,7 +15,7 @@ from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
     quality,
     temperature_factor,
 )
-from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
+from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
 
 SOURCE = Source(TITLE, "6.1", "6-2 … 6-3", "two transcriptions agree; five types checked against Appendix A")
 
@@ -60,7 +60,9 @@ ALIASES = {
         "voltage": Range(0.0, 1e5, "V", "reverse voltage; not for suppressors, regulators, references", required=False),
         "rated_voltage": Range(1e-3, 1e5, "V", "rated reverse voltage; as voltage", required=False),
         "contact": Choice(CONTACT, "contact construction"),
-        "junctions": Range(1.0, 1e3, "", "junctions of a high-voltage stack; it needs it", required=False, monotone=1),
+        "junctions": Range(
+            1.0, 1e3, "", "junctions of a high-voltage stack; it needs it", whole=True, required=False, monotone=1
+        ),
         "quality": quality(),
         "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
     },
@@ -96,9 +98,10 @@ def hazard_rate(
         stress = stress_ratio(voltage, rated_voltage)
         stressed = Factor(
             "πS",
-            np.where(stress <= 0.3, 0.054, stress**2.43),
+            np.where(above(stress, 0.3), stress**2.43, 0.054),
             f"reverse voltage stress S = {span(stress)} of at most 1",
-            outside=stress > 1,
+            outside=above(stress, 1.0),
+            beyond=more_than("the reverse voltage", np.abs(voltage), "the rated voltage", rated_voltage, "V"),
         )
     return (
         Factor("λb", base, f"{KIND.notes[kind]}, failures/10⁶ h")

@@ -35,7 +35,7 @@ LOGIC_CHIP = Table("display logic chip λb", SOURCE, """
     source=SOURCE,
     inputs={
         "kind": Choice(KIND, "kind of display", aliases={"seven segment": "segment", "dot matrix": "diode_array"}),
-        "characters": Range(1.0, 100.0, "", "characters in one sealed package", monotone=1),
+        "characters": Range(1.0, 100.0, "", "characters in one sealed package", whole=True, monotone=1),
         "logic_chip": Choice(LOGIC_CHIP, "with or without a logic chip"),
         **junction_inputs(),
         "quality": quality(),

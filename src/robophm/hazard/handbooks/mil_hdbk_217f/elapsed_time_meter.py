@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source, Table, band
+from robophm.core.table import Source, Table, above, band
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import surroundings
-from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
+from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
 
 SOURCE = Source(TITLE, "12.3", "12-5", "two transcriptions agree; checked against Appendix A")
 
@@ -63,7 +63,10 @@ def hazard_rate(
             "πT",
             band(ratio, *TEMPERATURE),
             f"operating by rated temperature {span(ratio)} of at most 1",
-            outside=ratio > 1,
+            outside=above(ratio, 1.0),
+            beyond=more_than(
+                "the operating temperature", temperature, "the rated temperature", rated_temperature, "°C"
+            ),
         )
         * surroundings(ENVIRONMENT, environment)
     )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above, below
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
@@ -51,7 +51,7 @@ def hazard_rate(rated_voltage: Array, utilisation: Array, supply: str, environme
     """λp = λb · πU · πA · πE"""
     share = np.asarray(utilisation, dtype=float)
     low, middle, high = UTILISATION
-    used = np.where(share < 0.10, low, np.where(share <= 0.90, middle, high))
+    used = np.where(below(share, 0.10), low, np.where(above(share, 0.90), high, middle))
     return (
         Factor("λb", 0.074 * np.maximum(rated_voltage, 0.0) ** 1.29, "0.074 V^1.29, V rated, failures/10⁶ h")
         * Factor("πU", used, "share of the time lit: below 0.1, to 0.9, above")

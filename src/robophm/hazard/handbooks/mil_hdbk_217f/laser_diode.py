@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.errors import ModelError
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -13,7 +13,7 @@ from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
     junction_inputs,
     temperature_factor,
 )
-from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
+from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
 
 SOURCE = Source(
     TITLE,
@@ -88,7 +88,14 @@ def hazard_rate(
             "πP",
             1 / (2 * (1 - np.minimum(ratio, LARGEST_RATIO))),
             f"required by rated optical power Pr/Ps = {span(ratio)} of at most {LARGEST_RATIO}",
-            outside=ratio > LARGEST_RATIO,
+            outside=above(ratio, LARGEST_RATIO),
+            beyond=more_than(
+                "the required optical power",
+                np.abs(required_optical_power),
+                f"{LARGEST_RATIO:g} of the rated optical power,",
+                LARGEST_RATIO * np.asarray(rated_optical_power),
+                "W",
+            ),
         )
         * closing(QUALITY, quality, OPTICAL_ENVIRONMENT, environment)
     )

@@ -46,9 +46,13 @@ ENVIRONMENT = Table("plated through holes πE", SOURCE, """
     source=SOURCE,
     inputs={
         "technology": Choice(TECHNOLOGY, "technology of the board"),
-        "automated_holes": Range(0, 1e6, "", "N1, plated through holes soldered by wave or vapour phase", monotone=1),
-        "hand_soldered_holes": Range(0, 1e6, "", "N2, plated through holes soldered by hand", monotone=1),
-        "planes": Range(2, 18, "", "circuit planes; a printed board needs them", required=False, monotone=1),
+        "automated_holes": Range(
+            0, 1e6, "", "N1, plated through holes soldered by wave or vapour phase", whole=True, monotone=1
+        ),
+        "hand_soldered_holes": Range(0, 1e6, "", "N2, plated through holes soldered by hand", whole=True, monotone=1),
+        "planes": Range(
+            2, 18, "", "circuit planes; a printed board needs them", whole=True, required=False, monotone=1
+        ),
         "quality": Choice(
             QUALITY, "quality level", default="lower", aliases={"ipc level 3": "MIL-SPEC", "commercial": "lower"}
         ),

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, per_million_hours
 from robophm.hazard.handbooks.mil_hdbk_217f._contacts import LOAD, load_factor
-from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
+from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
 
 SOURCE = Source(
     TITLE,
@@ -139,7 +139,8 @@ def hazard_rate(
             "λb",
             0.0059 * handbook_arrhenius(temperature, activation_energy),
             f"rated {rating:g} °C, at most that, Ea = {activation_energy} eV, failures/10⁶ h",
-            outside=np.asarray(temperature) > rating,
+            outside=above(temperature, rating),
+            beyond=more_than("the ambient temperature", temperature, "the rated temperature", rating, "°C"),
         )
         * load_factor(load, load_current, rated_current)
         * Factor("πC", CONTACT_FORM[contact_form], contact_form)
@@ -155,6 +156,6 @@ def cycling_factor(cycling: Array, quality: str) -> Factor:
     """πCYC: one rule for commercial quality, another for every military one."""
     cycles = np.asarray(cycling, dtype=float)
     if quality == "commercial":
-        value = np.where(cycles > 1000, (cycles / 100) ** 2, np.maximum(cycles / 10, 1.0))
+        value = np.where(above(cycles, 1000.0), (cycles / 100) ** 2, np.maximum(cycles / 10, 1.0))
         return Factor("πCYC", value, "commercial: 1 below 10 an hour, N/10 to 1000, (N/100)² above")
     return Factor("πCYC", np.maximum(cycles / 10, 0.1), "MIL-SPEC: 0.1 below 1 an hour, N/10 above")

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import STEEPEST, closing, stress_ratio
-from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
+from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
 
 SOURCE = Source(TITLE, "9.1", "9-1 … 9-3", "two transcriptions agree; five styles checked against Appendix A")
 
@@ -135,7 +135,8 @@ def hazard_rate(
             "πS",
             scale * np.exp(slope * np.minimum(stress, STEEPEST)),
             f"column {stress_column}, stress S = {span(stress)} of at most 1",
-            outside=stress > 1,
+            outside=above(stress, 1.0),
+            beyond=more_than("the power dissipated", np.abs(power), "the rated power", rated_power, "W"),
         )
         * closing(QUALITY, quality, ENVIRONMENT, environment)
     )

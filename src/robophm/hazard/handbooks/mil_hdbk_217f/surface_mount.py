@@ -7,6 +7,9 @@ The height of leaded joints, 8 mil, is from memory.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from robophm.core.table import Source, Table
@@ -86,6 +89,15 @@ TEMPERATURE_SWING = Table("surface mount ΔT [K] by environment", SOURCE, """
 MIL = 0.0254  # mm
 
 
+def _height(given: Mapping[str, Any]) -> tuple[float, str]:
+    return LEAD.cell(given["lead"], "height") * MIL, f"of a {given['lead']} part"
+
+
+def _swing(given: Mapping[str, Any]) -> tuple[float, str]:
+    environment = given["environment"]
+    return TEMPERATURE_SWING[environment], f"the handbook's for the environment {environment}"
+
+
 @hazard_model(
     source=SOURCE,
     inputs={
@@ -100,11 +112,13 @@ MIL = 0.0254  # mm
         "package": Choice(PACKAGE, "material of the package"),
         "substrate": Choice(SUBSTRATE, "material of the board", aliases={"fr4": "fr4-laminate"}),
         "package_side": Range(0.1, 200.0, "mm", "side of the package; d is half of it", monotone=1),
-        "joint_height": Range(0.01, 5.0, "mm", "height of the joints; else by lead", required=False, monotone=-1),
+        "joint_height": Range(0.01, 5.0, "mm", "height of the joints; else by lead", required=False, monotone=-1,
+                              otherwise=_height),
         "power": Range(0.0, 1e3, "W", "power dissipated"),
         "thermal_resistance": Range(0.0, 1e3, "K/W", "junction to case, θJC"),
         "temperature_swing": Range(
-            0.0, 300.0, "K", "swing of the temperature in a cycle, ΔT; else the environment's", required=False
+            0.0, 300.0, "K", "swing of the temperature in a cycle, ΔT; else the environment's", required=False,
+            otherwise=_swing,
         ),
         "application": Choice(CYCLING, "what the equipment is for, which says how often it is switched"),
         "design_life": Range(1.0, 1e6, "h", "design life of the equipment", monotone=1),

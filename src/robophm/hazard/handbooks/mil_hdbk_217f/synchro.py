@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source, Table, band
+from robophm.core.table import Source, Table, above, band
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import surroundings
-from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
+from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
 
 SOURCE = Source(TITLE, "12.2", "12-4", "two transcriptions agree; λb checked against its printed table by a third")
 
@@ -48,7 +48,7 @@ HOTTEST = 135.0  # °C of the frame
             0.0, 150.0, "K", "frame above ambient; 40 K where it is unknown, as printed", default=40.0, monotone=1
         ),
         "size": Range(1.0, 50.0, "", "frame size", monotone=-1),
-        "brushes": Range(0.0, 4.0, "", "number of brushes", monotone=1),
+        "brushes": Range(0.0, 4.0, "", "number of brushes", whole=True, monotone=1),
         "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
     },
 )
@@ -71,7 +71,8 @@ def hazard_rate(
             "λb",
             0.00535 * np.exp((kelvin / 334) ** 8.5),
             f"frame at {span(frame)} °C (up to {HOTTEST:g}), failures/10⁶ h",
-            outside=frame > HOTTEST,
+            outside=above(frame, HOTTEST),
+            beyond=more_than("the temperature of the frame", frame, "the handbook's", HOTTEST, "°C"),
         )
         * Factor("πS", band(size, (8.0, 16.0, np.inf), KIND.rows[kind]), f"{kind}, size {span(size)}")
         * Factor("πN", band(brushes, *BRUSHES), f"{span(brushes)} brushes")

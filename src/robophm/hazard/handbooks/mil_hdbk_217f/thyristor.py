@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source
+from robophm.core.table import Source, above
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing, stress_ratio
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -17,7 +17,7 @@ from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
     quality,
     temperature_factor,
 )
-from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
+from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
 
 
 @hazard_model(
@@ -54,9 +54,10 @@ def hazard_rate(
         * Factor("πR", amperes**0.40, f"{span(amperes)} A rated current")
         * Factor(
             "πS",
-            np.where(stress <= 0.3, 0.1, stress**1.9),
+            np.where(above(stress, 0.3), stress**1.9, 0.1),
             f"blocking voltage stress S = {span(stress)} of at most 1",
-            outside=stress > 1,
+            outside=above(stress, 1.0),
+            beyond=more_than("the applied voltage", np.abs(voltage), "the rated voltage", rated_voltage, "V"),
         )
         * closing(QUALITY, quality, ENVIRONMENT, environment)
     )

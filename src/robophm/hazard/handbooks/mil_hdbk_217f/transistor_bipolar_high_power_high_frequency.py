@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.errors import ModelError
-from robophm.core.table import Source, Table, band
+from robophm.core.table import Source, Table, above, band
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing, stress_ratio
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -18,7 +18,7 @@ from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
     rf_quality,
     temperature_factor,
 )
-from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
+from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
 
 SOURCE = Source(
     TITLE,
@@ -81,6 +81,7 @@ def hazard_rate(
     200 °C only. Quality is the handbook's lower unless stated.
     """
     gigahertz, watts = np.asarray(frequency), np.asarray(output_power)
+    largest = band(gigahertz, *LARGEST_POWER)
     stress = stress_ratio(voltage, rated_voltage)
     coefficient, scale, slope = METALLIZATION.rows[metallization]
     if application == "cw":
@@ -95,7 +96,8 @@ def hazard_rate(
             "λb",
             0.032 * np.exp(0.354 * gigahertz + 0.00558 * watts),
             f"{span(gigahertz)} GHz, {span(watts)} W (printed up to 600 W at 1 GHz … 50 W above 4 GHz), failures/10⁶ h",
-            outside=watts > band(gigahertz, *LARGEST_POWER),
+            outside=above(watts, largest),
+            beyond=more_than("the output power", watts, f"the handbook's at {span(gigahertz)} GHz,", largest, "W"),
         )
         * temperature_factor(
             coefficient,
@@ -109,9 +111,16 @@ def hazard_rate(
         )
         * Factor(
             "πT stress",
-            np.where(stress <= 0.4, scale, slope * (stress - 0.35)),
+            np.where(above(stress, 0.4), slope * (stress - 0.35), scale),
             f"{metallization}, stress S = VCE/BVCES = {span(stress)} of at most 0.55",
-            outside=stress > 0.55,
+            outside=above(stress, 0.55),
+            beyond=more_than(
+                "the operating voltage",
+                np.abs(voltage),
+                "0.55 of the breakdown voltage,",
+                0.55 * np.asarray(rated_voltage),
+                "V",
+            ),
         )
         * applied
         * Factor("πM", MATCHING[matching], f"matching {matching}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import STEEPEST, closing, stress_ratio
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -14,7 +14,7 @@ from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
     quality,
     temperature_factor,
 )
-from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
+from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
 
 SOURCE = Source(TITLE, "6.3", "6-6 … 6-7", "two transcriptions agree; checked against Appendix A and a worked example")
 
@@ -66,7 +66,7 @@ def hazard_rate(
 def power_rating(rated_power: Array) -> Factor:
     """πR of a bipolar transistor, also of one of low noise (§6.6)."""
     watts = np.abs(rated_power)
-    return Factor("πR", np.where(watts <= 0.1, 0.43, watts**0.37), f"{span(watts)} W rated power")
+    return Factor("πR", np.where(above(watts, 0.1), watts**0.37, 0.43), f"{span(watts)} W rated power")
 
 
 def voltage_stress(voltage: Array, rated_voltage: Array) -> Factor:
@@ -76,5 +76,6 @@ def voltage_stress(voltage: Array, rated_voltage: Array) -> Factor:
         "πS",
         0.045 * np.exp(3.1 * np.minimum(stress, STEEPEST)),
         f"voltage stress S = VCE/VCEO = {span(stress)} of at most 1",
-        outside=stress > 1,
+        outside=above(stress, 1.0),
+        beyond=more_than("the applied voltage", np.abs(voltage), "the rated voltage", rated_voltage, "V"),
     )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, below
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -75,7 +75,7 @@ def hazard_rate(
         * temperature_factor(1925, temperature, power, package, thermal_resistance)
         * Factor(
             "πA",
-            by_power[np.digitize(np.asarray(rated_power), limits)],
+            by_power[sum((~below(rated_power, limit)).astype(int) for limit in limits)],
             f"{application}, {span(rated_power)} W rated power",
         )
         * closing(QUALITY, quality, ENVIRONMENT, environment)

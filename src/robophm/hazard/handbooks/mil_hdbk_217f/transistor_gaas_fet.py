@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, below
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -90,12 +90,14 @@ def hazard_rate(
     and Appendix A 9. Quality is the handbook's lower unless stated.
     """
     gigahertz, watts = np.asarray(frequency), np.asarray(output_power)
+    small = below(watts, 0.1)
     return (
         Factor(
             "λb",
-            np.where(watts < 0.1, 0.052, 0.0093 * np.exp(0.429 * gigahertz + 0.486 * watts)),
+            np.where(small, 0.052, 0.0093 * np.exp(0.429 * gigahertz + 0.486 * watts)),
             f"{span(gigahertz)} GHz, {span(watts)} W (no model from 0.1 W on below 4 GHz), failures/10⁶ h",
-            outside=(watts >= 0.1) & (gigahertz < 4),
+            outside=~small & below(gigahertz, 4.0),
+            beyond=lambda: f"{span(watts)} W at {span(gigahertz)} GHz: from 0.1 W on there is no model below 4 GHz",
         )
         * temperature_factor(4485, temperature, power, package, thermal_resistance)
         * Factor("πA", APPLICATION[application], APPLICATION.notes[application])

@@ -7,13 +7,14 @@ sanity, for the handbook prints hardly any.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Table
-from robophm.hazard.model import Array, Choice, Factor
+from robophm.hazard.model import Array, Choice, Factor, Otherwise
 
 TITLE = "NSWC-11"
 
@@ -62,6 +63,16 @@ def viscosity(symbol: str, specified: Array, used: Array) -> Factor:
 def or_other(table: Table, description: str, stated: str) -> Choice:
     """A choice of a table's rows, or of what none of them is: then the input ``stated`` is needed."""
     return Choice((*table, OTHER), f"{description}; {OTHER} needs '{stated}'")
+
+
+def of_table(table: Table, choice: str, column: str, unit: float) -> Otherwise:
+    """A row's number [in ``unit`` of the table], for an input that is stated only where the table has it not."""
+
+    def found(given: Mapping[str, Any]) -> tuple[float, str] | None:
+        row = given[choice]
+        return None if row == OTHER else (table.cell(row, column) * unit, f"the table's, of {row}")
+
+    return found
 
 
 def looked_up(table: Table, row: str, column: str, stated: Array | None, name: str, unit: float) -> tuple[Array, str]:

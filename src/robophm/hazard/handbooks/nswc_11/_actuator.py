@@ -8,7 +8,18 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.nswc_11 import INCH, PER_CYCLE, PSI, TITLE, TWICE, looked_up, or_other, product, size
+from robophm.hazard.handbooks.nswc_11 import (
+    INCH,
+    PER_CYCLE,
+    PSI,
+    TITLE,
+    TWICE,
+    looked_up,
+    of_table,
+    or_other,
+    product,
+    size,
+)
 from robophm.hazard.model import Array, Choice, Factor, Input, Range
 
 SOURCE_TEXT = f"γ and k1 {TWICE}; yield strengths single"
@@ -56,7 +67,15 @@ GEOMETRY: Mapping[str, Input] = {
 AROUND: Mapping[str, Input] = {
     "wear": Choice(WEAR, "of the pair of materials"),
     "material": or_other(YIELD, "of the softer part; its range's lower end counts", "yield_strength"),
-    "yield_strength": Range(10.0, 3000.0, "MPa", "F_Y, instead of the table's", required=False, monotone=-1),
+    "yield_strength": Range(
+        10.0,
+        3000.0,
+        "MPa",
+        "F_Y, instead of the table's",
+        required=False,
+        monotone=-1,
+        otherwise=of_table(YIELD, "material", "from, kpsi", PSI * 1e3),
+    ),
     "particle_hardness": Range(1.0, 3000.0, "", "H_P, on one scale with the cylinder's", monotone=1),
     "cylinder_hardness": Range(1.0, 3000.0, "", "H_C, on one scale with the particles'", monotone=-1),
     "filter_size": Range(0.1, 1000.0, "um", "of the fluid's filter", monotone=1),
@@ -103,6 +122,7 @@ def wearing(
                 1e6 / constant * (stress / shear) ** 9,
                 f"{wear}, yield strength {note}, bore wider than the piston; failures/10⁶ cycles",
                 outside=outside,
+                beyond=lambda: "the piston's diameter is not smaller than the cylinder's bore",
             ),
             Factor("C_H", size(particle_hardness) / size(cylinder_hardness), "H_P/H_C"),
             Factor("C_S", size(filter_size) / 10, "filter size/10 µm"),

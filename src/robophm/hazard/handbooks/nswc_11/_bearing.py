@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above
 from robophm.hazard.handbooks.nswc_11 import TITLE, TWICE, size, viscosity
 from robophm.hazard.model import Array, Choice, Factor, Input, Range
 
@@ -83,7 +83,7 @@ def around(
         Factor("C_CW", 1 + 25.5 * wet - 16.25 * wet**2, "1 + 25.5 CW − 16.25 CW² up to 0.8 % of water, 11.0 above"),
         Factor("C_t", (np.maximum(temperature, 183) / 183) ** 3, "1 below 183 °C, (T/183)³ above"),
         Factor("C_SF", SERVICE.cell(service, kind), service),
-        Factor("C_C", np.where(np.asarray(bore) > 100, large, small), f"{cleanliness}, bore up to or above 100 mm"),
+        Factor("C_C", np.where(above(bore, 100.0), large, small), f"{cleanliness}, bore up to or above 100 mm"),
     )
 
 

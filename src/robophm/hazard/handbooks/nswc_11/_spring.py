@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.nswc_11 import INCH, ONCE, PSI, TITLE, TWICE, looked_up, or_other, size
+from robophm.core.table import Source, Table, above
+from robophm.hazard.handbooks.nswc_11 import INCH, ONCE, PSI, TITLE, TWICE, looked_up, of_table, or_other, size
 from robophm.hazard.model import Array, Factor, Input, Range
 
 HELICAL = Source(
@@ -53,19 +53,37 @@ def length(low: float, high: float, description: str, monotone: int) -> Range:
 SHEAR: dict[str, Input] = {
     "material": or_other(MATERIAL, "of Table 4-2, by which it is rigid", "shear_modulus"),
     "shear_modulus": Range(
-        5.0, 200.0, "GPa", "modulus of rigidity, instead of the table's", required=False, monotone=1
+        5.0,
+        200.0,
+        "GPa",
+        "modulus of rigidity, instead of the table's",
+        required=False,
+        monotone=1,
+        otherwise=of_table(MATERIAL, "material", "G_M, 10⁶ psi", PSI * 1e3),
     ),
 }
 ELASTIC: dict[str, Input] = {
     "material": or_other(MATERIAL, "of Table 4-2, by which it is elastic", "elastic_modulus"),
     "elastic_modulus": Range(
-        10.0, 500.0, "GPa", "modulus of elasticity, instead of the table's", required=False, monotone=1
+        10.0,
+        500.0,
+        "GPa",
+        "modulus of elasticity, instead of the table's",
+        required=False,
+        monotone=1,
+        otherwise=of_table(MATERIAL, "material", "E_M, 10⁶ psi", PSI * 1e3),
     ),
 }
 COMMON: dict[str, Input] = {
     "alloy": or_other(STRENGTH, "of Table 4-3, by which it is strong", "tensile_strength"),
     "tensile_strength": Range(
-        100.0, 5000.0, "MPa", "ultimate tensile strength, instead of the table's", required=False, monotone=-1
+        100.0,
+        5000.0,
+        "MPa",
+        "ultimate tensile strength, instead of the table's",
+        required=False,
+        monotone=-1,
+        otherwise=of_table(STRENGTH, "alloy", "T_S, kpsi", PSI * 1e3),
     ),
     "cycle_rate": Range(0.0, 1e4, "cycle/min", "how often it is loaded", monotone=1),
     "corrosion": Range(1.0, 10.0, "", "C_R: 1 where protected, else by experience", default=1.0, monotone=1),
@@ -96,7 +114,7 @@ def common(
     """C_Y · C_CS · C_R · C_M."""
     strength, note = looked_up(STRENGTH, alloy, "T_S, kpsi", tensile_strength, "tensile_strength", PSI * 1e3)
     rate = size(cycle_rate)
-    speed = np.where(rate > 300, (rate / 300) ** 3, np.maximum(rate, 30) / 300)
+    speed = np.where(above(rate, 300.0), (rate / 300) ** 3, np.maximum(rate, 30) / 300)
     return (
         Factor("C_Y", (190 / strength) ** 3, note),
         Factor("C_CS", speed, "0.1 up to 30 cycles/min, CR/300 up to 300, then (CR/300)³"),

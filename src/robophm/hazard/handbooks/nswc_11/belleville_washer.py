@@ -49,7 +49,13 @@ def hazard_rate(
             ratio("C_t", thickness, 0.025, 3, "(t/0.025 in)³"),
             ratio("C_D", outer_diameter, 1.20, -6, "(1.20 in/OD)⁶"),
             ratio("C_f", deflection, 0.055, 3, "(f/0.055 in)³"),
-            Factor("C_S", shape, "of OD/ID, which is above 1", outside=R < 1.001),
+            Factor(
+                "C_S",
+                shape,
+                "of OD/ID, which is above 1",
+                outside=R < 1.001,
+                beyond=lambda: "the outer diameter is not larger than the inner one",
+            ),
             *common(alloy, tensile_strength, cycle_rate, corrosion, manufacture),
             PER_HOUR,
         )

@@ -6,6 +6,9 @@ design, and must not be in both. λ_WI = 10⁶/L_I · C_T · C_V · C_alt; 25,00
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from robophm.core.table import Source, Table
@@ -31,6 +34,10 @@ SERVICE = Table("motor load C_SF", SOURCE, """
 STATOR = Factor("λ_ST", 0.001, "stator housing, failures/10⁶ h")
 
 
+def _brushes(given: Mapping[str, Any]) -> tuple[float, str]:
+    return KIND.cell(given["kind"], "brushes"), f"of {given['kind']}"
+
+
 @hazard_model(
     source=SOURCE,
     inputs={
@@ -49,7 +56,8 @@ STATOR = Factor("λ_ST", 0.001, "stator housing, failures/10⁶ h")
         "voltage_deviation": Range(0.0, 0.5, "", "V_D/V_R, of one phase: share of the rating", default=0.0),
         "voltage_unbalance": Range(0.0, 3.0, "percent", "V_U, of several phases", default=0.0),
         "altitude": Range(0.0, 10_000.0, "m", "above the sea", default=0.0, monotone=1),
-        "brushes": Range(0.0, 100.0, "", "how many; 2 of dc, else none", required=False, monotone=1),
+        "brushes": Range(0.0, 100.0, "", "how many; 2 of dc, else none", whole=True, required=False, monotone=1,
+                         otherwise=_brushes),
         "shaft_rate": Range(0.0, 1.0, "1/h", "λ_AS, where it is no part of its own", default=0.0, monotone=1),
         "bearing_rate": Range(0.0, 1.0, "1/h", "λ_BE, of all, where no parts of their own", default=0.0, monotone=1),
         "gear_rate": Range(0.0, 1.0, "1/h", "λ_GR, where it is no part of its own", default=0.0, monotone=1),

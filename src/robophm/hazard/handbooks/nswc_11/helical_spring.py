@@ -49,7 +49,13 @@ def hazard_rate(
             ratio("C_DC", coil_diameter, 0.58, -6, "(0.58 in/D_C)⁶"),
             Factor("C_N", (14 / size(active_coils)) ** 3, "(14/N_a)³"),
             ratio("C_L", deflection, 1.07, 3, "((L1 − L2)/1.07 in)³"),
-            Factor("C_K", (wahl / 1.219) ** 3, "(K_W/1.219)³, spring index D_C/D_W above 1", outside=index <= 1),
+            Factor(
+                "C_K",
+                (wahl / 1.219) ** 3,
+                "(K_W/1.219)³, spring index D_C/D_W above 1",
+                outside=index <= 1,
+                beyond=lambda: "the coil's diameter is not larger than the wire's",
+            ),
             *common(alloy, tensile_strength, cycle_rate, corrosion, manufacture),
             PER_HOUR,
         )

@@ -21,6 +21,7 @@ from robophm.hazard.handbooks.nswc_11 import (
     TWICE,
     heat,
     looked_up,
+    of_table,
     or_other,
     product,
     size,
@@ -75,9 +76,25 @@ GROOVE = Table("shaft groove C_SC,G", SOURCE, """
         "temperature": Range(-60.0, 400.0, "degC", "of operation", monotone=1),
         "force": Range(1e-3, 1e8, "N", "F, on the shaft", monotone=1),
         "material": or_other(ELASTICITY, "by which it is elastic", "elastic_modulus"),
-        "elastic_modulus": Range(10.0, 500.0, "GPa", "E, instead of the table's", required=False, monotone=-1),
+        "elastic_modulus": Range(
+            10.0,
+            500.0,
+            "GPa",
+            "E, instead of the table's",
+            required=False,
+            monotone=-1,
+            otherwise=of_table(ELASTICITY, "material", "E, 10⁶ psi", PSI * 1e3),
+        ),
         "equipment": or_other(BENDING, "by which it may bend", "allowable_bending"),
-        "allowable_bending": Range(1e-3, 100.0, "mm", "b, instead of the table's", required=False, monotone=-1),
+        "allowable_bending": Range(
+            1e-3,
+            100.0,
+            "mm",
+            "b, instead of the table's",
+            required=False,
+            monotone=-1,
+            otherwise=of_table(BENDING, "equipment", "b, in", INCH),
+        ),
         "diameter": Range(0.5, 2000.0, "mm", "d, of the (thinner) shaft"),
         "length": Range(1.0, 1e5, "mm", "of the (thinner) shaft", monotone=1),
         "step_diameter": Range(0.5, 2000.0, "mm", "D, of the thicker part where it steps up", required=False),
@@ -122,7 +139,16 @@ def hazard_rate(
         if groove_radius is None:
             raise ModelError("nswc_11.shaft: a groove needs 'groove_radius'")
         factor, outside = groove_factor(size(groove_depth) / size(diameter), size(groove_depth) / size(groove_radius))
-        groove = Factor("C_SC,G", factor, "Table 20-4, of h/D and h/r, between its rows and columns", outside=outside)
+        groove = Factor(
+            "C_SC,G",
+            factor,
+            "Table 20-4, of h/D and h/r, between its rows and columns",
+            outside=outside,
+            beyond=lambda: (
+                f"the table has no groove {_span(groove_depth)} mm deep with a radius of {_span(groove_radius)} mm "
+                f"in a shaft of {_span(diameter)} mm"
+            ),
+        )
     bending = 0.0043 * size(force) / POUND / (E * 1e6 * b) * bends
     return product(
         (
@@ -136,6 +162,10 @@ def hazard_rate(
     )
 
 
+def _span(values: Array | None) -> str:
+    return f"{float(np.max(values)):.6g}" if values is not None else "no"
+
+
 def _bending(length: Array, diameter: Array) -> Array:
     """L³/I [1/inch], I = π·d⁴/64."""
     result: Array = (size(length) / INCH) ** 3 / (np.pi * (size(diameter) / INCH) ** 4 / 64)
@@ -146,7 +176,15 @@ def _step(wide: Array, narrow: Array, radius: Array) -> Factor:
     """C_SC,R = (0.3/(r/d))^0.2 · (D/d)^(1 − r/d)."""
     curve = radius / narrow
     value = (0.3 / curve) ** 0.2 * (wide / narrow) ** (1 - curve)
-    return Factor("C_SC,R", value, "of a step up, D above d, fillet below d", outside=(wide <= narrow) | (curve >= 1))
+    return Factor(
+        "C_SC,R",
+        value,
+        "of a step up, D above d, fillet below d",
+        outside=(wide <= narrow) | (curve >= 1),
+        beyond=lambda: (
+            f"a step from {_span(narrow)} mm up to {_span(wide)} mm with a fillet of {_span(radius)} mm is none"
+        ),
+    )
 
 
 def groove_factor(depth: Array, sharpness: Array) -> tuple[Array, npt.NDArray[np.bool_]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source
+from robophm.core.table import Source, above, below
 from robophm.hazard.handbooks.nswc_11 import INCH, PER_HOUR, PSI, TITLE, product, size
 from robophm.hazard.model import Array, Factor, Range, hazard_model
 
@@ -60,19 +60,19 @@ def hazard_rate(
     return product(
         (
             Factor("λ_SE,B", 2.4, "failures/10⁶ h"),
-            Factor("C_P", np.where(psi <= 1500, 0.25, (psi / 3000) ** 2), "0.25 up to 1500 psi, then (P/3000)²"),
+            Factor("C_P", np.where(above(psi, 1500.0), (psi / 3000) ** 2, 0.25), "0.25 up to 1500 psi, then (P/3000)²"),
             Factor(
                 "C_Q",
-                np.where(leak > 0.03, 0.055 / np.maximum(leak, 0.03), 4.2 - 79 * np.minimum(leak, 0.03)),
+                np.where(above(leak, 0.03), 0.055 / np.maximum(leak, 0.03), 4.2 - 79 * np.minimum(leak, 0.03)),
                 "0.055/Q_f above 0.03 in³/min, else 4.2 − 79 Q_f",
             ),
             Factor("C_DL", 1.1 * size(inner_diameter) / INCH + 0.32, "1.1 D_in + 0.32"),
             Factor("C_H", (size(hardness) / size(contact_pressure) / 0.55) ** 4.3, "((M/C)/0.55)^4.3"),
-            Factor("C_f", np.where(rough < 15, 0.25, rough**1.65 / 353), "0.25 below 15 µin, then f^1.65/353"),
+            Factor("C_f", np.where(below(rough, 15.0), 0.25, rough**1.65 / 353), "0.25 below 15 µin, then f^1.65/353"),
             Factor("C_v", 2e-8 / (size(viscosity) / REYN_MINUTE), "2·10⁻⁸/ν, ν in lbf·min/in²"),
             Factor(
                 "C_T",
-                np.where(spare > 40, 0.21, 2 ** -(np.minimum(spare, 40) / 18)),
+                np.where(above(spare, 40.0), 0.21, 2 ** -(np.minimum(spare, 40) / 18)),
                 "0.21 where T_R − T_O is above 40 °F, else 2^(−(T_R − T_O)/18)",
             ),
             Factor(

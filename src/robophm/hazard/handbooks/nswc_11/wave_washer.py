@@ -14,7 +14,7 @@ from robophm.hazard.model import Array, Factor, Range, hazard_model
         "thickness": length(0.01, 50.0, "t", 1),
         "outer_diameter": length(0.5, 1000.0, "OD", -1),
         "deflection": length(1e-3, 500.0, "f, by which it is bent", 1),
-        "waves": Range(1.0, 100.0, "", "N_W, how many", monotone=-1),
+        "waves": Range(1.0, 100.0, "", "N_W, how many", whole=True, monotone=-1),
         **COMMON,
     },
 )

@@ -7,12 +7,15 @@ That the tables end at 224 pins and a junction of 175 °C, and screening at 200 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from robophm.core.errors import ModelError
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above, below
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, span
-from robophm.hazard.model import Array, Choice, Factor, Input, Range
+from robophm.hazard.model import Array, Choice, Factor, Input, Range, more_than
 
 LIMITS = "limits of 224 pins, 175 °C and 200 screening points from memory"
 STATUS = f"C1, C2, πE, πQ: two transcriptions agree; {LIMITS}"
@@ -107,11 +110,37 @@ PACKAGES = Choice(
         "lccc": "SMT-hermetic", "to-5": "can",
     },
 )  # fmt: skip
-PINS = Range(1, 224, "", "functional pins", monotone=1)
+PINS = Range(1, 224, "", "functional pins", whole=True, monotone=1)
 POWER = Range(0.0, 1e3, "W", "power dissipated; 0 W where the case temperature is the junction's", monotone=1)
-CASE = Range(-55.0, JUNCTION_LIMIT, "degC", "case temperature; else the environment's", required=False, monotone=1)
+
+
+def _case(given: Mapping[str, Any]) -> tuple[float, str]:
+    environment = given["environment"]
+    return CASE_TEMPERATURE[environment], f"the handbook's for the environment {environment}"
+
+
+def _resistance(given: Mapping[str, Any]) -> tuple[float, str]:
+    package, die = given["package"], given["die"]
+    return PACKAGE.cell(package, f"{die} die"), f"the handbook's for {package} with a {die} die"
+
+
+CASE = Range(
+    -55.0,
+    JUNCTION_LIMIT,
+    "degC",
+    "case temperature; else the environment's",
+    required=False,
+    otherwise=_case,
+    monotone=1,
+)
 RESISTANCE = Range(
-    0.0, 1e3, "K/W", "junction to case; else the package's; 70 K/W for one unknown", required=False, monotone=1
+    0.0,
+    1e3,
+    "K/W",
+    "junction to case; else the package's; 70 K/W for one unknown",
+    required=False,
+    otherwise=_resistance,
+    monotone=1,
 )
 YEARS = Range(0.0, 100.0, "year", "years for which the generic part has been in production")
 QUALITIES = Choice(QUALITY, "quality level", default="commercial", aliases={"lower": "commercial"})
@@ -155,7 +184,8 @@ def temperature_factor(junction: Array, activation_energy: float, reference: flo
         "πT",
         0.1 * handbook_arrhenius(junction, activation_energy, reference),
         f"junction at {span(junction)} °C of at most {JUNCTION_LIMIT:g}, Ea = {activation_energy:g} eV",
-        outside=junction > JUNCTION_LIMIT,
+        outside=above(junction, JUNCTION_LIMIT),
+        beyond=more_than("the temperature of the junction", junction, "the handbook's", JUNCTION_LIMIT, "°C"),
     )
 
 
@@ -183,4 +213,6 @@ def learning_factor(years: Array) -> Factor:
     """πL: 2 in the first tenth of a year of production, 1 from the second year, as printed with steps at both."""
     years = np.asarray(years, dtype=float)
     between = 0.01 * np.exp(5.35 - 0.35 * np.clip(years, 0.1, 2.0))
-    return Factor("πL", np.where(years <= 0.1, 2.0, np.where(years >= 2.0, 1.0, between)), "by years in production")
+    return Factor(
+        "πL", np.where(above(years, 0.1), np.where(below(years, 2.0), between, 1.0), 2.0), "by years in production"
+    )

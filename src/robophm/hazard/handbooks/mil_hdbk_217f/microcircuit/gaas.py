@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours, steps
 from robophm.hazard.handbooks.mil_hdbk_217f.microcircuit import (
     COMMON,
@@ -46,7 +46,7 @@ REFERENCE = 423.0  # K
     source=SOURCE,
     inputs={
         "application": Choice(APPLICATION, "kind, and power of an MMIC", aliases={"unknown": "MMIC"}),
-        "elements": Range(1, 10000, "", "active elements, at most 1000 of an MMIC", monotone=1),
+        "elements": Range(1, 10000, "", "active elements, at most 1000 of an MMIC", whole=True, monotone=1),
         **COMMON,
     },
 )
@@ -73,7 +73,10 @@ def hazard_rate(
                 "C1",
                 steps(table, elements),
                 f"{application} by elements, at most {limit}",
-                outside=np.asarray(elements) > limit,
+                outside=above(elements, limit),
+                beyond=lambda: (
+                    f"{np.max(elements):.6g} elements are more than the {limit} that the handbook has of {application}"
+                ),
             )
             * temperature_factor(junction, APPLICATION.cell(application, "Ea"), REFERENCE)
             * Factor("πA", APPLICATION[application], f"{application} {APPLICATION.notes[application]}".rstrip())

@@ -33,7 +33,7 @@ ACTIVATION_ENERGY = 0.65  # eV
 
 @hazard_model(
     source=SOURCE,
-    inputs={"transistors": Range(1, 10000, "", "transistors", monotone=1), **COMMON},
+    inputs={"transistors": Range(1, 10000, "", "transistors", whole=True, monotone=1), **COMMON},
 )
 def hazard_rate(
     transistors: Array,

@@ -35,7 +35,7 @@ DIE = Table("digital C1 by gates, up to", SOURCE, """
 
 @hazard_model(
     source=SOURCE,
-    inputs={"family": FAMILIES, "gates": Range(1, 60000, "", "logic gates", monotone=1), **COMMON},
+    inputs={"family": FAMILIES, "gates": Range(1, 60000, "", "logic gates", whole=True, monotone=1), **COMMON},
 )
 def hazard_rate(
     family: str,

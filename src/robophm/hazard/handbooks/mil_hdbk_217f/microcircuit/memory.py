@@ -96,14 +96,20 @@ SYSTEM_LIFE = 10_000.0  # h, of the printed A1 and A2
                 "sram": "MOS-SRAM",
             },
         ),
-        "bits": Range(1, 1048576, "bit", "size", monotone=1),
+        "bits": Range(1, 1048576, "bit", "size", whole=True, monotone=1),
         **COMMON,
         # textured-poly cells wear less when warm
         "case_temperature": replace(CASE, monotone=0),
         "thermal_resistance": replace(RESISTANCE, monotone=0),
         "power": replace(POWER, monotone=0),
         "programming_cycles": Range(
-            0.0, 5e5, "cycle", "times it is programmed in its life; EEPROMs need it", required=False, monotone=1
+            0.0,
+            5e5,
+            "cycle",
+            "times it is programmed in its life; EEPROMs need it",
+            whole=True,
+            required=False,
+            monotone=1,
         ),
         "system_life": Range(
             1.0,

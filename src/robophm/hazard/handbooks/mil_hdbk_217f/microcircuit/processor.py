@@ -32,7 +32,7 @@ DIE = Table("microprocessor C1 by bits, up to", SOURCE, """
 
 @hazard_model(
     source=SOURCE,
-    inputs={"family": FAMILIES, "bits": Range(1, 32, "bit", "width of a word", monotone=1), **COMMON},
+    inputs={"family": FAMILIES, "bits": Range(1, 32, "bit", "width of a word", whole=True, monotone=1), **COMMON},
 )
 def hazard_rate(
     family: str,

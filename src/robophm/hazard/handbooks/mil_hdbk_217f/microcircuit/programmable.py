@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours, steps
 from robophm.hazard.handbooks.mil_hdbk_217f.microcircuit import (
     COMMON,
@@ -41,7 +41,11 @@ MOS = Table("MOS PLA C1 by gates, up to", SOURCE, """
 
 @hazard_model(
     source=SOURCE,
-    inputs={"family": FAMILIES, "gates": Range(1, 20000, "", "gates, at most 5000 bipolar", monotone=1), **COMMON},
+    inputs={
+        "family": FAMILIES,
+        "gates": Range(1, 20000, "", "gates, at most 5000 bipolar", whole=True, monotone=1),
+        **COMMON,
+    },
 )
 def hazard_rate(
     family: str,
@@ -66,7 +70,10 @@ def hazard_rate(
                 "C1",
                 steps(table, gates),
                 f"{name} array by gates, at most {limit}",
-                outside=np.asarray(gates) > limit,
+                outside=above(gates, limit),
+                beyond=lambda: (
+                    f"{float(np.max(gates)):.6g} gates are more than the handbook's {limit} of {name} arrays"
+                ),
             )
             * temperature_factor(junction, FAMILY[family])
             + package_factor(package, pins) * environment_factor(environment)

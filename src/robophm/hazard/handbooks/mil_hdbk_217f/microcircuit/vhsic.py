@@ -6,9 +6,13 @@ sizes is far outside of what the handbook printed. One transcription, hardly che
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
-from robophm.core.table import Source, Table
+from robophm.core.table import Source, Table, above
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.handbooks.mil_hdbk_217f.microcircuit import (
     CASE,
@@ -59,6 +63,11 @@ ACTIVATION_ENERGY = 0.35  # eV
 LARGE_DIE = 14_400 * 2.54e-3**2  # cm², where θJC changes
 
 
+def _resistance(given: Mapping[str, Any]) -> tuple[float, str]:
+    package, die = given["package"], "large" if above(given["die_area"], LARGE_DIE) else "small"
+    return PACKAGE.cell(package, f"{die} die"), f"the handbook's for {package} with a {die} die"
+
+
 @hazard_model(
     source=SOURCE,
     inputs={
@@ -70,7 +79,7 @@ LARGE_DIE = 14_400 * 2.54e-3**2  # cm², where θJC changes
         "pins": PINS,
         "power": POWER,
         "case_temperature": CASE,
-        "thermal_resistance": RESISTANCE,
+        "thermal_resistance": replace(RESISTANCE, otherwise=_resistance),
         "discharge_threshold": Range(
             0.0,
             16e3,
@@ -101,8 +110,8 @@ def hazard_rate(
 ) -> Factor:
     """λp = λBD · πMFG · πT · πCD + λBP · πE · πQ · πPT + λEOS"""
     if thermal_resistance is None:
-        large = np.asarray(die_area) > LARGE_DIE
-        thermal_resistance = np.where(large, PACKAGE.cell(package, "large die"), PACKAGE.cell(package, "small die"))
+        large, small = PACKAGE.cell(package, "large die"), PACKAGE.cell(package, "small die")
+        thermal_resistance = np.where(above(die_area, LARGE_DIE), large, small)
     junction = junction_temperature(package, "small", power, environment, case_temperature, thermal_resistance)
     complexity = np.asarray(die_area) / 0.21 * (2 / np.asarray(feature_size)) ** 2 * 0.64 + 0.36
     discharge = -np.log(1 - 0.00057 * np.exp(-0.0002 * np.maximum(discharge_threshold, 0.0))) / 0.00876
