@@ -130,30 +130,44 @@ def _stated(key: str, value: str | float, robot: Robot, place: Path) -> float:
     """A stated stress in the unit of the model inputs that take it."""
     path, _, name = key.rpartition("/")
     stresses = [
-        (mode, stress)
+        (mode, stress.model.numbers[own], driver)
         for mode in robot.modes
         for stress in mode.stresses
-        if name in stress.design and name in stress.model.numbers
+        for own, drivers in stress.drivers.items()
+        for driver in drivers
+        if driver.name == name
     ]
     below = f"{path}/" if "/" in key else ""
-    takers = [(mode, stress) for mode, stress in stresses if f"{mode.origin}/".startswith(below)]
+    takers = [
+        taker
+        for taker in stresses
+        if f"{taker[0].origin}/".startswith(below)
+        and (taker[2].around or f"{path}/".startswith(f"{robot.part_of(taker[0])}/"))
+    ]
     if not takers:
-        known = sorted({name for mode in robot.modes for stress in mode.stresses for name in stress.model.numbers})
+        known = sorted(_names(robot))
         hint = nearest(name, known)
         if name in known:
-            hint = nearest(path, [mode.path[:end] for mode, _ in stresses for end in _ends(mode.path)])
+            hint = nearest(path, [mode.path[:end] for mode, *_ in stresses for end in _ends(mode.path)])
         where = f" below '{path}'" if below else ""
         raise Fault(place, f"no part{where} takes a stress '{name}'{hint}")
-    units = {stress.model.numbers[name].unit for _, stress in takers}
+    units = {entry.unit for _, entry, _ in takers}
     if len(units) > 1:
         raise Fault(place, f"parts take '{name}' in {' and '.join(sorted(units))}; expected it below one module")
     number = written(place, value, units.pop())
-    for mode, stress in takers:
-        entry, channel = stress.model.numbers[name], stress.channels.get(name)
-        at = number + (channel.shift if channel else 0.0)
+    for mode, entry, driver in takers:
+        at = number + driver.shift
         if not entry.low <= at <= entry.high:
-            raise Fault(place, f"{at:g} {entry.unit} of {mode.path} is outside {stress.model.expected(name)}")
+            raise Fault(place, f"{at:g} {entry.unit} of {mode.path} is outside {entry.expected}")
     return number
+
+
+def _names(robot: Robot) -> set[str]:
+    """What may be stated of a part."""
+    inputs = [(stress.model.numbers, stress.drivers) for mode in robot.modes for stress in mode.stresses]
+    return {
+        name for numbers, drivers in inputs for name in (*numbers, *(d.name for of in drivers.values() for d in of))
+    }
 
 
 def _ends(path: str) -> list[int]:

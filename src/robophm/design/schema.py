@@ -443,6 +443,9 @@ class CommonCause(_Strict):
 class _Group(_Strict):
     description: str | None = None
     environment: str | None = None
+    ambient: Written | None = Field(
+        None, description="temperature around the parts as designed, e.g. 40 degC; default: as parts here state it"
+    )
     signals: dict[str, SignalBinding] = Field(default_factory=dict)
     clocks: dict[Clock, ClockBinding] = Field(default_factory=dict)
     acceleration: Accelerations | None = Field(None, description="of the constant-rate parts below")

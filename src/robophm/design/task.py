@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import fsum
+from typing import NamedTuple
 
 LONGEST_TASK = 1e6
 """Hours, more than a century: what a task, or a list of them, may take in all."""
+
+
+class Driver(NamedTuple):
+    """A name under which the stress of a model input may be stated."""
+
+    name: str
+    shift: float
+    """How much more the input is than what is stated: its offsets, or its rise as designed."""
+    around: bool
+    """Whether it may be stated of what the part is in, and not of the part alone."""
 
 
 @dataclass(frozen=True)
@@ -23,15 +34,17 @@ class Leg:
     functions: tuple[str, ...] = ()
     """By name; none named is the whole robot."""
     stresses: Mapping[str, float] = field(default_factory=dict)
-    """What sensors of a model input would read, in its unit: of all parts, or below one (``Power/temperature``)."""
+    """What sensors of a stress would read, in the unit of the inputs that it drives: of all parts, or below one
+    (``Power/temperature``)."""
 
-    def stated(self, path: str, name: str) -> float | None:
-        """What is stated of a model input of the failure mode at a path; the nearest statement holds."""
+    def stated(self, path: str, part: str, drivers: Iterable[Driver]) -> float | None:
+        """What is stated of a model input of the failure mode at a path; of a name the nearest statement holds."""
         steps = path.split("/")
-        for n in range(len(steps), -1, -1):
-            key = "/".join([*steps[:n], name])
-            if key in self.stresses:
-                return self.stresses[key]
+        for driver in drivers:
+            for n in range(len(steps), -1 if driver.around else part.count("/"), -1):
+                key = "/".join([*steps[:n], driver.name])
+                if key in self.stresses:
+                    return self.stresses[key] + driver.shift
         return None
 
 

@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +28,9 @@ PER_MILLION_HOURS = 1e-6
 
 FARTHEST = 1e6
 """Where a number is tried that may be any."""
+
+TEMPERATURE = "temperature"
+"""The stress that all parts of a place have in common: from it follow the temperatures of cases and junctions."""
 
 BLOCK = 2**16
 """How many samples a formula takes at once: few enough that what it computes on the way stays in the cache."""
@@ -111,6 +114,22 @@ class Range:
     required: bool = True
     monotone: int = 0
     """+1 where the result never falls with this input, −1 where it never rises, 0 where it may do either."""
+    stress: str = ""
+    """By what name else it is bound or stated of the part itself: a capacitor's ``dc_voltage`` is its ``voltage``."""
+    warmth: Literal["ambient", "own"] | None = None
+    """Of a temperature in operation: that around the part, or the part's own, which follows from it by a rise."""
+    otherwise: tuple[str, Table] | None = None
+    """Where it is not stated: the choice, and its table, by which it is taken."""
+
+    @property
+    def expected(self) -> str:
+        """What it takes, in words."""
+        return f"{self.low:g} … {self.high:g} {self.unit}".rstrip()
+
+    @property
+    def driver(self) -> str:
+        """The stress that determines it, under whatever name it goes itself; "" where only its own name does."""
+        return TEMPERATURE if self.warmth else self.stress
 
 
 @dataclass(frozen=True)
@@ -153,6 +172,10 @@ class Model:
         """The inputs that are numbers, and so can be measured."""
         return {name: entry for name, entry in self.inputs.items() if isinstance(entry, Range)}
 
+    def answers_by(self, stress: str) -> bool:
+        """Whether it has an input of this name, or one that follows from such a stress."""
+        return stress in self.inputs or any(entry.driver == stress for entry in self.numbers.values())
+
     def settle(self, given: Mapping[str, object]) -> dict[str, str | float]:
         """The inputs as a user wrote them ('60 degC', 'CDR'), converted, checked, with defaults filled in.
 
@@ -165,6 +188,8 @@ class Model:
         settled: dict[str, str | float] = {}
         for name, entry in self.inputs.items():
             value = given.get(name, entry.default)
+            if value is None and isinstance(entry, Range) and entry.otherwise:
+                continue  # until all choices are known
             if value is None:
                 if entry.required:
                     raise ModelError(f"{self.name} needs the input '{name}' ({self.expected(name)})")
@@ -186,6 +211,10 @@ class Model:
                     written = f"{number:g} {entry.unit}".rstrip()
                     raise ModelError(f"{self.name}: {name} {written} is outside {self.expected(name)}")
                 settled[name] = number
+        for name, entry in self.numbers.items():
+            if entry.otherwise and name not in settled:
+                choice, table = entry.otherwise
+                settled[name] = table[str(settled[choice])]
         # A combination that the handbook has no answer for is an error now, not a flag on the robot.
         for factor in self.explain(settled).leaves():
             if np.any(factor.outside):
@@ -204,7 +233,7 @@ class Model:
             return "one of " + ", ".join(entry.options)
         if isinstance(entry, Note):
             return f"words, at most {LONGEST_NOTE} characters"
-        return f"{entry.low:g} … {entry.high:g} {entry.unit}".rstrip()
+        return entry.expected
 
     def answers_to(self, name: str, settled: Mapping[str, Any]) -> bool:
         """Whether a number that settled inputs leave open would change the result: a Zener's voltage would not."""

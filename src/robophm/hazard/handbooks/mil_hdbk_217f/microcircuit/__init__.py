@@ -109,7 +109,16 @@ PACKAGES = Choice(
 )  # fmt: skip
 PINS = Range(1, 224, "", "functional pins", monotone=1)
 POWER = Range(0.0, 1e3, "W", "power dissipated; 0 W where the case temperature is the junction's", monotone=1)
-CASE = Range(-55.0, JUNCTION_LIMIT, "degC", "case temperature; else the environment's", required=False, monotone=1)
+CASE = Range(
+    -55.0,
+    JUNCTION_LIMIT,
+    "degC",
+    "case temperature; else the environment's",
+    required=False,
+    monotone=1,
+    warmth="own",
+    otherwise=("environment", CASE_TEMPERATURE),
+)
 RESISTANCE = Range(
     0.0, 1e3, "K/W", "junction to case; else the package's; 70 K/W for one unknown", required=False, monotone=1
 )
