@@ -231,7 +231,8 @@ class _Builder:
             name, part.quantity, required, part.monitored, modes, names, scope.duty, part.description or ""
         )
         self.components[name] = component
-        self.covered.append((component, scope.cover(part)))
+        if any(mode.acceleration != "none" for mode in part.failure_modes.values() or [part]):
+            self.covered.append((component, scope.cover(part)))
         self.places[name] = place
         if part.depends_on is not None:
             self.depends_on[name] = part.depends_on
