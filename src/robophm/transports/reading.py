@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import SECOND, split_signal
+from robophm.core.signal import SECOND, named, split_signal
 from robophm.transports.columns.layout import NotCompilableError, compile_fields
 from robophm.transports.columns.single import Single
 from robophm.transports.columns.walk import Program
-from robophm.transports.message_type import HEADER, MessageType, field_getter
+from robophm.transports.message_type import HEADER, MessageType, field_getter, ways_to
+from robophm.transports.named import NotNamedError, name_getter
 from robophm.transports.notes import TypeRefusedError
 
 LARGE = 1 << 18
@@ -33,6 +34,12 @@ class Numbers(NamedTuple):
     values: list[tuple[str, float]]
     absent: list[str]
     """Signals whose array has no such element in this message."""
+    found: Sequence[str] = ()
+    """Signals of an element that this message names."""
+    unnamed: Sequence[tuple[str, Sequence[str]]] = ()
+    """Signals of an element that this message does not name, and those that it does."""
+    at_index: Sequence[tuple[str, str]] = ()
+    """Signals by an index, and the name of the element there."""
     message: Any = None
     """As rosbags decodes it, where it is wanted whole; None of one that is large."""
 
@@ -48,9 +55,14 @@ class Reading:
         names = {part[0] for part in self.type.definitions[HEADER][1]} if self.type.stamp else set()
         self._numbered = "seq" in names
         self._getters = []
+        self._namers = []
+        self._told = {signal for signal in signals if named(split_signal(signal)[1])}
         for signal in sorted(signals):
+            path = self.type.definitions, self.type.name, split_signal(signal)[1]
             try:
-                getter = field_getter(self.type.definitions, self.type.name, split_signal(signal)[1])
+                getter = field_getter(*path)
+                if namer := name_getter(ways_to(*path)):
+                    self._namers.append((signal, namer))
             except SourceError as error:
                 raise TypeRefusedError(f"topic '{topic}' {error}", f"no field {split_signal(signal)[1]}") from None
             self._getters.append((signal, getter))
@@ -101,13 +113,20 @@ class Reading:
             stamp = seconds * SECOND + nanoseconds
             if self._numbered:
                 sequence = message.header.seq
-        values, absent = [], []
+        values, absent, found, unnamed, at_index = [], [], [], [], []
         for signal, value_of in self._getters:
             try:
                 values.append((signal, float(value_of(message))))
+                if signal in self._told:
+                    found.append(signal)
+            except NotNamedError as error:
+                unnamed.append((signal, error.names))
             except IndexError:
                 absent.append(signal)
-        return Numbers(stamp, sequence, values, absent, message)
+        for signal, name_of in self._namers:
+            with suppress(IndexError):
+                at_index.append((signal, name_of(message)))
+        return Numbers(stamp, sequence, values, absent, found, unnamed, at_index, message)
 
     def _walked(self, raw: bytes) -> Numbers:
         if self._program is None:
