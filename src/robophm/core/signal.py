@@ -16,6 +16,9 @@ HOUR = 3600 * SECOND
 CLOCK = "clock"
 """The signal by which a live source says that time went on although the robot said nothing."""
 
+REORDERED = "order changed: "
+"""What begins the count of a signal by an index at which messages had another element than at first."""
+
 _TOPIC = re.compile(r"[^.\s\x00-\x1f]+\Z")
 _STEP = r"[A-Za-z_][A-Za-z0-9_]*(?:\[[^\[\]\x00-\x1f\x7f]+\])?"
 _FIELD = re.compile(rf"{_STEP}(?:\.{_STEP})*\Z")

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from robophm.core.errors import nearest
+from robophm.core.signal import REORDERED
 
 _NAMES = ("name", "names", "key", "keys")
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*\Z", re.ASCII)
@@ -183,10 +184,6 @@ class Names:
         if len(orders) > 1:
             with self.lock:
                 self.notes[f"{REORDERED}{signal}"] = orders.total() - orders[self._first[signal][1]]
-
-
-REORDERED = "order changed: "
-"""What begins the note of a signal that is bound by an index at which there was another element than at first."""
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -56,12 +56,16 @@ class Reading:
         self._numbered = "seq" in names
         self._getters = []
         self._namers = []
+        self._elements: dict[str, tuple[str, int | str | None]] = {}
+        """Of each signal the first step of its field."""
         self._told = {signal for signal in signals if named(split_signal(signal)[1])}
         for signal in sorted(signals):
             path = self.type.definitions, self.type.name, split_signal(signal)[1]
             try:
                 getter = field_getter(*path)
-                if namer := name_getter(ways_to(*path)):
+                ways = ways_to(*path)
+                self._elements[signal] = ways[0].attribute, ways[0].element
+                if namer := name_getter(ways):
                     self._namers.append((signal, namer))
             except SourceError as error:
                 raise TypeRefusedError(f"topic '{topic}' {error}", f"no field {split_signal(signal)[1]}") from None
@@ -135,4 +139,18 @@ class Reading:
         if found.doubtful[0]:
             raise ValueError("not as its type says")
         absent = [slot for slot, absent in enumerate(found.absent) if absent[0]]
-        return self._numbers([values[0].item() for values in found.values], absent)
+        numbers = self._numbers([values[0].item() for values in found.values], absent)
+        marks = {array: int(ids[0]) for array, ids in zip(self._program.marks, found.marks, strict=True)}
+        at_index, unnamed = [], []
+        for signal, (array, element) in self._elements.items():
+            names = found.labels[marks[array]] if marks.get(array, -1) >= 0 else []
+            if isinstance(element, int) and element < len(names):
+                at_index.append((signal, names[element]))
+            elif signal in self._told and signal in numbers.absent:
+                unnamed.append((signal, names))
+        return numbers._replace(
+            absent=[signal for signal in numbers.absent if signal not in self._told],
+            found=[signal for signal, _ in numbers.values if signal in self._told],
+            unnamed=unnamed,
+            at_index=at_index,
+        )
