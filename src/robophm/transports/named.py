@@ -12,7 +12,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, NamedTuple
 
 from robophm.core.errors import nearest
@@ -188,3 +188,42 @@ class Names:
 
 def _listed(names: Sequence[str]) -> str:
     return f"; there are {', '.join(names[:8])}{' …' if len(names) > 8 else ''}" if names else "; no element is named"
+
+
+def names_in(message: Any, most: int = MOST_NAMES) -> dict[str, list[str]]:
+    """The names by which elements of a decoded message can be told, by field: {"effort[]": ["pan", "lift"]}.
+
+    At most so many fields, and so many names of each.
+    """
+    found: dict[str, list[str]] = {}
+
+    def look(one: Any, prefix: str, around: Sequence[Sequence[Field]], chain: Sequence[Any]) -> None:
+        own = _fields_of(one)
+        around, chain = (*around, own), (*chain, one)
+        for each in own:
+            value = getattr(one, each.attribute)
+            if is_dataclass(value):
+                look(value, f"{prefix}{each.name}.", around, chain)
+            if each.length is None or each.type == "string" or not len(value) or len(found) >= most:
+                continue
+            namer = namer_of(around, each.name, _fields_of(value[0]))
+            names = [*namer.names(chain, value[:most] if namer.depth is None else value)][:most] if namer else []
+            if names:
+                found[f"{prefix}{each.name}[]"] = names
+            for name, element in zip(names, value, strict=False):
+                if is_dataclass(element):
+                    look(element, f"{prefix}{each.name}[{name}].", around, chain)
+
+    look(message, "", (), ())
+    return found
+
+
+def _fields_of(message: Any) -> list[Field]:
+    """Its fields, as far as its values tell what they are."""
+    found = []
+    for one in fields(message) if is_dataclass(message) else ():
+        value = getattr(message, one.name)
+        array = not isinstance(value, str) and hasattr(value, "__len__")
+        text = isinstance(value[0], str) if array and len(value) else isinstance(value, str)
+        found.append(Field(one.name.rstrip("_"), one.name, "string" if text else "", 0 if array else None))
+    return found

@@ -20,11 +20,14 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import SECOND, Sample, split_signal
 from robophm.transports.message_type import field_getter, fields_of, message_type, ways_to
-from robophm.transports.named import Names, NotNamedError, name_getter
+from robophm.transports.named import Names, NotNamedError, name_getter, names_in
 from robophm.transports.source import Heard, SignalSource, TopicInfo, existing, reading
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
+
+LONGEST_NAMING = 1 << 18
+"""Bytes of a message, beyond which it is not looked into for names."""
 
 STAMP_LIMIT = 10 * SECOND
 """How far [ns] a header stamp may be from receipt and still be believed."""
@@ -89,6 +92,20 @@ class Recording(SignalSource):
                 before = found.get(info.topic)
                 found[info.topic] = _joined(before, info) if before else info
         return [found[topic] for topic in sorted(found)]
+
+    def names(self) -> dict[str, dict[str, list[str]]]:
+        """By topic and field, ``effort[]``, the names by which its first message tells the elements, if it is short."""
+        found: dict[str, dict[str, list[str]]] = {}
+        for file in self._files:
+            for connection in file.connections:
+                if connection.topic in found or not connection.msgcount:
+                    continue
+                with suppress(Exception):  # what cannot be decoded names nothing
+                    type_ = message_type(connection)
+                    _, _, raw = next(iter(file.reader.messages([connection])))
+                    if len(raw) <= LONGEST_NAMING and (names := names_in(type_.decode(raw))):
+                        found[connection.topic] = names
+        return found
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
         """The samples of these signals, in receipt order; raises SourceError as the interface says."""
