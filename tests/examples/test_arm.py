@@ -188,7 +188,9 @@ def test_a_shift_under_half_the_rated_torque(robot):
     """Fifty cycles in ten minutes: an eighth of each is lived, whichever way the torque points."""
     samples = []
     for i in range(600):
-        samples += [Sample(i * SECOND, f"/joint_states.effort[joint_{k + 1}]", -70.0 if k < 3 else 20.0) for k in range(6)]
+        samples += [
+            Sample(i * SECOND, f"/joint_states.effort[joint_{k + 1}]", -70.0 if k < 3 else 20.0) for k in range(6)
+        ]
         samples.append(Sample(i * SECOND, "/gripper/carrying.data", float(i % 12 >= 6)))
     ledger = Ledger.new(robot)
     ledger.started = 0
