@@ -1,12 +1,15 @@
 """Elements of arrays by their names: the same by the step, by the column and live, whoever publishes in which order."""
 
+import json
 import math
 import random
 from collections import Counter
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from robophm.cli.app import app
 from robophm.core.errors import SourceError
 from robophm.core.signal import REORDERED, SECOND, Sample, Step, named, signal_name, split_signal, steps_of
 from robophm.design.file import parse
@@ -333,3 +336,23 @@ components:
     assert (
         f"{REORDERED}/joint_states.effort[0] in 10 messages; expected it bound by the element's name" in by_index.notes
     )
+
+
+def test_data_lists_the_names(tmp_path, write_messages):
+    said = [joints(T0, ARM), diagnostics(T0 + 1, [("Temp (C)", "41.5")]), transforms(T0 + 2, [("arm", 2.0)])]
+    path = write_messages(tmp_path / "drive.mcap", said)
+    with Recording(path) as recording:
+        assert recording.names() == {
+            "/joint_states": {"effort[]": [*ARM]},  # its positions are none
+            "/diagnostics": {"status[]": ["arm: motor 1"], "status[arm: motor 1].values[]": ["Temp (C)"]},
+            "/tf": {"transforms[]": ["arm"]},
+        }
+    shown = CliRunner().invoke(app, ["data", "list", str(path), "--json"])
+    topics = {one["name"]: one["names"] for one in json.loads(shown.stdout)["recordings"][0]["topics"]}
+    assert topics["/joint_states"] == {"effort[]": [*ARM]}
+    words = " ".join(CliRunner().invoke(app, ["data", "list", str(path)]).stdout.split())
+    assert "pan" in words
+    found = CliRunner().invoke(
+        app, ["data", "find", str(path), "--signal", "/joint_states.effort[elbow]", "--above", "200", "--json"]
+    )
+    assert found.exit_code == 0, found.output

@@ -222,6 +222,8 @@ def _fields_of(message: Any) -> list[Field]:
     """Its fields, as far as its values tell what they are."""
     found = []
     for one in fields(message) if is_dataclass(message) else ():
+        if one.name.startswith("__"):  # what rosbags adds
+            continue
         value = getattr(message, one.name)
         array = not isinstance(value, str) and hasattr(value, "__len__")
         text = isinstance(value[0], str) if array and len(value) else isinstance(value, str)
