@@ -45,7 +45,7 @@ def run(ros: str, seconds: float, *, as_json: bool) -> None:
                 "messages": info.messages,
                 "rate": _rate(info),
                 "values": {field: value if math.isfinite(value) else None for field, value in here.items()},
-                "names": names.get(info.topic, {}),
+                **({"names": names[info.topic]} if names.get(info.topic) else {}),
             }
             for info in infos
             for here in (values.get(info.topic, {}),)

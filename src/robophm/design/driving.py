@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 from robophm.core.errors import PlugError, RobophmError, UnitError
@@ -176,7 +177,7 @@ def _around(level: Any) -> Iterator[float]:
             try:
                 numbers = handbook_model(mode.hazard.model).numbers
                 yield from (
-                    quantity(mode.hazard.inputs[name], "degC")
+                    _celsius(mode.hazard.inputs[name])
                     for name, entry in numbers.items()
                     if entry.warmth == "ambient" and name in mode.hazard.inputs
                 )
@@ -208,6 +209,11 @@ def assumed(parts: Iterable[tuple[Component, Cover]]) -> Iterator[tuple[bool, st
                 "the ambient temperature as other parts there state it; expected ambient, to say so"
             )
         yield ambient is not None, f"{'/'.join(place)}: {said}"
+
+
+@lru_cache(maxsize=1024)  # a board's parts all state the same
+def _celsius(text: str | float) -> float:
+    return quantity(text, "degC")
 
 
 def undriven(parts: Iterable[tuple[Component, Cover]], used: Container[Path]) -> Iterator[str]:
