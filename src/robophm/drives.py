@@ -13,7 +13,7 @@ from pathlib import Path
 from robophm.core.errors import DesignError, SourceError, UnitError, nearest
 from robophm.core.given import instance
 from robophm.core.given import path as given_path
-from robophm.core.signal import any_element, split_signal
+from robophm.core.signal import any_element, named, split_signal
 from robophm.core.units import conversion
 from robophm.design.robot import Robot
 from robophm.transports.message_units import field_unit
@@ -102,7 +102,8 @@ def lacking(robot: Robot, topics: Mapping[str, Kind]) -> dict[str, str]:
         if topic not in topics:
             missing[signal] = f"the recording has no topic '{topic}'{nearest(topic, topics)}"
             continue
-        if fields and any_element(field) not in fields and field not in fields:
+        told = named(field)  # of what is told by its name a text may be a number: whoever reads it says what is wrong
+        if fields and not told and any_element(field) not in fields and field not in fields:
             missing[signal] = f"topic '{topic}' ({type_}) has no number '{field}'{nearest(field, fields)}"
             continue
         measured = field_unit(type_, field)

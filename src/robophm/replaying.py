@@ -12,7 +12,7 @@ from typing import Any
 
 from robophm.core.errors import SourceError, StoreError
 from robophm.core.given import instance, number
-from robophm.core.signal import SECOND
+from robophm.core.signal import REORDERED, SECOND
 from robophm.design.robot import Robot
 from robophm.drives import Drive, Recorded, drives_of
 from robophm.health.ledger import Ledger
@@ -151,6 +151,8 @@ def _go_through(
             for sample in itertools.islice(source.samples(drive.signals), position, None):
                 position += 1
                 monitor.observe(sample)
+        for reason in [reason for reason in source.notes if reason.startswith(REORDERED)]:
+            monitor.ledger.counts[reason] += source.notes.pop(reason)  # it qualifies what is in the ledger
         save(complete=True)
     return monitor, decided + source.notes
 

@@ -188,7 +188,9 @@ def test_a_shift_under_half_the_rated_torque(robot):
     """Fifty cycles in ten minutes: an eighth of each is lived, whichever way the torque points."""
     samples = []
     for i in range(600):
-        samples += [Sample(i * SECOND, f"/joint_states.effort[{k}]", -70.0 if k < 3 else 20.0) for k in range(6)]
+        samples += [
+            Sample(i * SECOND, f"/joint_states.effort[joint_{k + 1}]", -70.0 if k < 3 else 20.0) for k in range(6)
+        ]
         samples.append(Sample(i * SECOND, "/gripper/carrying.data", float(i % 12 >= 6)))
     ledger = Ledger.new(robot)
     ledger.started = 0
@@ -205,7 +207,7 @@ def test_torque_is_measured_as_a_share_of_the_rated_one(robot):
     for number in JOINTS:
         (stress,) = motors[f"Joint {number}/Drive"].stresses
         channel, rated = stress.channels["load"], 140 if number < 4 else 40
-        assert channel.signal == f"/joint_states.effort[{number - 1}]"
+        assert channel.signal == f"/joint_states.effort[joint_{number}]"
         assert channel.unit == "N*m"
         assert channel.scale * -70 + channel.offset == pytest.approx(-70 / rated, rel=1e-15)
         assert (channel.low, channel.high) == pytest.approx((-3, 3), rel=1e-15)

@@ -27,9 +27,12 @@ def run(design: Path, *, as_json: bool) -> None:
                 "common_causes": len(robot.causes),
                 "signals": list(robot.signals),
                 "warnings": list(robot.warnings),
+                "notes": list(robot.notes),
             }
         )
         return
+    for note in robot.notes:
+        warn(note, "note")
     console().print(
         f"{design}: {robot.name} is valid: {len(list(robot.all_modules()))} modules, {count} parts, "
         + (f"{len(robot.causes)} common causes, " if robot.causes else "")

@@ -27,8 +27,8 @@ class _Listing(TyperGroup):
 data = typer.Typer(cls=_Listing, no_args_is_help=True, help="Look at measured data: `robophm data BAGS` lists it.")
 
 Bags = Annotated[list[Path], typer.Argument(help=".bag, .db3, .mcap, rosbag2 folders, or folders of them")]
-SignalName = Annotated[str, typer.Option("--signal", help="/topic.field, /topic.field[2]")]
-SignalNames = Annotated[list[str], typer.Option("--signal", help="/topic.field, /topic.field[2]; several at will")]
+SignalName = Annotated[str, typer.Option("--signal", help="/topic.field, /topic.field[2], /topic.field[name]")]
+SignalNames = Annotated[list[str], typer.Option("--signal", help="/topic.field, [2] or [name] of an array; several")]
 Gap = Annotated[str, typer.Option("--gap", help="a value holds so long at most; after that nothing is known")]
 Together = Annotated[bool, typer.Option("--together", help="the recordings are one drive, not each for itself")]
 Force = Annotated[bool, typer.Option("--force", help="also where the file exists")]

@@ -152,7 +152,12 @@ def _json(one: LearnedRate) -> dict[str, Any]:
         "conflict": found.conflict, "surprise": found.surprise, "prior_weight": found.weight,
         "spread_of_robots": one.of_fleet.spread,
         "robots": {
-            name: {"failures": own.failures, "hazard_ratio": own.estimate, "low": own.interval[0], "high": own.interval[2]}
+            name: {
+                "failures": own.failures,
+                "hazard_ratio": own.estimate,
+                "low": own.interval[0],
+                "high": own.interval[2],
+            }
             for name, own in zip(one.robots, one.of_fleet.robots, strict=True)
         },
     }  # fmt: skip

@@ -115,6 +115,7 @@ def _print_overview(out: Console, one: Overview) -> None:
     fields = []
     for topic in one.topics:
         names = [f"{name} [{unit}]" if unit else name for name, unit in topic.fields.items() if "header." not in name]
+        names += [f"{field} of {', '.join(of)}" for field, of in topic.names.items()]
         fields.append((topic.name, topic.type.replace("/msg/", "/") or "?", ", ".join(names) or "no numbers"))
     print_table(out, table("", ("topic", "type", "fields [unit]"), fields))
     out.print()

@@ -65,9 +65,9 @@ def json_text(document: Mapping[str, Any]) -> str:
     return json.dumps(plain(document), indent=2, ensure_ascii=not unicode, allow_nan=False)
 
 
-def warn(text: str) -> None:
+def warn(text: str, kind: str = "warning") -> None:
     """One line on stderr that does not stop anything."""
-    print(f"warning: {text}", file=sys.stderr)
+    print(f"{kind}: {text}", file=sys.stderr)
 
 
 def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], *, figures: Iterable[int] = ()) -> Table:

@@ -6,10 +6,11 @@ import sys
 import time
 
 from robophm.cli.output import console, print_json, print_table, table, warn
-from robophm.core.signal import CLOCK, SECOND, split_signal
+from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
 from robophm.report.words import number_text
 from robophm.transports.live import open_live
-from robophm.transports.source import TopicInfo
+from robophm.transports.named import names_in
+from robophm.transports.source import Told, TopicInfo
 
 SHOWN = 6
 """Numbers of one topic in the table; JSON has all."""
@@ -23,10 +24,14 @@ def run(ros: str, seconds: float, *, as_json: bool) -> None:
         fields = {info.topic: _numbers(info) for info in source.topics()}
         values: dict[str, dict[str, float]] = {topic: {} for topic in fields}
         end = time.monotonic() + seconds
-        for sample in source.samples([f"{topic}.{field}" for topic, some in fields.items() for field in some]):
-            if sample.signal != CLOCK:
-                topic, field = split_signal(sample.signal)
-                values[topic][field] = sample.value
+        names: dict[str, dict[str, list[str]]] = {}
+        arrays = [topic for topic, some in fields.items() if any("[" in field for field in some)]
+        for heard in source.listen([f"{topic}.{field}" for topic, some in fields.items() for field in some], arrays):
+            if isinstance(heard, Sample) and heard.signal != CLOCK:
+                topic, field = split_signal(heard.signal)
+                values[topic][field] = heard.value
+            elif isinstance(heard, Told) and heard.message is not None:
+                names.setdefault(heard.topic, {}).update(names_in(heard.message))
             if time.monotonic() >= end:  # clock samples come in silence too
                 break
         infos = source.topics()
@@ -39,6 +44,7 @@ def run(ros: str, seconds: float, *, as_json: bool) -> None:
                 "messages": info.messages,
                 "rate": _rate(info),
                 "values": here,
+                **({"names": names[info.topic]} if names.get(info.topic) else {}),
             }
             for info in infos
             for here in (values.get(info.topic, {}),)
@@ -48,7 +54,9 @@ def run(ros: str, seconds: float, *, as_json: bool) -> None:
             "topics": found, "notes": dict(sorted(notes.items())),
         })  # fmt: skip
         return
-    rows = [_row(info, fields.get(info.topic, []), values.get(info.topic, {})) for info in infos]
+    rows = [
+        _row(info, fields.get(info.topic, []), values.get(info.topic, {}), names.get(info.topic, {})) for info in infos
+    ]
     out = console()
     print_table(out, table(f"{len(rows)} topics", ["topic", "type", "per s", "last values"], rows, figures=(2,)))
     for what, count in sorted(notes.items()):
@@ -68,10 +76,11 @@ def _rate(info: TopicInfo) -> float | None:
     return (info.messages - 1) / ((info.last - info.first) / SECOND)
 
 
-def _row(info: TopicInfo, fields: list[str], values: dict[str, float]) -> list[str]:
+def _row(info: TopicInfo, fields: list[str], values: dict[str, float], names: dict[str, list[str]]) -> list[str]:
     rate = _rate(info)
     shown = [f"{field} {number_text(values[field])}" for field in fields if field in values]
     more = f", … {len(shown) - SHOWN} more" if len(shown) > SHOWN else ""
     if not info.fields:
         shown = ["its definition is not known" if info.type else "nobody tells its type"]
-    return [info.topic, info.type, "–" if rate is None else number_text(rate), ", ".join(shown[:SHOWN]) + more]
+    told = "".join(f"; {field} of {', '.join(of)}" for field, of in names.items())
+    return [info.topic, info.type, "–" if rate is None else number_text(rate), ", ".join(shown[:SHOWN]) + more + told]

@@ -1,4 +1,4 @@
-"""A signal is one number of one topic over time: ``/topic.field[2]``."""
+"""A signal is one number of one topic over time: ``/topic.field[2]``, or ``/joint_states.effort[elbow]`` by a name."""
 
 from __future__ import annotations
 
@@ -16,8 +16,13 @@ HOUR = 3600 * SECOND
 CLOCK = "clock"
 """The signal by which a live source says that time went on although the robot said nothing."""
 
+REORDERED = "order changed: "
+"""What begins the count of a signal by an index at which messages had another element than at first."""
+
 _TOPIC = re.compile(r"[^.\s\x00-\x1f]+\Z")
-_FIELD = re.compile(r"[A-Za-z_]\w*(\[\d+\])?(\.[A-Za-z_]\w*(\[\d+\])?)*\Z", re.ASCII)
+_STEP = r"[A-Za-z_][A-Za-z0-9_]*(?:\[[^\[\]\x00-\x1f\x7f]+\])?"
+_FIELD = re.compile(rf"{_STEP}(?:\.{_STEP})*\Z")
+_STEPS = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(?:\[([^\[\]]+)\])?(?:\.|\Z)")
 
 
 class Sample(NamedTuple):
@@ -26,7 +31,7 @@ class Sample(NamedTuple):
     time: int
     """Nanoseconds since the epoch."""
     signal: str
-    """``/topic.field[2]``, or ``clock``."""
+    """``/topic.field[2]``, ``/topic.field[name]``, or ``clock``."""
     value: float
     """In the unit of the message, unconverted; NaN where the message says so."""
 
@@ -40,7 +45,7 @@ def signal_name(topic: str, field: str) -> str:
         raise SourceError(f"'{topic}' is not a topic; expected e.g. '/power/temperature', without dots and blanks")
     if not _FIELD.match(field):
         raise SourceError(
-            f"field '{field}' of topic '{topic}' is not a field path; expected e.g. 'pose.x' or 'effort[2]'"
+            f"field '{field}' of topic '{topic}' is not a field path; expected e.g. 'pose.x' or 'effort[elbow]'"
         )
     return f"{topic}.{field}"
 
@@ -53,6 +58,31 @@ def split_signal(signal: str) -> tuple[str, str]:
     return topic, field
 
 
+class Step(NamedTuple):
+    """One step of a field path."""
+
+    field: str
+    element: int | str | None
+    """Of an array: its index, or the name that the message gives it; None where there is no array."""
+
+
+def steps_of(field: str) -> list[Step]:
+    """A field path step by step. Digits are an index; quoted, ``effort['7']``, they are a name, as are all others."""
+    return [Step(name, _element(element)) for name, element in _STEPS.findall(field)]
+
+
+def _element(text: str) -> int | str | None:
+    if not text:
+        return None
+    quoted = len(text) > 2 and text[0] == text[-1] and text[0] in "'\""
+    return text[1:-1] if quoted else int(text) if text.isdecimal() and text.isascii() else text
+
+
+def named(field: str) -> bool:
+    """Whether an element in a field path is told by its name."""
+    return "[" in field and any(isinstance(step.element, str) for step in steps_of(field))
+
+
 def any_element(field: str) -> str:
-    """A field path for any index: ``effort[]`` for ``effort[2]``."""
-    return re.sub(r"\[\d+\]", "[]", field)
+    """A field path for any index or name: ``effort[]`` for ``effort[2]``."""
+    return re.sub(r"\[[^\[\]]+\]", "[]", field)

@@ -7,8 +7,9 @@ from collections.abc import Iterable
 from robophm.core.errors import nearest
 from robophm.core.given import instance
 from robophm.design.fault import Fault, Path, at
-from robophm.design.robot import FailureMode, Robot, Stress
-from robophm.design.task import Knowledge, Plan, Task
+from robophm.design.robot import FailureMode, Robot
+from robophm.design.task import Driver, Knowledge, Plan, Task
+from robophm.hazard.model import Range
 
 
 def check_task(task: Task, robot: Robot) -> None:
@@ -59,25 +60,34 @@ def contradiction(knowledge: Knowledge, robot: Robot) -> str:
     return ""
 
 
-def takers(key: str, robot: Robot, place: Path) -> tuple[list[tuple[FailureMode, Stress]], str]:
-    """The failure modes that take a stated stress, and the unit they take it in. Raises Fault where there are none."""
+Taker = tuple[FailureMode, Range, Driver]
+
+
+def takers(key: str, robot: Robot, place: Path) -> tuple[list[Taker], str]:
+    """The model inputs that a stated stress determines, and the unit it is in. Raises Fault where there are none."""
     path, _, name = key.rpartition("/")
     stresses = [
-        (mode, stress)
+        (mode, stress.model.numbers[own], driver)
         for mode in robot.modes
         for stress in mode.stresses
-        if name in stress.design and name in stress.model.numbers
+        for own, drivers in stress.drivers.items()
+        for driver in drivers
+        if driver.name == name
     ]
     below = f"{path}/" if "/" in key else ""
-    found = [(mode, stress) for mode, stress in stresses if f"{mode.origin}/".startswith(below)]
+    found = [
+        (mode, entry, driver)
+        for mode, entry, driver in stresses
+        if f"{mode.origin}/".startswith(below) and (driver.around or f"{path}/".startswith(f"{robot.part_of(mode)}/"))
+    ]
     if not found:
-        known = sorted({name for mode in robot.modes for stress in mode.stresses for name in stress.model.numbers})
+        known = sorted(_names(robot))
         hint = nearest(name, known)
         if name in known:
-            hint = nearest(path, [mode.path[:end] for mode, _ in stresses for end in _ends(mode.path)])
+            hint = nearest(path, [mode.path[:end] for mode, *_ in stresses for end in _ends(mode.path)])
         where = f" below '{path}'" if below else ""
         raise Fault(place, f"no part{where} takes a stress '{name}'{hint}")
-    units = {stress.model.numbers[name].unit for _, stress in found}
+    units = {entry.unit for _, entry, _ in found}
     if len(units) > 1:
         raise Fault(place, f"parts take '{name}' in {' and '.join(sorted(units))}; expected it below one module")
     return found, units.pop()
@@ -85,12 +95,17 @@ def takers(key: str, robot: Robot, place: Path) -> tuple[list[tuple[FailureMode,
 
 def check_stress(key: str, number: float, robot: Robot, place: Path) -> None:
     """Raises Fault where no part takes a stress, or it is outside the range of one that does."""
-    name = key.rpartition("/")[2]
-    for mode, stress in takers(key, robot, place)[0]:
-        entry, channel = stress.model.numbers[name], stress.channels.get(name)
-        at = number + (channel.shift if channel else 0.0)
-        if not entry.low <= at <= entry.high:
-            raise Fault(place, f"{at:g} {entry.unit} of {mode.path} is outside {stress.model.expected(name)}")
+    for mode, entry, driver in takers(key, robot, place)[0]:
+        if not entry.holds(at := number + driver.shift):
+            raise Fault(place, f"{entry.written(at)} of {mode.path} is outside {entry.span}")
+
+
+def _names(robot: Robot) -> set[str]:
+    """What may be stated of a part."""
+    inputs = [(stress.model.numbers, stress.drivers) for mode in robot.modes for stress in mode.stresses]
+    return {
+        name for numbers, drivers in inputs for name in (*numbers, *(d.name for of in drivers.values() for d in of))
+    }
 
 
 def _ends(path: str) -> list[int]:

@@ -19,15 +19,15 @@ from robophm.core.errors import (
     nearest,
 )
 from robophm.core.signal import SECOND, signal_name
-from robophm.core.units import conversion, quantity
+from robophm.core.units import conversion
 from robophm.design import schema
 from robophm.design.build_task import build_task
 from robophm.design.build_wear import build_wear
 from robophm.design.common_cause import CommonCauses
+from robophm.design.driving import Ambient, Cover, Driving, ambient_of, assumed, drivers, undriven
 from robophm.design.fault import Fault, Path, written
 from robophm.design.robot import (
     CLOCK_UNITS,
-    Channel,
     Component,
     Evidence,
     FailureMode,
@@ -48,9 +48,6 @@ from robophm.hazard.model import Model, Range
 from robophm.life import life_distribution
 from robophm.life.distribution import LifeDistribution
 
-PLAUSIBLE = {"degC": (-100.0, 500.0)}
-"""What a signal may measure where its binding states no range, by the unit of the model input."""
-
 MOST_PARTS = 1000
 """Equal parts of a component that can be told apart; n equal parts in series may be many more."""
 
@@ -69,6 +66,7 @@ class _Scope:
     acceleration: schema.Accelerations | None = None
     uncertainty: tuple[Path, schema.Uncertainty] | None = None
     duty: float = 1.0
+    ambient: Ambient | None = None
 
     def within(self, place: Path, level: Any) -> _Scope:
         return _Scope(
@@ -78,7 +76,12 @@ class _Scope:
             level.acceleration if level.acceleration is not None else self.acceleration,
             ((*place, "uncertainty"), level.uncertainty) if level.uncertainty else self.uncertainty,
             self.duty if level.duty is None else level.duty,
+            self.ambient if isinstance(level, schema.Component) else ambient_of(place, level, self.ambient),
         )
+
+    def cover(self, part: schema.Component) -> Cover:
+        """What of stresses a part in it has sensors of."""
+        return Cover(self.signals, frozenset(part.signals), part.offsets, self.ambient)
 
 
 def build(design: schema.RobotFile) -> Robot:
@@ -96,7 +99,8 @@ class _Builder:
         self.modules: dict[str, schema._Group] = {}
         self.places: dict[str, Path] = {}
         self.depends_on: dict[str, Any] = {}
-        self.used_signals: dict[Path, None] = {}  # in the order of the design
+        self.driving = Driving()
+        self.covered: list[tuple[Component, Cover]] = []
         self.stresses: dict[str, Stress] = {}
         self.told_apart = {
             name.partition("[")[0].rpartition("/")[2] for name in told_apart(design)
@@ -128,14 +132,17 @@ class _Builder:
         warnings += [f"{unit}: used in no diagram" for unit in members if unit not in used]
         warnings += [
             f"{'/'.join(place)}: has no range: whatever a broken sensor says would count"
-            for place in self.used_signals
+            for place in self.driving.used
             if place[-2] == "signals" and self._binding(place).range is None
         ]
         warnings += [
             f"{'/'.join(place)}: no part below takes this input"
             for place in self._signal_places((), design)
-            if place not in self.used_signals
+            if place not in self.driving.used
         ]
+        rises = list(assumed(self.covered))
+        warnings += [text for known, text in rises if not known]
+        notes = [*(text for known, text in rises if known), *undriven(self.covered, self.driving.used)]
         content = json.dumps(design.model_dump(mode="json"), sort_keys=True, ensure_ascii=False)
         robot = Robot(
             **{key: getattr(whole, key) for key in ("modules", "components", "wiring", "diagram", "description")},
@@ -150,6 +157,7 @@ class _Builder:
             max_gap=round(design.max_gap * SECOND),
             thresholds=_thresholds(design.thresholds),
             warnings=tuple(warnings),
+            notes=tuple(notes),
             design_hash=hashlib.sha256(content.encode()).hexdigest(),
         )
         return replace(robot, task=build_task(design.task, robot, ("task",))) if design.task else robot
@@ -223,6 +231,8 @@ class _Builder:
             name, part.quantity, required, part.monitored, modes, names, scope.duty, part.description or ""
         )
         self.components[name] = component
+        if any(mode.acceleration != "none" for mode in part.failure_modes.values() or [part]):
+            self.covered.append((component, scope.cover(part)))
         self.places[name] = place
         if part.depends_on is not None:
             self.depends_on[name] = part.depends_on
@@ -315,7 +325,7 @@ class _Builder:
             inputs["environment"] = scope.environment
         # a board has hundreds of equal parts: what is stated and measured alike is one stress; as it is written,
         # since 1 and True are equal and the second is no number
-        key = repr((model.name, inputs, [at for at, _ in scope.signals.values()], part.offsets))
+        key = repr((model.name, inputs, [at for at, _ in scope.signals.values()], part.offsets, scope.ambient))
         if key not in self.stresses:
             self.stresses[key] = self._stress((*place, "inputs"), model, inputs, part, scope)
         return self.stresses[key]
@@ -371,7 +381,7 @@ class _Builder:
                 if (at_design := parameters.get(reference, _default(model, reference))) is None:
                     raise Fault(at, f"{model.name} needs '{reference}', at which the stated rate holds")
                 parameters[stress_input] = at_design
-                if hazard and (hazard.channels or stress_input in hazard.model.inputs):
+                if hazard and (hazard.channels or hazard.model.answers_by(stress_input)):
                     raise Fault(
                         at,
                         f"double acceleration: {hazard.model.name} answers to '{stress_input}' itself; expected one",
@@ -389,49 +399,21 @@ class _Builder:
         except (ModelError, UnitError) as error:
             named = next((name for name in inputs if re.search(rf"\b{re.escape(name)}\b", str(error))), None)
             raise Fault((*place, named) if named else place, str(error)) from None
-        channels = {}
+        cover = scope.cover(part)
         for name, entry in model.numbers.items():
-            if name in scope.signals and name in design:
-                at, binding = scope.signals[name]
-                channels[name] = self._channel(at, binding, entry.unit, part.offsets.get(name))
-            elif name in scope.signals and model.answers_to(name, design):
+            stated = name in inputs or (name in design and not entry.otherwise)
+            if name in scope.signals and not stated and model.answers_to(name, design):
                 signal = "/".join(scope.signals[name][0])
                 raise Fault(
                     place,
                     f"'{name}' is measured ({signal}), but its value as designed is not stated, and {model.name} "
                     f"answers to it; expected {name}: {model.expected(name)}",
                 )
-        return Stress(model, design, channels)
-
-    def _channel(self, place: Path, binding: schema.SignalBinding, unit: str, more: str | float | None) -> Channel:
-        self.used_signals[place] = None
-        try:
-            written = unit if binding.unit is None else binding.unit
-            if binding.rated is None:
-                scale, offset = conversion(written, unit)
-            elif unit:
-                raise UnitError(f"'rated' is given, but this input is measured in {unit}, not as a share")
-            else:
-                scale, offset = conversion(written, written).scale / binding.rated, 0.0
-            difference = f"delta_{unit}" if unit in ("degC", "degF") else unit
-            low, high = PLAUSIBLE.get(unit, (-math.inf, math.inf))
-            conversion_offset = offset
-            if binding.range is not None:
-                low, high = sorted(scale * end + offset for end in binding.range)
-            for extra in (binding.offset, more):
-                if extra is not None:
-                    shift = quantity(extra, difference)
-                    offset, low, high = offset + shift, low + shift, high + shift
-            signal = signal_name(binding.topic, binding.field)
-        except RobophmError as error:
-            raise Fault(place, str(error)) from None
-        if binding.range is None and binding.stale == "worst":
-            raise Fault(place, "stale: worst needs a 'range'; expected e.g. range: [-20, 80]")
-        shift = offset - conversion_offset
-        return Channel(signal, written, scale, offset, low, high, round(binding.max_age * SECOND), binding.stale, shift)
+        channels = self.driving.channels(model, design, cover)
+        return Stress(model, design, channels, drivers(model, design, channels, cover))
 
     def _measured_clock(self, clock: str, place: Path, binding: schema.ClockBinding) -> MeasuredClock:
-        self.used_signals[place] = None
+        self.driving.used[place] = None
         if clock in ("operating", "calendar"):
             raise Fault(place, f"the {clock} clock is time itself and takes no signal")
         kind: Literal["position", "speed", "edge"]

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
-from robophm.design.task import Task
+from robophm.design.task import Driver, Task
 from robophm.hazard.model import Evaluation, Model
 from robophm.life.distribution import LifeDistribution
 
@@ -46,6 +46,8 @@ class Channel:
     stale: Literal["nominal", "hold", "worst"]
     shift: float = 0.0
     """What of the offset is no conversion of units: how much more the part has than its sensor reads."""
+    stress: str = ""
+    """The name under which it is bound: the input's own, or that of the stress it follows from."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,8 @@ class Stress:
     """Settled inputs at design-time stress x₀."""
     channels: Mapping[str, Channel] = field(default_factory=dict)
     """The inputs that are measured."""
+    drivers: Mapping[str, tuple[Driver, ...]] = field(default_factory=dict)
+    """By numeric input, under which names it may be stated: its own first, then that of the stress it follows from."""
 
     @cached_property
     def law(self) -> tuple[object, ...]:
@@ -312,6 +316,9 @@ class Robot(Module):
     """Nanoseconds of silence after which the robot is off."""
     task: Task | None = None
     warnings: tuple[str, ...] = ()
+    """What is odd in its design."""
+    notes: tuple[str, ...] = ()
+    """What its sensors rest on, and what they do not reach."""
     design_hash: str = ""
     """SHA-256 of the design's content, to tell results of different designs apart."""
 
@@ -329,6 +336,14 @@ class Robot(Module):
     def modes(self) -> tuple[FailureMode, ...]:
         """Every failure mode, in design order, then those of common causes."""
         return tuple(mode for component in self.all_components() for mode in component.modes)
+
+    def part_of(self, mode: FailureMode) -> str:
+        """Path of the component that a failure mode rests with: its own, or of a common cause's the member."""
+        return self._parts[mode.origin]
+
+    @cached_property
+    def _parts(self) -> Mapping[str, str]:
+        return {mode.path: part.path for part in self.all_components() for mode in part.modes}
 
     @cached_property
     def signals(self) -> Mapping[str, str | None]:

@@ -83,7 +83,7 @@ class SignalBinding(_Strict):
     """A model input that is measured: a field of a topic."""
 
     topic: str = Field(min_length=1, description="e.g. /power/temperature")
-    field: str = Field(min_length=1, description="path of the number in the message, e.g. temperature or effort[2]")
+    field: str = Field(min_length=1, description="path of the number in the message, e.g. temperature or effort[elbow]")
     unit: str | None = Field(None, description="unit of the field; default: the unit that the model input has")
     range: tuple[float, float] | None = Field(None, description="what is outside, in that unit, is no sample")
     rated: float | None = Field(None, gt=0, description="what counts as 1, in that unit; of an input such as load")
@@ -229,7 +229,7 @@ class Wear(_Strict):
     """A signal that shows how worn a part is, and how worn is too much; `robophm wear` reads it from recordings."""
 
     topic: str = Field(min_length=1, description="e.g. /joint_states")
-    field: str = Field(min_length=1, description="path of the number in the message, e.g. effort[2]")
+    field: str = Field(min_length=1, description="path of the number in the message, e.g. effort[elbow]")
     unit: str | None = Field(None, description="of the field; default: bare numbers, as recorded")
     range: tuple[float, float] | None = Field(None, description="what is outside, in that unit, is no sample")
     reading: Literal["mean", "rms", "kurtosis", "highest", "lowest"] = Field(
@@ -443,6 +443,9 @@ class CommonCause(_Strict):
 class _Group(_Strict):
     description: str | None = None
     environment: str | None = None
+    ambient: Written | None = Field(
+        None, description="temperature around the parts as designed, e.g. 40 degC; default: as parts here state it"
+    )
     signals: dict[str, SignalBinding] = Field(default_factory=dict)
     clocks: dict[Clock, ClockBinding] = Field(default_factory=dict)
     acceleration: Accelerations | None = Field(None, description="of the constant-rate parts below")

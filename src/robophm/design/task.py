@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import fsum, inf
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 from robophm.core.given import instance, number, shown
 from robophm.design.fault import Fault, at
@@ -19,6 +19,16 @@ FARTHEST = 1e12
 
 MOST_CYCLES = 1e15
 """Of one leg, and as many starts."""
+
+
+class Driver(NamedTuple):
+    """A name under which the stress of a model input may be stated."""
+
+    name: str
+    shift: float
+    """How much more the input is than what is stated: its offsets, or its rise as designed."""
+    around: bool
+    """Whether it may be stated of what the part is in, and not of the part alone."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +46,8 @@ class Leg:
     functions: tuple[str, ...] = ()
     """By name; none named is the whole robot."""
     stresses: Mapping[str, float] = field(default_factory=dict)
-    """What sensors of a model input would read, in its unit: of all parts, or below one (``Power/temperature``)."""
+    """What sensors of a stress would read, in the unit of the inputs that it drives: of all parts, or below one
+    (``Power/temperature``)."""
 
     def __post_init__(self) -> None:
         """Hold a leg to what a file of tasks is held to."""
@@ -56,13 +67,14 @@ class Leg:
         for key, value in self.stresses.items():
             number(value, f"stress '{key}'", low=-inf, error=at("stresses", key))
 
-    def stated(self, path: str, name: str) -> float | None:
-        """What is stated of a model input of the failure mode at a path; the nearest statement holds."""
+    def stated(self, path: str, part: str, drivers: Iterable[Driver]) -> float | None:
+        """What is stated of a model input of the failure mode at a path; of a name the nearest statement holds."""
         steps = path.split("/")
-        for n in range(len(steps), -1, -1):
-            key = "/".join([*steps[:n], name])
-            if key in self.stresses:
-                return self.stresses[key]
+        for driver in drivers:
+            for n in range(len(steps), -1 if driver.around else part.count("/"), -1):
+                key = "/".join([*steps[:n], driver.name])
+                if key in self.stresses:
+                    return self.stresses[key] + driver.shift
         return None
 
 

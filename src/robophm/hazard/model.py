@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +28,9 @@ PER_MILLION_HOURS = 1e-6
 
 FARTHEST = 1e6
 """Where a number is tried that may be any."""
+
+TEMPERATURE = "temperature"
+"""The stress that all parts of a place have in common: from it follow the temperatures of cases and junctions."""
 
 BLOCK = 2**16
 """How many samples a formula takes at once: few enough that what it computes on the way stays in the cache."""
@@ -131,6 +134,15 @@ class Range:
     """Of an input that may be left open and counts all the same."""
     monotone: int = 0
     """+1 where the result never falls with this input, −1 where it never rises, 0 where it may do either."""
+    stress: str = ""
+    """By what name else it is bound or stated of the part itself: a capacitor's ``dc_voltage`` is its ``voltage``."""
+    warmth: Literal["ambient", "own"] | None = None
+    """Of a temperature in operation: that around the part, or the part's own, which follows from it by a rise."""
+
+    @property
+    def driver(self) -> str:
+        """The stress that determines it, under whatever name it goes itself; "" where only its own name does."""
+        return TEMPERATURE if self.warmth else self.stress
 
     @property
     def span(self) -> str:
@@ -195,6 +207,10 @@ class Model:
         """The inputs that are numbers, and so can be measured."""
         return {name: entry for name, entry in self.inputs.items() if isinstance(entry, Range)}
 
+    def answers_by(self, stress: str) -> bool:
+        """Whether it has an input of this name, or one that follows from such a stress."""
+        return stress in self.inputs or any(entry.driver == stress for entry in self.numbers.values())
+
     def settle(self, given: Mapping[str, object]) -> dict[str, str | float]:
         """The inputs as a user wrote them ('60 degC', 'CDR'), converted, checked, with defaults filled in.
 
@@ -207,6 +223,8 @@ class Model:
         settled: dict[str, str | float] = {}
         for name, entry in self.inputs.items():
             value = given.get(name, entry.default)
+            if value is None and isinstance(entry, Range) and entry.otherwise:
+                continue  # until all choices are known
             if value is None:
                 if entry.required:
                     raise ModelError(f"{self.name} needs the input '{name}' ({self.expected(name)})")
@@ -229,6 +247,9 @@ class Model:
                 if entry.whole and number != round(number):
                     raise ModelError(f"{self.name}: {name} {entry.written(number)}; expected {self.expected(name)}")
                 settled[name] = min(max(number, entry.low), entry.high)
+        for name, entry in self.numbers.items():  # what is around the part moves its own temperature, said or not
+            if entry.warmth and entry.otherwise and name not in settled and (other := entry.otherwise(settled)):
+                settled[name] = float(other[0])
         # A combination that the handbook has no answer for is an error now, not a flag on the robot.
         for factor in self.explain(settled).leaves():
             if np.any(factor.outside):

@@ -289,9 +289,11 @@ def _factors(outlook: Outlook, task: Task) -> Array:
     names = {key.rpartition("/")[2] for leg in legs for key in leg.stresses}
     known: dict[object, Array] = {}
     for i, mode in enumerate(plant.robot.modes) if names else ():
+        part = plant.robot.part_of(mode)
         stated = {
-            name: tuple(leg.stated(mode.origin, name) for leg in legs)
-            for stress in mode.stresses for name in stress.design if name in names
+            (k, name): tuple(leg.stated(mode.origin, part, drivers) for leg in legs)
+            for k, stress in enumerate(mode.stresses) for name, drivers in stress.drivers.items()
+            if any(driver.name in names for driver in drivers)
         }  # fmt: skip
         somewhere = [any(values[k] is not None for values in stated.values()) for k in range(len(legs))]
         if any(somewhere):
@@ -303,12 +305,13 @@ def _factors(outlook: Outlook, task: Task) -> Array:
 
 
 def _stated_factor(
-    mode: FailureMode, stated: Mapping[str, Sequence[float | None]], recent: Mapping[str, float]
+    mode: FailureMode, stated: Mapping[tuple[int, str], Sequence[float | None]], recent: Mapping[str, float]
 ) -> Array:
     """ψ in every leg: of inputs that it states, and for the others of what was measured of late, or the design."""
     product = np.ones(())
-    for stress in mode.stresses:
-        product = product * stress.factor(dict(_inputs(stress, stated, recent))).value
+    for k, stress in enumerate(mode.stresses):
+        own = {name: values for (of, name), values in stated.items() if of == k}
+        product = product * stress.factor(dict(_inputs(stress, own, recent))).value
     return product
 
 
@@ -319,7 +322,6 @@ def _inputs(
         channel = stress.channels.get(name)
         otherwise = recent.get(channel_key(channel), at_design) if channel else at_design
         if name in stated:
-            shift = channel.shift if channel else 0.0
-            yield name, np.array([otherwise if one is None else one + shift for one in stated[name]], dtype=float)
+            yield name, np.array([otherwise if one is None else one for one in stated[name]], dtype=float)
         elif channel:
             yield name, np.array(float(otherwise))

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
 from robophm.core.given import number, numbers, one_of
-from robophm.core.signal import SECOND
+from robophm.core.signal import REORDERED, SECOND
 from robophm.design.asked import check_knowledge, check_plan, check_task
 from robophm.design.robot import FailureMode, Robot, Thresholds
 from robophm.design.task import Knowledge, Plan, Task
@@ -323,7 +323,8 @@ def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None
 
 def _flags(modes: Iterable[FailureMode], ledger: Ledger, silent: Collection[str], *signals: str) -> tuple[str, ...]:
     """What qualifies failure modes: the silent signals that they hang on, and models outside their range."""
-    if not silent and not any(ledger.extrapolated.values()):
+    mixed = {key.removeprefix(REORDERED) for key in ledger.counts if key.startswith(REORDERED)}
+    if not silent and not mixed and not any(ledger.extrapolated.values()):
         return ()
     heard_by, extrapolated = {*signals}, False
     for mode in modes:
@@ -332,15 +333,20 @@ def _flags(modes: Iterable[FailureMode], ledger: Ledger, silent: Collection[str]
         extrapolated |= bool(ledger.extrapolated[mode.path])
     return (
         *(f"{STALE}{signal}" for signal in sorted(heard_by & set(silent))),
+        *(f"{REORDERED}{signal}" for signal in sorted(heard_by & mixed)),
         *(["extrapolated"] if extrapolated else []),
     )
 
 
 def _notes(ledger: Ledger) -> tuple[str, ...]:
-    dropped = [f"{count} samples not taken: {reason}" for reason, count in sorted(ledger.counts.items())]
+    dropped = [
+        f"{reason} in {count} messages; expected it bound by the element's name" if reason.startswith(REORDERED)
+        else f"{count} samples not taken: {reason}"
+        for reason, count in sorted(ledger.counts.items())
+    ]  # fmt: skip
     silent: dict[int, list[str]] = {}
     for key, nanoseconds in sorted(ledger.stale.items()):
-        signal = key.partition(" ")[0]
+        signal = key.rsplit(" ", 4)[0] if "[" in key else key.partition(" ")[0]  # a name may have blanks
         if signal not in silent.setdefault(nanoseconds, []):
             silent[nanoseconds].append(signal)
     return (

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.measured.held import Ints
 from robophm.measured.recordings import Recorded
 from robophm.transports.message_units import field_unit
+from robophm.transports.recording import Recording
 
 GAP = 10.0
 """Times a topic's median interval: so long without a message is a gap, where nothing else is stated."""
@@ -31,6 +34,8 @@ class Topic:
     type: str
     fields: Mapping[str, str | None]
     """Numeric fields, ``[]`` for the index of an element, and their units where the type states one."""
+    names: Mapping[str, list[str]] = field(default_factory=dict)
+    """Of fields, the names by which the first message tells their elements."""
     messages: int = 0
     first: int | None = None
     last: int | None = None
@@ -54,8 +59,11 @@ class Overview:
 
 def overview(recorded: Recorded, gap: int | None = None) -> Overview:
     """What a recording holds; a ``gap`` is so long [ns] without a message, or GAP times the topic's median interval."""
+    names: dict[str, dict[str, list[str]]] = {}
+    with suppress(SourceError), Recording(*recorded.paths) as recording:  # what is damaged is said below
+        names = recording.names()
     topics = {
-        name: _Heard(Topic(name, type_, {one: field_unit(type_, one) for one in fields}), gap)
+        name: _Heard(Topic(name, type_, {one: field_unit(type_, one) for one in fields}, names.get(name, {})), gap)
         for name, (type_, fields) in recorded.topics.items()
     }
     columns = recorded.columns((), recorded.topics)

@@ -32,6 +32,9 @@ from robophm.virtual_life import VirtualLife
 MOST_LEGS = 10_000
 """Of a task, as the design file has it."""
 
+_SAME = 1e-12
+"""Rounding, as a part of what is stated: two parts that are warmer by other rises state the same of what is around."""
+
 _FAINT = 1e-12
 """Part of the whole below which a leg of its own is not worth while."""
 
@@ -44,6 +47,8 @@ class Input:
     unit: str
     """Of the model."""
     signal: str
+    stress: str
+    """The name under which a leg states it."""
     low: float
     """The least and the most that all models which take it allow, as a sensor reads it."""
     high: float
@@ -197,7 +202,8 @@ def _inputs(modes: Sequence[FailureMode]) -> Iterable[Input]:
             low, high = entry.low - channel.shift, entry.high - channel.shift
             if name in found:
                 low, high = max(low, found[name].low), min(high, found[name].high)
-            found[name] = Input(name, entry.unit, channel.signal, low, high, channel.shift, float(stress.design[name]))
+            at_design = float(stress.design[name])
+            found[name] = Input(name, entry.unit, channel.signal, channel.stress, low, high, channel.shift, at_design)
     return found.values()
 
 
@@ -228,7 +234,7 @@ def legs_of(found: Lived) -> Legs:
         at = np.minimum(np.searchsorted(each, middle), len(each) - 1)
         for i, one in enumerate(profile.inputs):
             for path in profile.parts:
-                stated[_origin(found.robot, path), one.name] = one.unit, profile.typical[at, i] - one.shift
+                stated[_origin(found.robot, path), one.stress] = one.unit, profile.typical[at, i] - one.shift
     return Legs(np.diff(edges), _gathered(found.robot, stated))
 
 
@@ -242,14 +248,14 @@ def _gathered(robot: Robot, stated: Mapping[tuple[str, str], tuple[str, Floats]]
     for name in dict.fromkeys(name for _, name in stated):
         takers = list(dict.fromkeys(
             mode.origin for mode in robot.modes for stress in mode.stresses
-            if name in stress.design and name in stress.model.numbers
+            if any(driver.name == name for drivers in stress.drivers.values() for driver in drivers)
         ))  # fmt: skip
         pending = [("", takers)]
         while pending:
             path, below = pending.pop()
             values = [stated.get((taker, name)) for taker in below]
             first = values[0]
-            if first and all(one and one[0] == first[0] and np.array_equal(one[1], first[1]) for one in values):
+            if first and all(one and one[0] == first[0] and np.allclose(one[1], first[1], _SAME, 0) for one in values):
                 found[f"{path}/{name}" if path else name] = first
                 continue
             depth = path.count("/") + 1 if path else 0

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from robophm.core.errors import SourceError, UnitError, nearest
-from robophm.core.signal import any_element, split_signal
+from robophm.core.signal import any_element, named, split_signal
 from robophm.core.units import quantity
 from robophm.transports.columns import Columns, read_columns, recorded_topics
 from robophm.transports.message_units import field_unit
@@ -27,7 +27,8 @@ class Recorded:
 
     def has(self, signal: Signal) -> bool:
         """Whether it has the field at all."""
-        return any_element(signal.field) in self.topics.get(signal.topic, ("", ()))[1]
+        fields = self.topics.get(signal.topic, ("", ()))[1]
+        return any_element(signal.field) in fields or (named(signal.field) and bool(fields))
 
     def columns(self, signals: Iterable[Signal], topics: Iterable[str] = ()) -> Columns:
         """The samples of these signals, and when messages of these topics were received."""

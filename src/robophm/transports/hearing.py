@@ -14,6 +14,7 @@ from typing import Protocol
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
+from robophm.transports.named import Names
 from robophm.transports.notes import Notes
 from robophm.transports.reading import LARGE, Numbers, Reading
 from robophm.transports.recording import STAMP_LIMIT
@@ -58,6 +59,7 @@ class Hearing:
         """Topics whose messages are wanted as they are."""
         self.counts: dict[str, Count] = {}
         self._notes = notes
+        self._names = Names(notes, notes.lock)
         self._put = put
         self._now = 0
         """The time of /clock; 0 before it is heard."""
@@ -109,6 +111,12 @@ class Hearing:
             at = receipt
         for signal in numbers.absent:
             self._notes.add(f"no element for {signal}")
+        for signal, names in numbers.unnamed:
+            self._names.missing(signal, names)
+        for signal, name in numbers.at_index:
+            self._names.at_index(signal, name)
+        for signal in numbers.found:
+            self._names.found(signal)
         heard: list[LiveItem] = [Sample(at, signal, value) for signal, value in numbers.values]
         if topic in self.whole:
             if numbers.message is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from keyword import iskeyword
@@ -12,6 +12,8 @@ from operator import attrgetter, itemgetter
 from typing import TYPE_CHECKING, Any, cast
 
 from robophm.core.errors import SourceError, nearest
+from robophm.core.signal import any_element, steps_of
+from robophm.transports.named import Field, Way, getter, namer_of, number
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, MessageDefinition
@@ -35,7 +37,6 @@ _NUMBERS = {"bool", "byte", "char", "float32", "float64", "float128"} | {
     f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
 }
 _ONLY_IN_CDR = "structure_needs_at_least_one_member"
-_STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
 _COMPILING = threading.Lock()
 """rosbags compiles in a module of one name: one after the other."""
 
@@ -185,46 +186,75 @@ def fields_of(connection: Connection) -> tuple[str, ...]:
 
 
 def field_getter(definitions: Typesdict, type_: str, field: str) -> Callable[[Any], Any]:
-    """The function that takes one number, ``pose.x`` or ``effort[2]``, out of a decoded message.
+    """The function that takes one number, ``pose.x``, ``effort[2]`` or ``effort[elbow]``, out of a decoded message.
+
+    It raises IndexError where the message has no such element. A text in an element that is told by its name, as of
+    diagnostics, is read as a number.
 
     Raises SourceError, as the end of a sentence about the topic, where the type has no such number.
     """
-    known = list(numeric_fields(definitions, type_))
+    ways = ways_to(definitions, type_, field)
+    if any(way.element is not None for way in ways):
+        return _getter(ways)
+    return attrgetter(".".join(way.attribute for way in ways))
+
+
+def _getter(ways: Sequence[Way]) -> Callable[[Any], Any]:
+    if any(isinstance(way.element, str) for way in ways):
+        value_of = getter(ways)
+        return lambda message: number(value_of(message))
     steps: list[Callable[[Any], Any]] = []
     names: list[str] = []
-    part, walked = type_, ""
-    for step in field.split("."):
-        match = _STEP.fullmatch(step)
-        here = {entry[0]: entry[1:] for entry in _fields(definitions, part)} if part in definitions else {}
-        if not match or match[1] not in here:
-            raise SourceError(f"({type_}) has no field '{field}'{nearest(field, known)}")
-        attribute, part, array = here[match[1]]
-        walked += ("." if walked else "") + match[1]
-        if array is None and match[2]:
-            raise SourceError(f"({type_}) has one value in '{walked}'; expected it without an index")
-        if array is not None and not match[2]:
-            raise SourceError(f"({type_}) has an array in '{walked}'; expected e.g. '{walked}[0]'")
-        names.append(attribute)
-        if match[2]:
-            index = int(match[2])
-            if array and index >= array:
-                raise SourceError(f"({type_}) has {array} elements in '{walked}', 0 to {array - 1}; no [{index}]")
-            steps += [attrgetter(".".join(names)), itemgetter(index)]
+    for way in ways:
+        names.append(way.attribute)
+        if isinstance(way.element, int):
+            steps += [attrgetter(".".join(names)), itemgetter(way.element)]
             names.clear()
-            walked += f"[{index}]"
-    if re.sub(r"\[\d+\]", "[]", field) not in known:
-        raise SourceError(f"({type_}) has no number in '{field}'{nearest(field, known)}")
     if names:
         steps.append(attrgetter(".".join(names)))
-    if len(steps) == 1:
-        return steps[0]
 
-    def value_of(message: Any) -> Any:
+    def value_of_index(message: Any) -> Any:
         for step in steps:
             message = step(message)
         return message
 
-    return value_of
+    return value_of_index
+
+
+def ways_to(definitions: Typesdict, type_: str, field: str) -> list[Way]:
+    """The steps to a number in a decoded message, and what names the elements on the way.
+
+    Raises SourceError as ``field_getter``.
+    """
+    known = list(numeric_fields(definitions, type_))
+    ways: list[Way] = []
+    around: list[list[Field]] = []
+    part, walked = type_, ""
+    for name, element in steps_of(field):
+        fields = [Field(*one) for one in _fields(definitions, part)] if part in definitions else []
+        here = {one.name: one for one in fields}
+        if name not in here:
+            raise SourceError(f"({type_}) has no field '{field}'{nearest(field, known)}")
+        _, attribute, part, array = here[name]
+        around.append(fields)
+        walked += ("." if walked else "") + name
+        if array is None and element is not None:
+            raise SourceError(f"({type_}) has one value in '{walked}'; expected it without an index")
+        within = [Field(*one) for one in _fields(definitions, part)] if part in definitions else []
+        namer = None if array is None else namer_of(around, name, within)
+        if array is not None and element is None:
+            expected = f"'{walked}[0]'" + (f", or by a name of '{namer.attribute}'" if namer else "")
+            raise SourceError(f"({type_}) has an array in '{walked}'; expected e.g. {expected}")
+        if isinstance(element, int) and array and element >= array:
+            raise SourceError(f"({type_}) has {array} elements in '{walked}', 0 to {array - 1}; no [{element}]")
+        if isinstance(element, str) and not namer:
+            raise SourceError(f"({type_}) names no element of '{walked}'; expected an index, e.g. '{walked}[0]'")
+        walked += "" if element is None else f"[{element}]"
+        ways.append(Way(attribute, element, namer))
+    told = part == "string" and ways[-1].element is None and any(isinstance(way.element, str) for way in ways)
+    if any_element(field) not in known and not told:
+        raise SourceError(f"({type_}) has no number in '{field}'{nearest(field, known)}")
+    return ways
 
 
 def _fields(definitions: Typesdict, type_: str) -> Iterator[tuple[str, str, str, int | None]]:

@@ -29,14 +29,14 @@ class Notes(Counter[str]):
 
     def __init__(self) -> None:
         super().__init__()
-        self._lock = Lock()
+        self.lock = Lock()
 
     def add(self, text: str, count: int = 1) -> None:
         """Count once more, or several times."""
-        with self._lock:
+        with self.lock:
             self[text] += count
 
     def copy(self) -> Counter[str]:  # type: ignore[override]
         """What is counted so far."""
-        with self._lock:
+        with self.lock:
             return Counter(self)

@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import SECOND, split_signal
+from robophm.core.signal import SECOND, named, split_signal
 from robophm.transports.columns.layout import NotCompilableError, compile_fields
 from robophm.transports.columns.single import Single
 from robophm.transports.columns.walk import Program
-from robophm.transports.message_type import HEADER, MessageType, field_getter
+from robophm.transports.message_type import HEADER, MessageType, field_getter, ways_to
+from robophm.transports.named import NotNamedError, name_getter
 from robophm.transports.notes import TypeRefusedError
 
 LARGE = 1 << 18
@@ -33,6 +34,12 @@ class Numbers(NamedTuple):
     values: list[tuple[str, float]]
     absent: list[str]
     """Signals whose array has no such element in this message."""
+    found: Sequence[str] = ()
+    """Signals of an element that this message names."""
+    unnamed: Sequence[tuple[str, Sequence[str]]] = ()
+    """Signals of an element that this message does not name, and those that it does."""
+    at_index: Sequence[tuple[str, str]] = ()
+    """Signals by an index, and the name of the element there."""
     message: Any = None
     """As rosbags decodes it, where it is wanted whole; None of one that is large."""
 
@@ -48,9 +55,18 @@ class Reading:
         names = {part[0] for part in self.type.definitions[HEADER][1]} if self.type.stamp else set()
         self._numbered = "seq" in names
         self._getters = []
+        self._namers = []
+        self._elements: dict[str, tuple[str, int | str | None]] = {}
+        """Of each signal the first step of its field."""
+        self._told = {signal for signal in signals if named(split_signal(signal)[1])}
         for signal in sorted(signals):
+            path = self.type.definitions, self.type.name, split_signal(signal)[1]
             try:
-                getter = field_getter(self.type.definitions, self.type.name, split_signal(signal)[1])
+                getter = field_getter(*path)
+                ways = ways_to(*path)
+                self._elements[signal] = ways[0].attribute, ways[0].element
+                if namer := name_getter(ways):
+                    self._namers.append((signal, namer))
             except SourceError as error:
                 raise TypeRefusedError(f"topic '{topic}' {error}", f"no field {split_signal(signal)[1]}") from None
             self._getters.append((signal, getter))
@@ -101,13 +117,20 @@ class Reading:
             stamp = seconds * SECOND + nanoseconds
             if self._numbered:
                 sequence = message.header.seq
-        values, absent = [], []
+        values, absent, found, unnamed, at_index = [], [], [], [], []
         for signal, value_of in self._getters:
             try:
                 values.append((signal, float(value_of(message))))
+                if signal in self._told:
+                    found.append(signal)
+            except NotNamedError as error:
+                unnamed.append((signal, error.names))
             except IndexError:
                 absent.append(signal)
-        return Numbers(stamp, sequence, values, absent, message)
+        for signal, name_of in self._namers:
+            with suppress(IndexError):
+                at_index.append((signal, name_of(message)))
+        return Numbers(stamp, sequence, values, absent, found, unnamed, at_index, message)
 
     def _walked(self, raw: bytes) -> Numbers:
         if self._program is None:
@@ -116,4 +139,18 @@ class Reading:
         if found.doubtful[0]:
             raise ValueError("not as its type says")
         absent = [slot for slot, absent in enumerate(found.absent) if absent[0]]
-        return self._numbers([values[0].item() for values in found.values], absent)
+        numbers = self._numbers([values[0].item() for values in found.values], absent)
+        marks = {array: int(ids[0]) for array, ids in zip(self._program.marks, found.marks, strict=True)}
+        at_index, unnamed = [], []
+        for signal, (array, element) in self._elements.items():
+            names = found.labels[marks[array]] if marks.get(array, -1) >= 0 else []
+            if isinstance(element, int) and element < len(names):
+                at_index.append((signal, names[element]))
+            elif signal in self._told and signal in numbers.absent:
+                unnamed.append((signal, names))
+        return numbers._replace(
+            absent=[signal for signal in numbers.absent if signal not in self._told],
+            found=[signal for signal, _ in numbers.values if signal in self._told],
+            unnamed=unnamed,
+            at_index=at_index,
+        )

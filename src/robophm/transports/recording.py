@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from heapq import merge
@@ -19,11 +19,15 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import SECOND, Sample, split_signal
-from robophm.transports.message_type import field_getter, fields_of, message_type
+from robophm.transports.message_type import field_getter, fields_of, message_type, ways_to
+from robophm.transports.named import Names, NotNamedError, name_getter, names_in
 from robophm.transports.source import Heard, SignalSource, TopicInfo, existing, reading
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
+
+LONGEST_NAMING = 1 << 18
+"""Bytes of a message, beyond which it is not looked into for names."""
 
 STAMP_LIMIT = 10 * SECOND
 """How far [ns] a header stamp may be from receipt and still be believed."""
@@ -89,6 +93,20 @@ class Recording(SignalSource):
                 found[info.topic] = _joined(before, info) if before else info
         return [found[topic] for topic in sorted(found)]
 
+    def names(self) -> dict[str, dict[str, list[str]]]:
+        """By topic and field, ``effort[]``, the names by which its first message tells the elements, if it is short."""
+        found: dict[str, dict[str, list[str]]] = {}
+        for file in self._files:
+            for connection in file.connections:
+                if connection.topic in found or not connection.msgcount:
+                    continue
+                with suppress(Exception):  # what cannot be decoded names nothing
+                    type_ = message_type(connection)
+                    _, _, raw = next(iter(file.reader.messages([connection])))
+                    if len(raw) <= LONGEST_NAMING and (names := names_in(type_.decode(raw))):
+                        found[connection.topic] = names
+        return found
+
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
         """The samples of these signals, in receipt order; raises SourceError as the interface says."""
         wanted: dict[str, list[tuple[str, str]]] = {}
@@ -146,6 +164,7 @@ class Recording(SignalSource):
 
     def _samples(self, messages: Iterable[tuple[int, _Reading, bytes]]) -> Iterator[Sample]:
         notes = self.notes
+        names = Names(notes)
         latest = 0
         for receipt, reading_, raw in messages:
             message = self._decoded(reading_, raw)
@@ -161,12 +180,18 @@ class Recording(SignalSource):
             if time == 0 or abs(time - receipt) > STAMP_LIMIT:
                 notes[f"receipt time used for {reading_.topic}"] += 1
                 time = receipt
+            for signal, name_of in reading_.names:
+                with suppress(IndexError):
+                    names.at_index(signal, name_of(message), receipt)
             for signal, value_of in reading_.values:
                 try:
                     value = float(value_of(message))
+                except NotNamedError as error:
+                    names.missing(signal, error.names)
                 except IndexError:
                     notes[f"no element for {signal}"] += 1
                 else:
+                    names.found(signal)
                     yield Sample(time, signal, value)
 
 
@@ -196,6 +221,8 @@ class _Reading:
     decode: Callable[[bytes], Any]
     stamp: Callable[[Any], tuple[int, int]] | None
     values: list[tuple[str, Callable[[Any], Any]]]
+    names: list[tuple[str, Callable[[Any], str]]]
+    """Of signals by an index, what takes the name of the element there."""
 
 
 class _File:
@@ -220,13 +247,15 @@ class _File:
                     type_ = message_type(connection)
                     if type_.borrowed:
                         notes[f"definition of {type_.name} taken from ROS 2 Humble"] += 1
-                    values = []
+                    values, names = [], []
                     for signal, field in wanted[connection.topic]:
                         try:
                             values.append((signal, field_getter(type_.definitions, type_.name, field)))
+                            if name_of := name_getter(ways_to(type_.definitions, type_.name, field)):
+                                names.append((signal, name_of))
                         except SourceError as error:
                             raise SourceError(f"{self.path}: topic '{connection.topic}' {error}") from None
-                readings[connection.id] = _Reading(connection.topic, type_.decode, type_.stamp, values)
+                readings[connection.id] = _Reading(connection.topic, type_.decode, type_.stamp, values, names)
         return readings
 
     def messages(self, readings: Mapping[int, _Reading]) -> Iterator[tuple[int, _Reading, bytes]]:

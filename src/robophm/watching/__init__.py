@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import ExitStack
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import SECOND
+from robophm.core.signal import REORDERED, SECOND
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import health_now
@@ -61,7 +62,15 @@ def watch(
             course.reports.clear()
             saved = time.monotonic()
 
+    mixed = Counter(ledger.counts if ledger else ())
+
+    def note_orders(monitor: Monitor) -> None:
+        for reason, count in source.notes.copy().items():
+            if reason.startswith(REORDERED):  # it qualifies what is in the ledger
+                monitor.ledger.counts[reason] = mixed[reason] + count
+
     def tick(monitor: Monitor) -> None:
+        note_orders(monitor)
         if ahead.is_alive():
             settled = monitor.exposure.settled(monitor.ledger)
             report = ahead.beside(health_now(monitor.plant, monitor.exposure, settled))
@@ -111,6 +120,7 @@ def watch(
             monitor.observe(heard)
             if time.monotonic() - saved > SAVE_EVERY:
                 save()
+        note_orders(monitor)
     source.notes.update(tasks.notes)
     return monitor
 

@@ -75,12 +75,16 @@ def publish(room: ModuleType) -> Iterator[Callable[..., Any]]:
         yield make
 
 
-def temperature(publisher: Any, stamp: int, value: float) -> Any:
+def header(publisher: Any, stamp: int) -> Any:
     kinds = publisher.types
     at = kinds["builtin_interfaces/msg/Time"](stamp // SECOND, stamp % SECOND)
-    header = kinds["std_msgs/msg/Header"]
-    number = {"seq": 0} if "seq" in {field.name for field in dataclasses.fields(header)} else {}
-    return kinds["sensor_msgs/msg/Temperature"](header(stamp=at, frame_id="f", **number), value, 0.5)
+    kind = kinds["std_msgs/msg/Header"]
+    number = {"seq": 0} if "seq" in {field.name for field in dataclasses.fields(kind)} else {}
+    return kind(stamp=at, frame_id="f", **number)
+
+
+def temperature(publisher: Any, stamp: int, value: float) -> Any:
+    return publisher.types["sensor_msgs/msg/Temperature"](header(publisher, stamp), value, 0.5)
 
 
 def connected(publisher: Any, heard: Heard) -> Heard:
@@ -103,6 +107,24 @@ def test_values_and_stamps(source: LiveSource, publish: Callable[..., Any]) -> N
     assert stamped == now
     assert now < late < time.time_ns()
     assert source.notes["receipt time used for /c/warm"] == 1
+
+
+def test_elements_by_their_names_in_any_order(source: LiveSource, publish: Callable[..., Any]) -> None:
+    """Two orders on one topic: a name is heard in both, an index is said to have been two joints."""
+    joints = publish("/c/joints", "sensor_msgs/JointState")
+    names = ["/c/joints.effort[elbow]", "/c/joints.effort[nobody]", "/c/joints.effort[0]"]
+    heard = connected(joints, Heard(source, *names))
+    kinds, none = joints.types, np.empty(0)
+    at = header(joints, time.time_ns())
+    for order in (["elbow", "wrist"], ["wrist", "elbow"], ["finger"]):
+        efforts = np.array([float(len(name)) for name in order])
+        joints.publish(kinds["sensor_msgs/msg/JointState"](at, order, none, none, efforts))
+    within(5, lambda: heard.of("/c/joints.effort[0]") == [5.0, 5.0, 6.0])
+    assert heard.of("/c/joints.effort[elbow]") == [5.0, 5.0]
+    assert source.notes["order changed: /c/joints.effort[0]"] == 2
+    (said,) = [what for what in source.notes.copy() if what.startswith("never named")]
+    assert said.startswith("never named: /c/joints.effort[nobody]")
+    assert "elbow" in said
 
 
 def test_what_has_come_is_taken_when_it_stops(source: LiveSource, publish: Callable[..., Any]) -> None:

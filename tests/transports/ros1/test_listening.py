@@ -55,6 +55,25 @@ say(str(now.to_nsec())); rospy.sleep(30)
     assert live.notes["receipt time used for /joint_states"] == 1
 
 
+def test_two_nodes_name_their_joints_on_one_topic(ros: System, live: Ros1) -> None:
+    """As an arm and its gripper do, each in its own order."""
+    for node, order, efforts in (("arm", '"lift", "pan"', "20.0, 1.0"), ("gripper", '"finger"', "0.5")):
+        ros.talk(f"""
+rospy.init_node("{node}", anonymous=True)
+joints = rospy.Publisher("/joint_states", JointState, queue_size=10)
+say("ready"); heard(joints)
+for _ in range(5):
+    joints.publish(JointState(header=Header(stamp=rospy.Time.now()), name=[{order}], effort=[{efforts}]))
+    rospy.sleep(0.05)
+say("done"); rospy.sleep(30)
+""")
+    names = [f"/joint_states.effort[{joint}]" for joint in ("pan", "finger")]
+    heard = Heard(live, *names)
+    within(10, lambda: len(heard.of(names[0])) == 5 and len(heard.of(names[1])) == 5)
+    assert [heard.of(name) for name in names] == [[1.0] * 5, [0.5] * 5]
+    assert not [what for what in live.notes.copy() if "joint_states.effort" in what]
+
+
 def test_topics_say_type_fields_and_what_was_heard(ros: System, live: Ros1) -> None:
     ros.talk("""
 rospy.init_node("battery", anonymous=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -17,11 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError, nearest
-from robophm.core.signal import SECOND, split_signal
+from robophm.core.signal import SECOND, named, split_signal
 from robophm.transports.columns.layout import NotCompilableError, compile_fields
 from robophm.transports.columns.pieces import MOST_TIME, Messages, Piece, PiecedFile
 from robophm.transports.columns.walk import Ints, Program
-from robophm.transports.message_type import MessageType, field_getter, fields_of, message_type
+from robophm.transports.message_type import MessageType, field_getter, fields_of, message_type, ways_to
+from robophm.transports.named import Names, NotNamedError, name_getter
 from robophm.transports.recording import STAMP_LIMIT, SUFFIXES, parts_of
 from robophm.transports.source import Heard, existing, reading
 
@@ -119,7 +120,8 @@ def read_columns(
             if topic not in known:
                 name = ", ".join(map(str, paths)) or "no file"
                 raise SourceError(f"{name}: no topic '{topic}'{nearest(topic, known)}")
-        sources = [_Source(file, wanted, notes, start, end) for file in files]
+        names = Names(notes)
+        sources = [_Source(file, wanted, notes, names, start, end) for file in files]
         return Columns(_blocks(sources, notes), notes, stack.pop_all())
 
 
@@ -191,21 +193,69 @@ def _open(path: Path, notes: Counter[str]) -> PiecedFile:
     return BagFile(path, notes)
 
 
+@dataclass(frozen=True)
+class _Labels:
+    """What names the elements that are of interest in some messages."""
+
+    marks: Mapping[str, Ints]
+    """By field, which of the labels each message has; −1 where nothing names its element."""
+    known: list[Sequence[str]]
+    """The names of all elements; or as a text, that of the element alone."""
+
+    def add(self, field: str, row: int, names: Sequence[str]) -> None:
+        """Of one message."""
+        if names not in self.known:
+            self.known.append(names)
+        self.marks[field][row] = self.known.index(names)
+
+    def first(self, field: str, rows: Any) -> Sequence[str]:
+        """Those of the first of these messages."""
+        ids = self.marks[field][rows]
+        return self.known[ids[0]] if len(ids) and ids[0] >= 0 else ()
+
+    def at(self, field: str, rows: Any, element: int | str | None) -> Iterator[tuple[str, int, int]]:
+        """The names of a field's element in these messages, and of each the first message and how many."""
+        ids = self.marks[field][rows]
+        if not len(ids):
+            return
+        kinds, firsts, counts = (
+            (ids[:1], [0], [len(ids)]) if (ids == ids[0]).all()
+            else np.unique(ids, return_index=True, return_counts=True)
+        )  # fmt: skip
+        for kind, first, count in zip(kinds, firsts, counts, strict=True):
+            names = self.known[kind] if kind >= 0 else ()
+            if isinstance(names, str):
+                yield names, int(first), int(count)
+            elif isinstance(element, int) and element < len(names):
+                yield names[element], int(first), int(count)
+
+
 class _Reading:
     """How the messages of one connection become columns: by a program, and by rosbags what that does not do."""
 
-    def __init__(self, type_: MessageType, topic: str, fields: Sequence[str], notes: Counter[str]) -> None:
+    def __init__(
+        self, type_: MessageType, topic: str, fields: Sequence[str], notes: Counter[str], names: Names
+    ) -> None:
         self.topic = topic
         self._fields = fields
+        self._names = names
         self._stamps = _STAMP if type_.stamp else ()
         self._type = type_
         self._notes = notes
-        paths = tuple(dict.fromkeys((*self._stamps, *fields)))
+        self._paths = paths = tuple(dict.fromkeys((*self._stamps, *fields)))
         self._slots = [paths.index(field) for field in fields]
         self._getters = [field_getter(type_.definitions, type_.name, path) for path in paths]
+        ways = {field: ways_to(type_.definitions, type_.name, field) for field in fields}
+        self._namers = {field: namer for field in fields if (namer := name_getter(ways[field]))}
+        """Of fields by an index, what takes the name of the element there."""
+        self._told = [field for field in fields if named(field)]
+        self._arrays = {field: ways[field][0] for field in (*self._namers, *self._told)}
         self._program: Program | None = None
         try:
-            self._program = compile_fields(type_, paths)
+            program = compile_fields(type_, paths)
+            if any(way.attribute not in program.marks for way in self._arrays.values()):
+                raise NotCompilableError  # it would not tell the names
+            self._program = program
         except NotCompilableError:
             notes[f"{type_.name} decoded message by message"] += 1
 
@@ -213,35 +263,69 @@ class _Reading:
         """The columns of these messages, in order of receipt; those that cannot be decoded are left out."""
         _, buffer, times, starts, ends = messages
         count = len(times)
+        labels = _Labels({field: np.full(count, -1) for field in self._arrays}, [])
         if self._program:
             found = self._program.run(buffer, starts, ends)
             numbers, absent, doubtful = found.values, found.absent, np.flatnonzero(found.doubtful)
+            marks = dict(zip(self._program.marks, found.marks, strict=True))
+            labels = _Labels(
+                {field: marks[way.attribute].copy() for field, way in self._arrays.items()}, [*found.labels]
+            )
         else:
             stamps = len(self._stamps)
             numbers = [np.zeros(count, np.int64 if slot < stamps else np.float64) for slot in range(len(self._getters))]
             absent = [np.zeros(count, np.bool_) for _ in self._getters]
             doubtful = np.arange(count)
-        unreadable = [row for row in doubtful.tolist() if not self._decode(messages, row, numbers, absent)]
+        unreadable = [row for row in doubtful.tolist() if not self._decode(messages, row, numbers, absent, labels)]
         kept = _order(times)
         if unreadable:
             self._notes[f"unreadable message on {self.topic}"] += len(unreadable)
             kept = np.arange(count) if isinstance(kept, slice) else kept
             kept = kept[~np.isin(kept, unreadable)]
-        return self._finished(times[kept], [column[kept] for column in numbers], [row[kept] for row in absent])
+        received, absent = times[kept], [row[kept] for row in absent]
+        self._notice(
+            received, dict(zip(self._fields, (absent[slot] for slot in self._slots), strict=True)), labels, kept
+        )
+        return self._finished(received, [column[kept] for column in numbers], absent)
 
-    def _decode(self, messages: Messages, row: int, numbers: list[NDArray[Any]], absent: list[NDArray[Any]]) -> bool:
+    def _notice(self, received: Ints, absent: Mapping[str, NDArray[np.bool_]], labels: _Labels, kept: Any) -> None:
+        """Tell the notes which names there were and were not."""
+        for field in self._told:
+            gone = np.flatnonzero(absent[field])
+            if len(gone) < len(received):
+                self._names.found(f"{self.topic}.{field}")
+            elif len(gone):
+                self._names.missing(f"{self.topic}.{field}", labels.first(field, kept), len(gone))
+        for field in self._namers:
+            element = self._arrays[field].element
+            for name, first, count in labels.at(field, kept, element):
+                self._names.at_index(f"{self.topic}.{field}", name, int(received[first]), count)
+
+    def _decode(
+        self,
+        messages: Messages,
+        row: int,
+        numbers: list[NDArray[Any]],
+        absent: list[NDArray[Any]],
+        labels: _Labels,
+    ) -> bool:
         """Fill in one row as rosbags decodes it; False where it cannot."""
         raw = messages.buffer[messages.starts[row] : messages.ends[row]].tobytes()
         try:
             message = self._type.decode(raw)
         except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
             return False
-        for getter, column, missing in zip(self._getters, numbers, absent, strict=True):
+        for path, getter, column, missing in zip(self._paths, self._getters, numbers, absent, strict=True):
             try:
                 column[row] = getter(message)
                 missing[row] = False
-            except IndexError:
+            except IndexError as error:
                 missing[row] = True
+                if isinstance(error, NotNamedError):
+                    labels.add(path, row, error.names)
+        for field, name_of in self._namers.items():
+            with suppress(IndexError):
+                labels.add(field, row, name_of(message))
         return True
 
     def _finished(self, received: Ints, numbers: list[NDArray[Any]], absent: list[NDArray[Any]]) -> TopicColumns:
@@ -258,7 +342,8 @@ class _Reading:
             if gone.any():
                 values[field][gone] = np.nan
                 missing[field] = gone
-                self._notes[f"no element for {self.topic}.{field}"] += int(gone.sum())
+                if field not in self._told:
+                    self._notes[f"no element for {self.topic}.{field}"] += int(gone.sum())
         return TopicColumns(received, stamps, values, missing)
 
 
@@ -297,11 +382,13 @@ class _Source:
         file: PiecedFile,
         wanted: Mapping[str, Sequence[str]],
         notes: Counter[str],
+        names: Names,
         start: int | None,
         end: int | None,
     ) -> None:
         self._file = file
         self._notes = notes
+        self._names = names
         self._start = -MOST_TIME if start is None else start
         self._end = MOST_TIME if end is None else end
         self._whole = start is None and end is None
@@ -323,7 +410,7 @@ class _Source:
             if type_.borrowed:
                 self._notes[f"definition of {type_.name} taken from ROS 2 Humble"] += 1
             try:
-                return _Reading(type_, connection.topic, fields, self._notes)
+                return _Reading(type_, connection.topic, fields, self._notes, self._names)
             except SourceError as error:
                 raise SourceError(f"{self._file.path}: topic '{connection.topic}' {error}") from None
 

@@ -7,12 +7,12 @@ without padding. Fixed runs become one number; what is known of the position mod
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
-from robophm.transports.columns.walk import Align, Elements, End, Loop, Program, Step, Take, Text
-from robophm.transports.message_type import MessageType
+from robophm.core.signal import named, steps_of
+from robophm.transports.columns.walk import Align, Elements, End, Labels, Loop, Program, Step, Take, Text
+from robophm.transports.message_type import MessageType, ways_to
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import Typesdict
@@ -32,8 +32,8 @@ _TYPES = {
 } | {f"{sign}int{8 * size}": f"{sign or 'i'}{size}" for sign in ("", "u") for size in (1, 2, 4, 8)}
 _ONLY_IN_CDR = "structure_needs_at_least_one_member"
 
-Wanted = Mapping[tuple[str, int | None], Any]
-"""By name and index: the slot of a number, or what is wanted of the message there."""
+Wanted = Mapping[tuple[str, int | str | None], Any]
+"""By field and index or name: the slot of a number, or what is wanted of the message there."""
 
 
 class NotCompilableError(Exception):
@@ -45,9 +45,14 @@ def compile_fields(type_: MessageType, fields: tuple[str, ...]) -> Program:
 
     Raises NotCompilableError where rosbags has to decode the messages.
     """
-    wanted: dict[tuple[str, int | None], Any] = {}
+    wanted: dict[tuple[str, int | str | None], Any] = {}
+    labels: dict[str, str] = {}
     for slot, field in enumerate(fields):
-        *parents, leaf = (_key(step) for step in field.split("."))
+        *parents, leaf = steps_of(field)
+        for array, names in _labels(type_, field).items():
+            if names != next(iter(labels.values()), names):
+                raise NotCompilableError  # two kinds of names
+            labels[array] = names
         inner = wanted
         for parent in parents:
             inner = inner.setdefault(parent, {})
@@ -55,18 +60,36 @@ def compile_fields(type_: MessageType, fields: tuple[str, ...]) -> Program:
     writer = _Writer(type_.definitions, type_.packed, 8, {})
     writer.remaining = len(fields)
     try:
-        writer.message(type_.name, wanted)
+        writer.message(type_.name, wanted, labels)
         writer.steps.append(End(writer.skip, 0 if type_.packed else 3))
     except _Finished:
         writer.steps.append(End(writer.skip, None))
     except RecursionError:
         raise NotCompilableError from None
-    return Program(tuple(writer.steps), tuple(writer.types[slot] for slot in range(len(fields))), type_.packed)
+    types = tuple(writer.types[slot] for slot in range(len(fields)))
+    return Program(tuple(writer.steps), types, type_.packed, tuple(labels))
 
 
-def _key(step: str) -> tuple[str, int | None]:
-    name, index = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", step).groups()  # type: ignore[union-attr]
-    return name, int(index) if index else None
+def _labels(type_: MessageType, field: str) -> dict[str, str]:
+    """The array whose elements are told by labels on the way to a field, and the field of these, before it.
+
+    Raises NotCompilableError where an element is told by its name in another way.
+    """
+    from rosbags.interfaces import Nodetype
+
+    ways = ways_to(type_.definitions, type_.name, field)
+    first = ways[0]
+    fields = dict(cast(Any, type_.definitions[type_.name][1]))
+    if first.namer and first.element is not None and first.namer.depth == 0:
+        array, labels = first.attribute, first.namer.attribute
+        fits = array in fields and labels in fields and [*fields].index(labels) < [*fields].index(array)
+        fits = fits and fields[array][0] == fields[labels][0] == Nodetype.SEQUENCE
+        fits = fits and _Writer(type_.definitions, type_.packed, 8, {})._fixed(fields[array][1][0]) is not None
+        if fits and not any(isinstance(way.element, str) for way in ways[1:]):
+            return {array: labels}
+    if named(field):
+        raise NotCompilableError
+    return {}
 
 
 class _Finished(Exception):  # noqa: N818  not an error
@@ -92,13 +115,38 @@ class _Writer:
         self.remaining: int | None = None
         """Numbers yet to be found; None within an element, which is walked to its end."""
 
-    def message(self, name: str, wanted: Wanted) -> None:
+    def message(self, name: str, wanted: Wanted, labels: Mapping[str, str] | None = None) -> None:
+        """``labels``: by the arrays in it whose elements are told by names, the fields that hold the names."""
+        labels = labels or {}
         for field, description in self.definitions[name][1]:
-            if not (self.packed and field == _ONLY_IN_CDR):
-                here = {index: inner for (known, index), inner in wanted.items() if known == field}
+            if self.packed and field == _ONLY_IN_CDR:
+                continue
+            here = {index: inner for (known, index), inner in wanted.items() if known == field}
+            if field in labels.values():
+                self._strings()
+            elif field in labels:
+                self._labelled(description, here, list(labels).index(field))
+            else:
                 self._field(description, here)
 
-    def _field(self, description: Any, wanted: Mapping[int | None, Any]) -> None:
+    def _strings(self) -> None:
+        """Names of elements of arrays behind them."""
+        self._varies()
+        self._align(4)
+        self._write(Labels(self.skip, not self.packed), 1)
+
+    def _labelled(self, description: Any, wanted: Mapping[int | str | None, Any], mark: int) -> None:
+        """An array whose elements, all of one size, have names."""
+        element = description[1][0]
+        self._varies()
+        self._align(4)
+        align, size = cast(tuple[int, int], self._fixed(element))
+        inside = dict(self._inside(element, wanted, align))
+        by_index = {key: steps for key, steps in inside.items() if isinstance(key, int)}
+        by_name = {key: steps for key, steps in inside.items() if isinstance(key, str)}
+        self._write(Elements(self.skip, size, align, by_index, by_name, mark), min(align, 4))
+
+    def _field(self, description: Any, wanted: Mapping[int | str | None, Any]) -> None:
         from rosbags.interfaces import Nodetype
 
         node, detail = description
@@ -128,7 +176,7 @@ class _Writer:
                 self._found(1)
             self._skip(size)
 
-    def _array(self, description: Any, length: int, wanted: Mapping[int | None, Any]) -> None:
+    def _array(self, description: Any, length: int, wanted: Mapping[int | str | None, Any]) -> None:
         if not length:
             raise NotCompilableError  # readers do not agree on the padding before nothing
         fixed = self._fixed(description)
@@ -140,24 +188,24 @@ class _Writer:
             return
         align, size = fixed
         self._align(align)
-        for index, steps in self._inside(description, wanted, align):
-            self.steps += [Take(self.skip + index * size + step.skip, step.slot, step.type) for step in steps]
+        for element, steps in self._inside(description, wanted, align):
+            at = self.skip + cast(int, element) * size
+            self.steps += [Take(at + step.skip, step.slot, step.type) for step in steps]
         self._skip(length * size)
 
-    def _sequence(self, description: Any, wanted: Mapping[int | None, Any]) -> None:
+    def _sequence(self, description: Any, wanted: Mapping[int | str | None, Any]) -> None:
         self._varies()
         self._align(4)
         fixed = self._fixed(description)
         if fixed:
             align, size = fixed
-            inside = dict(self._inside(description, wanted, align))
+            inside = {cast(int, index): steps for index, steps in self._inside(description, wanted, align)}
             self._write(Elements(self.skip, size, align, inside), min(align, 4))
             return
         element, _ = self._element(description, None, 1)
         elements = {}
         for index, inner in wanted.items():
-            assert index is not None
-            elements[index], found = self._element(description, inner, 1)
+            elements[cast(int, index)], found = self._element(description, inner, 1)
             self._found(found)
         last = self.remaining == 0 and bool(elements)
         self._write(Loop(self.skip, element, elements, last), 1)
@@ -177,8 +225,8 @@ class _Writer:
         return steps, len(writer.types)
 
     def _inside(
-        self, description: Any, wanted: Mapping[int | None, Any], align: int
-    ) -> Iterator[tuple[int, Sequence[Take]]]:
+        self, description: Any, wanted: Mapping[int | str | None, Any], align: int
+    ) -> Iterator[tuple[int | str, Sequence[Take]]]:
         """Where the wanted numbers lie within elements of fixed size."""
         for index, inner in wanted.items():
             assert index is not None

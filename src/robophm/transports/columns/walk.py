@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,9 @@ from numpy.typing import NDArray
 
 LONGEST_LOOP = 1000
 """Elements of varying size in one sequence, beyond which a message is better decoded by itself."""
+
+MOST_ORDERS = 16
+"""Different labels in a batch, beyond which those of each message are read."""
 
 MOST_ATTEMPTS = 20
 """Walks through a batch, each without the messages that did not fit in the one before."""
@@ -79,6 +82,78 @@ class Text(Step):
 
 
 @dataclass(frozen=True)
+class Labels(Step):
+    """A sequence of strings that name the elements of another, as the joints of a JointState.
+
+    As a rule all messages have the same: those are found at once, and a string is read in one message of many.
+    """
+
+    skip: int
+    terminated: bool
+
+    def walk(self, at: Position) -> None:
+        """Go behind the sequence."""
+        count = at.length(self.skip)
+        offset = np.broadcast_to(at.offset, at.origin.shape)
+        ids, behind = np.full(len(at.rows), -1), np.empty(len(at.rows), np.int64)
+        left, bad = np.arange(len(at.rows)), list[int]()
+        known: dict[tuple[str, ...], int] = {}
+        while len(left):
+            row = int(left[0])
+            try:
+                names, texts, size = self._read(at, row, int(count[row]), int(offset[row]))
+            except DoubtfulError:
+                bad.append(row)
+                left = left[1:]
+                continue
+            alike = left[:1]
+            if len(known) < MOST_ORDERS:
+                alike = left[(count[left] == len(names)) & (offset[left] + size <= at.limit[left])]
+                for start, length in texts:
+                    alike = alike[_same(at.buffer, at.origin[alike] + offset[alike] + start, length)]
+            ids[alike] = known.setdefault((*names,), len(at.labels))
+            if ids[row] == len(at.labels):
+                at.labels.append(names)
+            behind[alike] = offset[alike] + size
+            left = left[1:] if len(alike) == 1 else left[ids[left] < 0]
+        if bad:
+            raise DoubtfulError(at.rows[bad])
+        at.ids = ids
+        at.offset = int(behind[0]) if len(behind) and (behind == behind[0]).all() else behind
+
+    def _read(self, at: Position, row: int, count: int, offset: int) -> tuple[list[str], list[tuple[int, int]], int]:
+        """The strings of one message, where in the sequence each lies with its length, and the bytes of all."""
+        begin, here = int(at.origin[row]) + offset, 0
+        limit = int(at.limit[row]) - offset
+        names: list[str] = []
+        texts = []
+        for _ in range(count):
+            here += -(offset + here) % 4 if self.terminated else 0
+            length = int(at.lengths[begin + here]) if here + 4 <= limit else limit
+            content = at.buffer[begin + here + 4 : begin + here + 4 + length].tobytes()
+            if here + 4 + length > limit or (self.terminated and content[-1:] != b"\0"):
+                raise DoubtfulError(at.rows[[row]])
+            try:
+                names.append(content[: length - self.terminated].decode())
+            except UnicodeDecodeError:
+                raise DoubtfulError(at.rows[[row]]) from None
+            texts.append((here, 4 + length))
+            here += 4 + length
+        return names, texts, here
+
+
+def _same(buffer: Bytes, starts: Ints, length: int) -> NDArray[np.bool_]:
+    """Of runs of bytes, which are the same as the first; at least four long."""
+    size = 8 if length >= 8 else 4
+    words = everywhere(buffer, f"u{size}")
+    same = np.ones(len(starts), np.bool_)
+    for start in (*range(0, length - size, size), length - size):
+        here = words[starts + start]
+        same &= here == here[0]
+    return same
+
+
+@dataclass(frozen=True)
 class Elements(Step):
     """A sequence whose elements all take ``size`` bytes; some numbers in some of them may be wanted."""
 
@@ -86,6 +161,9 @@ class Elements(Step):
     size: int
     align: int
     wanted: Mapping[int, Sequence[Step]]
+    by_name: Mapping[str, Sequence[Step]] = field(default_factory=dict)
+    labelled: int | None = None
+    """The mark to set to which labels name its elements, in messages in which they do."""
 
     def walk(self, at: Position) -> None:
         """Go behind the sequence."""
@@ -99,6 +177,18 @@ class Elements(Step):
             rows = np.flatnonzero(count > index)
             if len(rows):
                 some = at.part(rows, start + index * self.size)
+                for step in steps:
+                    step.walk(some)
+        if self.labelled is None:
+            return
+        many = np.array([len(names) for names in at.labels])
+        ids = np.where(many[at.ids] == count, at.ids, -1) if len(many) else at.ids
+        at.marks.append((self.labelled, at.rows, ids))
+        for name, steps in self.by_name.items():
+            place = np.array([names.index(name) if name in names else -1 for names in at.labels] or [-1])[ids]
+            rows = np.flatnonzero((ids >= 0) & (place >= 0))
+            if len(rows):
+                some = at.part(rows, start + place * self.size)
                 for step in steps:
                     step.walk(some)
 
@@ -168,6 +258,11 @@ class Position:
     offset: int | Ints
     """Bytes from the origin; one number as long as it is the same in all messages."""
     taken: list[tuple[Take, Ints, Ints]]
+    labels: list[list[str]] = field(default_factory=list)
+    """Those that were found, each once."""
+    ids: Ints = field(default_factory=lambda: np.empty(0, np.int64))
+    """Which of them each message has."""
+    marks: list[tuple[int, Ints, Ints]] = field(default_factory=list)
 
     def expect(self, true: NDArray[np.bool_]) -> None:
         """Raise DoubtfulError where it is not so."""
@@ -201,6 +296,8 @@ class Program:
     types: Sequence[str]
     """Of each wanted number, as NumPy spells it, ``f4``."""
     packed: bool
+    marks: Sequence[str] = ()
+    """Sequences whose elements are told by labels."""
 
     def run(self, buffer: Bytes, starts: Ints, ends: Ints) -> Numbers:
         """The wanted numbers of the messages that lie at ``starts`` to ``ends`` of the buffer."""
@@ -209,6 +306,7 @@ class Program:
             [np.zeros(count, type_) for type_ in self.types],
             [np.zeros(count, np.bool_) for _ in self.types],
             np.zeros(count, np.bool_),
+            [np.full(count, -1) for _ in self.marks],
         )
         if self.packed:
             self._run("<", buffer, np.arange(count), starts, ends - starts, numbers)
@@ -228,6 +326,7 @@ class Program:
     def _run(self, order: str, buffer: Bytes, rows: Ints, origin: Ints, limit: Ints, numbers: Numbers) -> None:
         for _ in range(MOST_ATTEMPTS):
             at = Position(buffer, everywhere(buffer, order + "u4"), rows, origin, limit, 0, [])
+            at.labels = numbers.labels
             try:
                 for step in self.steps:
                     step.walk(at)
@@ -237,6 +336,8 @@ class Program:
                 rows, origin, limit = rows[kept], origin[kept], limit[kept]
             else:
                 numbers.collect(order, buffer, rows, at.taken)
+                for mark, found, ids in at.marks:
+                    numbers.marks[mark][found] = ids
                 return
         numbers.doubtful[rows] = True
 
@@ -249,6 +350,9 @@ class Numbers:
     absent: list[NDArray[np.bool_]]
     doubtful: NDArray[np.bool_]
     """Messages that are not as their type says: neither numbers nor absence hold for them."""
+    marks: list[Ints] = field(default_factory=list)
+    """Of each sequence with labels, which of these each message has; −1 where they are not as many."""
+    labels: list[list[str]] = field(default_factory=list)
 
     def collect(self, order: str, buffer: Bytes, rows: Ints, taken: Sequence[tuple[Take, Ints, Ints]]) -> None:
         """Gather the numbers of these messages from where they lie."""

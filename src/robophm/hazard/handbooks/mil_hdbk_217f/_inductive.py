@@ -93,7 +93,7 @@ POUND = 0.45359237  # kg
 def hot_spot_inputs() -> Mapping[str, Input]:
     """The inputs from which the temperature of the hot spot follows, THS = TA + 1.1 · ΔT."""
     return {
-        "temperature": Range(-55.0, HOTTEST, "degC", "ambient temperature", monotone=1),
+        "temperature": Range(-55.0, HOTTEST, "degC", "ambient temperature", monotone=1, warmth="ambient"),
         "rise_from": Choice(
             tuple(NEEDS), "what gives the rise ΔT: as stated, a slash sheet or case by name, area, weight", "stated"
         ),

@@ -171,7 +171,7 @@ def rf_quality() -> Choice:
 def junction_inputs(hottest: float = HOTTEST) -> Mapping[str, Input]:
     """The inputs from which the temperature of a junction follows, TJ = TC + θJC · P."""
     return {
-        "temperature": Range(-55.0, hottest, "degC", "case temperature", monotone=1),
+        "temperature": Range(-55.0, hottest, "degC", "case temperature", monotone=1, warmth="own"),
         "power": Range(
             0.0, 1e4, "W", "power dissipated; 0 W where the temperature is already the junction's", monotone=1
         ),

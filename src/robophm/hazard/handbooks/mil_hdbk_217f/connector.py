@@ -95,7 +95,7 @@ RADIO_FREQUENCY_RISE = {"rf-coaxial": 5.0, "rf-coaxial-power": 50.0}  # °C
                 "sma": "rf-coaxial", "bnc": "rf-coaxial", "m12": "circular", "rj45": "telephone", "rj11": "telephone",
             },
         ),
-        "temperature": Range(-55.0, 250.0, "degC", "ambient temperature", monotone=1),
+        "temperature": Range(-55.0, 250.0, "degC", "ambient temperature", monotone=1, warmth="ambient"),
         "current": Range(0.0, 60.0, "A", "current of a contact; all but RF need it", required=False, monotone=1),
         "wire_gauge": Choice(WIRE, "AWG of a contact's wire; all but RF need it", required=False),
         "matings": Range(0.0, 1e5, "/10^3 h", "matings and unmatings", monotone=1),

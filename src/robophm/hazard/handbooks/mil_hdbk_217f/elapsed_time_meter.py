@@ -41,7 +41,7 @@ ENVIRONMENT = Table("elapsed-time meter environment πE", SOURCE, """
     source=SOURCE,
     inputs={
         "kind": Choice(KIND, "drive of the meter", aliases={"dc": "commutator_dc", "inverter": "inverter_driven"}),
-        "temperature": Range(-55.0, 200.0, "degC", "operating temperature", monotone=1),
+        "temperature": Range(-55.0, 200.0, "degC", "operating temperature", monotone=1, warmth="own"),
         "rated_temperature": Range(1.0, 200.0, "degC", "largest rated temperature", monotone=-1),
         "environment": Choice(ENVIRONMENT, "environment of Table 3-2; the handbook has no cannon launch"),
     },

@@ -30,7 +30,7 @@ ALIASES = {"general": "electrical_general", "dc": "electrical_general", "brushle
     source=SOURCE,
     inputs={
         "kind": Choice(KIND, "type of the motor", aliases=ALIASES),
-        "temperature": Range(0.0, 140.0, "degC", "ambient temperature"),
+        "temperature": Range(0.0, 140.0, "degC", "ambient temperature", warmth="ambient"),
         "design_life": Range(1.0, 1e6, "h", "life cycle LC: design life or interval of replacement", monotone=1),
     },
 )

@@ -110,9 +110,11 @@ RATED_TEMPERATURE = {"85 degC": (85.0, 0.19), "125 degC": (125.0, 0.17)}  # °C,
             "rated ambient temperature",
             aliases={"85": "85 degC", "85 °c": "85 degC", "125": "125 degC", "125 °c": "125 degC"},
         ),
-        "temperature": Range(-55.0, 125.0, "degC", "ambient temperature, at most the rated one", monotone=1),
+        "temperature": Range(
+            -55.0, 125.0, "degC", "ambient temperature, at most the rated one", monotone=1, warmth="ambient"
+        ),
         "load": Choice(LOAD, "kind of load"),
-        "load_current": Range(0.0, 1e3, "A", "current of the load", monotone=1),
+        "load_current": Range(0.0, 1e3, "A", "current of the load", monotone=1, stress="current"),
         "rated_current": Range(1e-3, 1e3, "A", "rated resistive current", monotone=-1),
         "contact_form": Choice(CONTACT_FORM, "form of the contacts"),
         "cycling": Range(0.0, 1e5, "cycle/h", "how often it switches", monotone=1),

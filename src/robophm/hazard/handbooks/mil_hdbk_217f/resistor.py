@@ -104,7 +104,12 @@ ALIASES = {
     inputs={
         "style": Choice(STYLE, "military style of the resistor", aliases=ALIASES),
         "temperature": Range(
-            -55.0, 150.0, "degC", "case temperature; the ambient's for parts that hardly warm themselves", monotone=1
+            -55.0,
+            150.0,
+            "degC",
+            "case temperature; the ambient's for parts that hardly warm themselves",
+            monotone=1,
+            warmth="own",
         ),
         "power": Range(1e-9, 1e4, "W", "power dissipated", monotone=1),
         "rated_power": Range(1e-6, 1e4, "W", "rated power", monotone=-1),

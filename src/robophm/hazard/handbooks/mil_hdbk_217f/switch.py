@@ -75,7 +75,7 @@ WITH_CONTACT_FACTOR = ("toggle", "pushbutton")
         "style": Choice(STYLE, "type of switch", aliases={"button": "pushbutton", "micro": "sensitive"}),
         "contact_form": Choice(CONTACTS, "form of the contacts; toggle and pushbutton need it", required=False),
         "load": Choice(LOAD, "kind of load; resistive where the switch is rated by inductive load"),
-        "load_current": Range(0.0, 1e3, "A", "current of the load", monotone=1),
+        "load_current": Range(0.0, 1e3, "A", "current of the load", monotone=1, stress="current"),
         "rated_current": Range(1e-3, 1e3, "A", "rated resistive current", monotone=-1),
         "quality": Choice(QUALITY, "quality level", default="lower", aliases={"commercial": "lower"}),
         "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),

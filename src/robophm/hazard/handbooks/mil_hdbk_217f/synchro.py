@@ -43,7 +43,7 @@ HOTTEST = 135.0  # °C of the frame
     source=SOURCE,
     inputs={
         "kind": Choice(KIND, "synchro or resolver"),
-        "temperature": Range(-55.0, HOTTEST, "degC", "ambient temperature", monotone=1),
+        "temperature": Range(-55.0, HOTTEST, "degC", "ambient temperature", monotone=1, warmth="ambient"),
         "frame_rise": Range(
             0.0, 150.0, "K", "frame above ambient; 40 K where it is unknown, as printed", default=40.0, monotone=1
         ),

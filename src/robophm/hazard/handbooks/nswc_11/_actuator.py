@@ -80,7 +80,7 @@ AROUND: Mapping[str, Input] = {
     "cylinder_hardness": Range(1.0, 3000.0, "", "H_C, on one scale with the particles'", monotone=-1),
     "filter_size": Range(0.1, 1000.0, "um", "of the fluid's filter", monotone=1),
     "particles": Choice(PARTICLES, "how many", default="most"),
-    "temperature": Range(-60.0, 250.0, "degC", "of operation", monotone=1),
+    "temperature": Range(-60.0, 250.0, "degC", "of operation", monotone=1, warmth="own"),
 }
 
 

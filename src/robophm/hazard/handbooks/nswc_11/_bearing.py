@@ -46,7 +46,7 @@ AROUND: Mapping[str, Input] = {
     "specified_viscosity": Range(0.1, 1e6, "mm^2/s", "ν_O, of the lubricant that is specified", monotone=1),
     "lubricant_viscosity": Range(0.1, 1e6, "mm^2/s", "ν_L, of the lubricant that is used", monotone=-1),
     "water": Range(0.0, 5.0, "percent", "in the lubricant", monotone=0),
-    "temperature": Range(-60.0, 400.0, "degC", "of operation", monotone=1),
+    "temperature": Range(-60.0, 400.0, "degC", "of operation", monotone=1, warmth="own"),
     "reliability": Range(
         50.0,
         99.0,

@@ -24,7 +24,7 @@ MISALIGNMENT = Range(1e-3, 10.0, "deg", "A_E, angle between the axes; 0.34 degre
 SERVED: Mapping[str, Input] = {
     "specified_viscosity": Range(0.1, 1e6, "mm^2/s", "ν_O, of the lubricant that is specified", monotone=1),
     "lubricant_viscosity": Range(0.1, 1e6, "mm^2/s", "ν_L, of the lubricant that is used", monotone=-1),
-    "temperature": Range(-60.0, 300.0, "degC", "of operation", monotone=1),
+    "temperature": Range(-60.0, 300.0, "degC", "of operation", monotone=1, warmth="own"),
     "prime_mover": Choice(SERVICE, "what drives"),
     "driven_load": Choice(SERVICE.columns, "what is driven"),
 }

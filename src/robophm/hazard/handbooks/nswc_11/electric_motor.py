@@ -51,7 +51,7 @@ def _brushes(given: Mapping[str, Any]) -> tuple[float, str]:
             },
         ),
         "service": Choice(SERVICE, "how the load comes"),
-        "temperature": Range(-60.0, 200.0, "degC", "ambient temperature", monotone=1),
+        "temperature": Range(-60.0, 200.0, "degC", "ambient temperature", monotone=1, warmth="ambient"),
         "winding_life": Range(100.0, 1e7, "h", "L_I, of the insulation", default=25_000.0, monotone=-1),
         "voltage_deviation": Range(0.0, 0.5, "", "V_D/V_R, of one phase: share of the rating", default=0.0),
         "voltage_unbalance": Range(0.0, 3.0, "percent", "V_U, of several phases", default=0.0),

@@ -73,8 +73,8 @@ GROOVE = Table("shaft groove C_SC,G", SOURCE, """
         "cycles_to_failure": Range(1.0, 1e15, "cycle", "N, of the S-N curve at the stress applied", monotone=-1),
         "finish": Choice(FINISH, "of the surface"),
         "tensile_strength": Range(200.0, 1700.0, "MPa", "TS, of the finish's factor"),
-        "temperature": Range(-60.0, 400.0, "degC", "of operation", monotone=1),
-        "force": Range(1e-3, 1e8, "N", "F, on the shaft", monotone=1),
+        "temperature": Range(-60.0, 400.0, "degC", "of operation", monotone=1, warmth="own"),
+        "force": Range(1e-3, 1e8, "N", "F, on the shaft", monotone=1, stress="load"),
         "material": or_other(ELASTICITY, "by which it is elastic", "elastic_modulus"),
         "elastic_modulus": Range(
             10.0,

@@ -21,7 +21,7 @@ from robophm.hazard.model import Array, Factor, Range, hazard_model
         "hardness": Range(20.0, 800.0, "", "G_B, of the teeth, Brinell", monotone=-1),
         "diameter": Range(1.0, 2000.0, "mm", "G_D, of the spline", monotone=-1),
         "length": Range(1.0, 2000.0, "mm", "G_L, of the spline", monotone=-1),
-        "torque": Range(1e-3, 1e7, "N*m", "G_T", monotone=1),
+        "torque": Range(1e-3, 1e7, "N*m", "G_T", monotone=1, stress="load"),
         "misalignment": MISALIGNMENT,
         **SERVED,
     },

@@ -31,7 +31,7 @@ GALLON = 3.785411784
         "contact_pressure": Range(0.01, 1e4, "MPa", "C, by which it is pressed on", monotone=-1),
         "surface_finish": Range(0.005, 50.0, "um", "f, roughness", monotone=0),
         "viscosity": Range(1e-6, 100.0, "Pa*s", "ν, dynamic, of the fluid", monotone=-1),
-        "temperature": Range(-100.0, 400.0, "degC", "T_O, of operation", monotone=1),
+        "temperature": Range(-100.0, 400.0, "degC", "T_O, of operation", monotone=1, warmth="own"),
         "rated_temperature": Range(-50.0, 500.0, "degC", "T_R, of the seal's material", monotone=-1),
         "filter_size": Range(0.1, 1000.0, "um", "C_0, of the fluid's filter", monotone=1),
         "flow": Range(1e-3, 1e5, "L/min", "F_R, of the fluid", monotone=1),

@@ -132,6 +132,7 @@ CASE = Range(
     required=False,
     otherwise=_case,
     monotone=1,
+    warmth="own",
 )
 RESISTANCE = Range(
     0.0,

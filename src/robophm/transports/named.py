@@ -1,0 +1,231 @@
+"""Elements of an array by the names that their message gives them: a joint's effort, a diagnostic value, a transform.
+
+A message names its elements in one of three ways: each has a ``name`` or ``key`` of its own (KeyValue,
+DiagnosticStatus); an array of strings as long stands beside the array, or in a message around it (JointState,
+DynamicJointState); or each has one string, which can be nothing else (the ``child_frame_id`` of a transform).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field, fields, is_dataclass
+from typing import Any, NamedTuple
+
+from robophm.core.errors import nearest
+from robophm.core.signal import REORDERED
+
+_NAMES = ("name", "names", "key", "keys")
+_NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*\Z", re.ASCII)
+MOST_NAMES = 50
+"""That are kept to say which there are."""
+
+
+class Field(NamedTuple):
+    """A field of a message, as ``message_type`` lists them."""
+
+    name: str
+    attribute: str
+    type: str
+    length: int | None
+    """None is no array, 0 any length."""
+
+
+class NotNamedError(IndexError):
+    """The message has no element of this name; ``names`` are those that it has."""
+
+    def __init__(self, names: Sequence[str]) -> None:
+        super().__init__()
+        self.names = names
+
+
+@dataclass(frozen=True)
+class Namer:
+    """Where the names of an array's elements are."""
+
+    attribute: str
+    depth: int | None
+    """Of the message, from the outermost, that has the array of names; None: each element has its own."""
+
+    def names(self, chain: Sequence[Any], elements: Sequence[Any]) -> Sequence[str]:
+        """The name of each element; none where there are not as many names. ``chain``: the messages around it."""
+        if self.depth is None:
+            return [getattr(one, self.attribute) for one in elements]
+        names: Sequence[str] = getattr(chain[self.depth], self.attribute)
+        return names if len(names) == len(elements) else ()
+
+    def element(self, chain: Sequence[Any], elements: Sequence[Any], name: str) -> Any:
+        """The first element of this name. Raises NotNamedError."""
+        names = self.names(chain, elements)
+        for element, one in zip(elements, names, strict=False):
+            if one == name:
+                return element
+        raise NotNamedError(names)
+
+
+def namer_of(around: Sequence[Iterable[Field]], array: str, within: Iterable[Field]) -> Namer | None:
+    """What names the elements of an array; None where nothing does.
+
+    ``around``: the fields of the messages that it is in, the outermost first; ``within``: those of an element.
+    """
+    own = [one for one in within if one.type == "string" and one.length is None]
+    for one in own:
+        if one.name in _NAMES:
+            return Namer(one.attribute, None)
+    for depth in reversed(range(len(around))):
+        beside = [one for one in around[depth] if one.type == "string" and one.length is not None and one.name != array]
+        known = [one for one in beside if one.name in _NAMES or one.name.endswith("_names")]
+        if len(known or beside) == 1:
+            return Namer((known or beside)[0].attribute, depth)
+        if len(own) == 1 and depth == len(around) - 1:
+            return Namer(own[0].attribute, None)
+    return None
+
+
+def number(value: Any) -> float:
+    """A value as a number; a text that is none is not a number (NaN), which is no sample."""
+    if isinstance(value, str):
+        return float(value) if _NUMBER.match(value) else math.nan
+    return float(value)
+
+
+class Way(NamedTuple):
+    """A step to a number in a decoded message."""
+
+    attribute: str
+    element: int | str | None
+    namer: Namer | None
+
+
+def getter(ways: Sequence[Way]) -> Callable[[Any], Any]:
+    """Takes what is there out of a message; raises IndexError where an array has no such element."""
+
+    def value_of(message: Any) -> Any:
+        chain = [message]
+        for attribute, element, namer in ways:
+            value = getattr(chain[-1], attribute)
+            if isinstance(element, int):
+                value = value[element]
+            elif element is not None and namer:
+                value = namer.element(chain, value, element)
+            chain.append(value)
+        return chain[-1]
+
+    return value_of
+
+
+def name_getter(ways: Sequence[Way]) -> Callable[[Any], str] | None:
+    """Takes the names of the elements at the indices of a path out of a message; None where nothing names them.
+
+    Raises IndexError where there are no such elements, or no names.
+    """
+    if not any(isinstance(way.element, int) and way.namer for way in ways):
+        return None
+
+    def name_of(message: Any) -> str:
+        chain, found = [message], []
+        for attribute, element, namer in ways:
+            value = getattr(chain[-1], attribute)
+            if isinstance(element, int):
+                if namer:
+                    found.append(namer.names(chain, value)[element])
+                value = value[element]
+            elif element is not None and namer:
+                value = namer.element(chain, value, element)
+            chain.append(value)
+        return "/".join(found)
+
+    return name_of
+
+
+@dataclass
+class Names:
+    """What is noticed of names on the way through the messages of a source, in its notes."""
+
+    notes: Counter[str]
+    lock: AbstractContextManager[Any] = field(default_factory=nullcontext)
+    """Of the notes, where several threads write to them."""
+    _found: set[str] = field(default_factory=set)
+    _missing: dict[str, str] = field(default_factory=dict)
+    """What is noted of signals whose element was never named."""
+    _first: dict[str, tuple[int, str]] = field(default_factory=dict)
+    """When a message came first that names the element at a signal's index, and how."""
+    _orders: dict[str, Counter[str]] = field(default_factory=dict)
+    """How often there was which."""
+
+    def found(self, signal: str) -> None:
+        """A message has its element."""
+        if signal not in self._found:
+            self._found.add(signal)
+            if said := self._missing.pop(signal, None):
+                with self.lock:
+                    del self.notes[said]
+
+    def missing(self, signal: str, names: Sequence[str], count: int = 1) -> None:
+        """Messages have no element of its name, but these: of two publishers one may; none at all is said."""
+        if signal in self._found:
+            return
+        if signal not in self._missing:
+            wanted = re.findall(r"\[([^\[\]]+)\]", signal)[-1]
+            known = [name for name in names if name][:MOST_NAMES]
+            self._missing[signal] = f"never named: {signal}{nearest(wanted, known) or _listed(known)}"
+        with self.lock:
+            self.notes[self._missing[signal]] += count
+
+    def at_index(self, signal: str, name: str, received: int = 0, count: int = 1) -> None:
+        """In messages, the first of which came at ``received`` [ns], the element at a signal's index has this name."""
+        if signal not in self._first or received < self._first[signal][0]:
+            self._first[signal] = received, name
+        orders = self._orders.setdefault(signal, Counter())
+        orders[name if name in orders or len(orders) < MOST_NAMES else "…"] += count
+        if len(orders) > 1:
+            with self.lock:
+                self.notes[f"{REORDERED}{signal}"] = orders.total() - orders[self._first[signal][1]]
+
+
+def _listed(names: Sequence[str]) -> str:
+    return f"; there are {', '.join(names[:8])}{' …' if len(names) > 8 else ''}" if names else "; no element is named"
+
+
+def names_in(message: Any, most: int = MOST_NAMES) -> dict[str, list[str]]:
+    """The names by which elements of a decoded message can be told, by field: {"effort[]": ["pan", "lift"]}.
+
+    At most so many fields, and so many names of each.
+    """
+    found: dict[str, list[str]] = {}
+
+    def look(one: Any, prefix: str, around: Sequence[Sequence[Field]], chain: Sequence[Any]) -> None:
+        own = _fields_of(one)
+        around, chain = (*around, own), (*chain, one)
+        for each in own:
+            value = getattr(one, each.attribute)
+            if is_dataclass(value):
+                look(value, f"{prefix}{each.name}.", around, chain)
+            if each.length is None or each.type == "string" or not len(value) or len(found) >= most:
+                continue
+            namer = namer_of(around, each.name, _fields_of(value[0]))
+            names = [*namer.names(chain, value[:most] if namer.depth is None else value)][:most] if namer else []
+            if names:
+                found[f"{prefix}{each.name}[]"] = names
+            for name, element in zip(names, value, strict=False):
+                if is_dataclass(element):
+                    look(element, f"{prefix}{each.name}[{name}].", around, chain)
+
+    look(message, "", (), ())
+    return found
+
+
+def _fields_of(message: Any) -> list[Field]:
+    """Its fields, as far as its values tell what they are."""
+    found = []
+    for one in fields(message) if is_dataclass(message) else ():
+        if one.name.startswith("__"):  # what rosbags adds
+            continue
+        value = getattr(message, one.name)
+        array = not isinstance(value, str) and hasattr(value, "__len__")
+        text = isinstance(value[0], str) if array and len(value) else isinstance(value, str)
+        found.append(Field(one.name.rstrip("_"), one.name, "string" if text else "", 0 if array else None))
+    return found
