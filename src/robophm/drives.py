@@ -6,7 +6,7 @@ import hashlib
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -40,6 +40,8 @@ class Drive:
     """When its first message was received [ns], where that is known."""
     last: int | None
     open: Opening
+    lost: tuple[str, ...] = ()
+    """Files beside it of which nothing can be read, and why."""
 
 
 def drives_of(robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_missing: bool = False) -> list[Drive]:
@@ -55,7 +57,8 @@ def drives_of(robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_mis
         raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
     drives: list[Drive] = []
     missing, topics = dict.fromkeys(robot.signals, ""), dict[str, Kind]()
-    for name, opens in _opened(recorded):
+    unread: list[str] = []
+    for name, opens in _opened(recorded, unread):
         with opens() as source:
             infos = source.topics()
             fingerprint = source.fingerprint
@@ -68,7 +71,7 @@ def drives_of(robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_mis
         if signals:
             drives.append(Drive(name, key, signals, *_span(infos), opens))
     _refuse(robot, missing, topics, skip_missing=skip_missing)
-    return drives
+    return [replace(drives[0], lost=tuple(unread)), *drives[1:]]
 
 
 def available(robot: Robot, source: SignalSource, *, skip_missing: bool) -> list[str]:
@@ -116,8 +119,8 @@ def lacking(robot: Robot, topics: Mapping[str, Kind]) -> dict[str, str]:
     return missing
 
 
-def _opened(recorded: Recorded | Sequence[Recorded]) -> Iterator[tuple[str, Opening]]:
-    """Names, and what opens each."""
+def _opened(recorded: Recorded | Sequence[Recorded], lost: list[str]) -> Iterator[tuple[str, Opening]]:
+    """Names, and what opens each; what is ``lost`` is known behind the first."""
     if isinstance(recorded, SignalSource):
         yield "the recording", lambda: nullcontext(recorded)
         return
@@ -125,28 +128,42 @@ def _opened(recorded: Recorded | Sequence[Recorded]) -> Iterator[tuple[str, Open
     files = [given_path(path, "recording", SourceError) for path in given]
     if not files:
         raise SourceError("no recordings; expected at least one")
-    for paths in _in_order(files):
+    for paths in _in_order(files, lost):
         yield str(paths[0]) + (" …" if len(paths) > 1 else ""), partial(open_source, *paths)
 
 
-def _in_order(given: Sequence[Path]) -> list[list[Path]]:
-    """The files in order of time, those together that overlap; what has no message is left out."""
-    parts: list[Path] = []
+def _in_order(given: Sequence[Path], lost: list[str]) -> list[list[Path]]:
+    """The files in order of time, those together that overlap; what has no message is left out.
+
+    A file that was found in a folder and cannot be read is ``lost`` alone; one that was named is an error.
+    """
+    parts: list[tuple[Path, bool]] = []
     for path in given:
-        parts += [path] if path.suffix.lower() in (".csv", ".journal") else parts_of(existing(path))
+        text = path.suffix.lower() in (".csv", ".journal")
+        found = [path] if text else parts_of(existing(path))
+        parts += [(part, part == path) for part in found]
     if len(parts) < 2:
-        return [parts] if parts else [[*given]]
+        return [[part for part, _ in parts]] if parts else [[*given]]
     spans: list[tuple[int, int, Path]] = []
-    for part in parts:
+    failed: list[SourceError] = []
+    for part, asked_for in parts:
         try:
             with open_source(part) as source:
                 first, last = _span(source.topics())
         except EmptyError:
             continue
+        except SourceError as error:
+            if asked_for:
+                raise
+            failed.append(error)
+            continue
         if first is not None:
             spans.append((first, first if last is None else last, part))
+    if failed and not spans:
+        raise failed[0]
     if not spans:
         raise EmptyError(f"{', '.join(map(str, given))}: holds no messages")
+    lost += [f"lost: {error}" for error in failed]
     spans.sort()
     groups, until = [[spans[0][2]]], spans[0][1]
     for first, last, part in spans[1:]:

@@ -119,6 +119,7 @@ def _go_through(
     if ledger and ledger.integrated_to is not None and not progress.position:
         _not_before(drive, ledger.integrated_to)
     position = progress.position
+    decided |= Counter(drive.lost)
     course = Course(step, ledger)
     saved = time.monotonic()
 

@@ -96,7 +96,7 @@ def wear_history(
                 for ready in ordered.feed(block):
                     for one in reducers:
                         one.take(ready)
-            notes += source.notes
+            notes += source.notes + Counter(drive.lost)
         look(monitor.exposure.settled(monitor.ledger))
     looks.sort(key=itemgetter(0))
     found: dict[str, Readings] = {}

@@ -54,6 +54,9 @@ def run(
         )  # fmt: skip
     for what, count in sorted(unread.items()):
         warn(f"{what} ({count} times)")
+    for what in sorted(source.lost()):
+        if not any(said in what for said in unread):
+            warn(f"lost: {what}")
     begin = min(info.first for info in source.topics() if info.first is not None)
     old = [_legacy(robot, one, begin) if legacy else {} for one in records]
     if as_json:

@@ -18,7 +18,8 @@ from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.design.task import Plan
 from robophm.design.task_file import load_plan
-from robophm.transports.recording import SUFFIXES, Recording
+from robophm.transports.columns.salvage import Salvage
+from robophm.transports.recording import SUFFIXES
 
 _ALWAYS = ("tasks", "store", "failed", "working", "legacy")  # used, whether tasks are listed or recorded
 
@@ -69,7 +70,7 @@ def run(design: Path, asked: Request) -> bool:
         only("the tasks of a recording", (*_ALWAYS, "topic", "speed", "function", "skip_missing"))
         knowledge = with_knowledge(Plan(()), robot, asked.failed, asked.working).knowledge
         at = stated_speed(asked.speed)
-        with Recording(tasks) as source:
+        with Salvage(tasks) as source:
             breached = task_recording.run(
                 robot, ledger, source, asked.topic, speed=at, functions=asked.function, knowledge=knowledge,
                 skip_missing=asked.skip_missing, legacy=asked.legacy, as_json=asked.as_json,

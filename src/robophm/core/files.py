@@ -12,6 +12,8 @@ from typing import IO
 
 from robophm.core.errors import RobophmError
 
+_STEP = 1 << 20
+
 
 def shipped(path: str) -> Path:
     """A file or folder that comes with us: in the installed package, or beside the sources that it is installed from.
@@ -23,6 +25,22 @@ def shipped(path: str) -> Path:
         if place.exists():
             return place
     raise RobophmError(f"{path} is not installed")
+
+
+def read_at_most(path: Path, most: int) -> bytes | None:
+    """The content of a file, None of one of more than so many bytes: a device never ends, whatever size it says.
+
+    Raises OSError.
+    """
+    parts: list[bytes] = []
+    left = most
+    with path.open("rb") as stream:
+        while part := stream.read(min(left + 1, _STEP)):  # all at once would take the memory for the most there may be
+            parts.append(part)
+            left -= len(part)
+            if left < 0:
+                return None
+    return b"".join(parts)
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:

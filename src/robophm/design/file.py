@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from robophm.core.errors import DesignError, nearest
-from robophm.core.files import write_atomically
+from robophm.core.files import read_at_most, write_atomically
 from robophm.core.given import path as given_path
 from robophm.design.nodes import MAX_DEPTH, MAX_VALUES, compose, uncollected
 from robophm.design.robot import Robot
@@ -19,7 +19,10 @@ if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
 MAX_BYTES = 20_000_000
-"""A larger file is refused before it is parsed."""
+"""A larger file is refused before it is parsed; so is one that is larger when its aliases are written out.
+
+Each value then has a line of its own, two spaces in for each level: what is kept of its place takes as much.
+"""
 
 SCHEMA_VERSION = 1
 """Of design files and task lists; a file that says another number is refused."""
@@ -141,9 +144,8 @@ def read(path: Path) -> str:
             suffixes = (".csv",) if path.suffix.lower() == ".csv" else (".yaml", ".yml")
             hint = nearest(path.name, [name for name in beside if name.lower().endswith(suffixes)])
             raise DesignError(f"{path}: no such file{hint}")
-        with path.open("rb") as stream:
-            content = stream.read(MAX_BYTES + 1)  # a device never ends, whatever size it says
-        if len(content) > MAX_BYTES:
+        content = read_at_most(path, MAX_BYTES)
+        if content is None:
             raise DesignError(f"{path}: is more than {MAX_BYTES / 1e6:.0f} MB; a design or task list is at most that")
         return content.decode("utf-8-sig")
     except OSError as error:
@@ -177,12 +179,14 @@ class _Reader:
         self.name = name
         self.lines: Lines = {}
         self.count = 0
+        self.characters = 0
 
     def value(self, node: Any, place: tuple[str, ...]) -> Any:
         line = self.lines[place] = node.start_mark.line + 1
         self.count += 1
         if self.count > MAX_VALUES:
             raise DesignError(f"{self.name}:{line}: unfolds to more than {MAX_VALUES:,} values")
+        self._count(2 * len(place), f"{self.name}:{line}")
         if len(place) > MAX_DEPTH:
             raise DesignError(f"{self.name}:{line}: is nested too deeply; expected at most {MAX_DEPTH} levels")
         kind = str(node.tag).removeprefix("tag:yaml.org,2002:")
@@ -194,6 +198,7 @@ class _Reader:
                 at = f"{self.name}:{key_node.start_mark.line + 1}"
                 if key_node.id != "scalar":
                     raise DesignError(f"{at}: {_text(place)}a key is a list or mapping; expected a name")
+                self._count(len(str(key_node.value)), at)
                 key = self._text(str(key_node.value), at, place)
                 if key in result:
                     raise DesignError(f"{at}: {_text(place)}duplicate name '{key}'; names of one level must differ")
@@ -202,6 +207,7 @@ class _Reader:
             return result
         if node.id == "sequence":
             return [self.value(item, (*place, str(i))) for i, item in enumerate(node.value)]
+        self._count(len(node.value), f"{self.name}:{line}")
         try:
             if kind == "null":
                 return None
@@ -216,6 +222,12 @@ class _Reader:
         if kind in ("str", "timestamp", "int", "float"):
             return self._text(node.value, f"{self.name}:{line}", place)
         raise DesignError(f"{self.name}:{line}: {_text(place)}tag '{node.tag}' is not taken; expected plain values")
+
+    def _count(self, characters: int, at: str) -> None:
+        """Some more are written out; raises DesignError where they are too many."""
+        self.characters += characters
+        if self.characters > MAX_BYTES:
+            raise DesignError(f"{at}: unfolds to more than {MAX_BYTES:,} characters")
 
     @staticmethod
     def _text(text: str, at: str, place: tuple[str, ...]) -> str:

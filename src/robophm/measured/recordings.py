@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from robophm.core.errors import SourceError, UnitError, nearest
@@ -13,7 +13,7 @@ from robophm.core.units import quantity
 from robophm.transports.columns import Columns, read_columns, recorded_topics
 from robophm.transports.message_units import field_unit
 from robophm.transports.recording import fingerprint_of, parts_of
-from robophm.transports.source import existing
+from robophm.transports.source import existing, reading
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,8 @@ class Recorded:
     paths: tuple[Path, ...]
     topics: Mapping[str, tuple[str, tuple[str, ...]]]
     """By topic: type of its messages, and numeric fields, ``[]`` for the index of an element."""
+    lost: tuple[str, ...] = ()
+    """Files beside it of which nothing can be read, and why."""
 
     def has(self, signal: Signal) -> bool:
         """Whether it has the field at all."""
@@ -32,7 +34,9 @@ class Recorded:
 
     def columns(self, signals: Iterable[Signal], topics: Iterable[str] = ()) -> Columns:
         """The samples of these signals, and when messages of these topics were received."""
-        return read_columns(self.paths, [signal.name for signal in signals], topics=topics)
+        columns = read_columns(self.paths, [signal.name for signal in signals], topics=topics)
+        columns.notes.update(f"lost: {what}" for what in self.lost)
+        return columns
 
 
 @dataclass(frozen=True)
@@ -72,17 +76,30 @@ def recordings(paths: Sequence[Path], *, together: bool = False) -> list[Recorde
 
     Raises SourceError where one is missing, none, or given twice.
     """
-    files = [file for path in paths for file in parts_of(existing(path))]
     marks: dict[str, Path] = {}
-    for file in files:
-        other = marks.setdefault(fingerprint_of(file), file)
+    found: list[Recorded] = []
+    failed: list[SourceError] = []
+    for asked_for, file in [(path, file) for path in paths for file in parts_of(existing(path))]:
+        try:
+            with reading(file):
+                other = marks.setdefault(fingerprint_of(file), file)
+                if other is file:
+                    found.append(Recorded(str(file), (file,), recorded_topics(file)))
+        except SourceError as error:
+            if file == asked_for:
+                raise
+            failed.append(error)  # of what was found in a folder it costs that alone
+            continue
         if other is not file:
             raise SourceError(f"{other} and {file} are the same recording; expected it once")
-    found = [Recorded(str(file), (file,), recorded_topics(file)) for file in files]
+    if failed and not found:
+        raise failed[0]
+    found[0] = replace(found[0], lost=tuple(map(str, failed)))
     if not together or len(found) < 2:
         return found
     topics = {topic: kind for one in reversed(found) for topic, kind in one.topics.items()}
-    return [Recorded(f"{found[0].name} …", tuple(files), dict(sorted(topics.items())))]
+    every = tuple(file for one in found for file in one.paths)
+    return [Recorded(f"{found[0].name} …", every, dict(sorted(topics.items())), found[0].lost)]
 
 
 def signal_of(name: str, found: Sequence[Recorded]) -> Signal:

@@ -1,7 +1,7 @@
 """Transport ``recording``: what ``rosbag record`` and ``ros2 bag record`` write, and MCAP from elsewhere.
 
-ROS 1 ``.bag`` and ROS 2 ``.db3`` and ``.mcap``: single files, rosbag2 folders, split and compressed ones.
-Read through rosbags; an MCAP file without the ROS 2 profile, as foxglove-sdk writes it, through mcap.
+ROS 1 ``.bag`` and ROS 2 ``.db3`` and ``.mcap``: single files, rosbag2 folders, split and compressed ones. The files are
+read as they are by the column (``columns``), in bounded memory; messages are decoded through rosbags.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from functools import cached_property
 from heapq import merge
 from operator import itemgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Any
 
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import SECOND, Sample, split_signal
 from robophm.transports.message_type import field_getter, fields_of, message_type, ways_to
 from robophm.transports.named import Names, NotNamedError, name_getter, names_in
-from robophm.transports.source import Heard, SignalSource, TopicInfo, existing, reading
+from robophm.transports.source import Heard, SignalSource, TopicInfo, reading
 
 if TYPE_CHECKING:
-    from rosbags.interfaces import Connection
+    from robophm.transports.columns.pieces import PiecedFile
 
 LONGEST_NAMING = 1 << 18
 """Bytes of a message, beyond which it is not looked into for names."""
@@ -34,6 +34,12 @@ STAMP_LIMIT = 10 * SECOND
 
 SUFFIXES = (".bag", ".db3", ".mcap")
 """Suffixes of the files that are read."""
+
+PACKED = ".zstd"
+"""Suffix behind one of those, of a file in a rosbag2 folder that is compressed as a whole."""
+
+METADATA = "metadata.yaml"
+"""What makes a folder a rosbag2 folder."""
 
 _EDGE = 64 * 1024
 
@@ -51,25 +57,39 @@ class Recording(SignalSource):
     Raises SourceError where a file is missing, not a recording, damaged, given twice, or all are empty.
     """
 
+    _salvages = False
+    """Whether what is lost of files is no error."""
+
     def __init__(self, *paths: str | Path) -> None:
-        self.notes = Counter()
+        from robophm.transports.columns.columns import opened  # which ask here what a recording is
+        from robophm.transports.columns.pieces import MOST_TIME
+
         self._paths = paths
-        self._files: list[_File] = []
-        with ExitStack() as opened:
-            for path in (part for given in paths for part in parts_of(existing(Path(given)))):
-                file = _File(path)
-                opened.callback(file.close)
-                self._files.append(file)
-            self._files.sort(key=lambda file: (file.reader.start_time, file.fingerprint))
-            for one, other in zip(self._files, self._files[1:], strict=False):
-                if one.fingerprint == other.fingerprint and one.reader.message_count:
-                    raise SourceError(f"{one.path} and {other.path} are the same recording; expected it once")
-            if not sum(file.reader.message_count for file in self._files):
+        self._found: Counter[str] = Counter()
+        self.notes = self._found
+        self._files: list[PiecedFile] = []
+        with ExitStack() as stack:
+            self._files = opened(paths, self._found, stack)
+            empty = all(file.begin() == MOST_TIME for file in self._files)
+            if (lost := self.lost()) and (empty or not self._salvages):
+                raise SourceError(lost[0])
+            if empty:
                 raise EmptyError(f"{', '.join(map(str, paths)) or 'no file'}: holds no messages")
-            self._opened = opened.pop_all()
+            self._opened = stack.pop_all()
         self._name = str(self._files[0].path) + (" …" if len(self._files) > 1 else "")
         digests = "".join(sorted(file.fingerprint for file in self._files))
         self.fingerprint = hashlib.sha256(digests.encode()).hexdigest()
+
+    def lost(self) -> list[str]:
+        """What the notes say of files that is lost."""
+        found = []
+        for note in self.notes:
+            if note.startswith("lost: "):
+                found.append(note.removeprefix("lost: "))
+            for path in (file.path for file in self._files if note.startswith(f"{file.path.name}: ")):
+                said = note.removeprefix(f"{path.name}: ")
+                found += [f"{path}: {said}"] if "lost" in said else []
+        return found
 
     def close(self) -> None:
         """Close all files; closing twice does no harm."""
@@ -84,25 +104,30 @@ class Recording(SignalSource):
     def _topics(self) -> list[TopicInfo]:
         found: dict[str, TopicInfo] = {}
         for file in self._files:
-            spans = file.spans()
+            notes, file.notes = file.notes, Counter()  # what is lost is said when messages are read
+            with reading(file.path):
+                told = file.told()
+            file.notes = notes
             for connection in file.connections:
-                first, last = spans.get(connection.id, (None, None))
+                messages, first, last = told.get(connection.id, (0, None, None))
                 fields = fields_of(connection)
-                info = TopicInfo(connection.topic, connection.msgtype, connection.msgcount, first, last, fields)
+                info = TopicInfo(connection.topic, connection.msgtype, messages, first, last, fields)
                 before = found.get(info.topic)
                 found[info.topic] = _joined(before, info) if before else info
         return [found[topic] for topic in sorted(found)]
 
     def names(self) -> dict[str, dict[str, list[str]]]:
         """By topic and field, ``effort[]``, the names by which its first message tells the elements, if it is short."""
+        from robophm.transports.columns.rows import one_by_one
+
         found: dict[str, dict[str, list[str]]] = {}
         for file in self._files:
             for connection in file.connections:
-                if connection.topic in found or not connection.msgcount:
+                if connection.topic in found:
                     continue
-                with suppress(Exception):  # what cannot be decoded names nothing
+                with suppress(Exception):  # what cannot be decoded, or is not there, names nothing
                     type_ = message_type(connection)
-                    _, _, raw = next(iter(file.reader.messages([connection])))
+                    _, raw, _ = next(one_by_one(file, [connection.id]))
                     if len(raw) <= LONGEST_NAMING and (names := names_in(type_.decode(raw))):
                         found[connection.topic] = names
         return found
@@ -157,10 +182,29 @@ class Recording(SignalSource):
             if topic not in known:
                 name = self._name if self._files else "closed recording"
                 raise SourceError(f"{name}: no topic '{topic}'{nearest(topic, known)}")
-        self.notes.clear()
-        streams = [file.messages(file.readings(wanted, self.notes)) for file in self._files]
+        self.notes = Counter(self._found)
+        streams = [self._of(file, readings_of(file, wanted, self.notes)) for file in self._files]
         # merge() looks at every message; one file is in order already
         return streams[0] if len(streams) == 1 else merge(*streams, key=itemgetter(0))
+
+    def _of(self, file: PiecedFile, readings: Mapping[int, _Reading]) -> Iterator[tuple[int, _Reading, bytes]]:
+        """Receipt time, reading and bytes of the messages to read."""
+        from robophm.transports.columns.rows import one_by_one
+
+        file.notes = self.notes
+        said = len(self.notes)
+        with reading(file.path):
+            for receipt, raw, connection in one_by_one(file, readings.keys()) if readings else ():
+                if len(self.notes) != said:
+                    said = len(self.notes)
+                    self._refuse()
+                yield receipt, readings[connection], raw
+            self._refuse()
+
+    def _refuse(self) -> None:
+        """Raises SourceError where something of a file is lost, and that is not what was asked for."""
+        if not self._salvages and (lost := self.lost()):
+            raise SourceError(lost[0])
 
     def _samples(self, messages: Iterable[tuple[int, _Reading, bytes]]) -> Iterator[Sample]:
         notes = self.notes
@@ -195,24 +239,6 @@ class Recording(SignalSource):
                     yield Sample(time, signal, value)
 
 
-class _Reader(Protocol):
-    """What the readers of rosbags have in common."""
-
-    @property
-    def connections(self) -> list[Connection]: ...
-    @property
-    def message_count(self) -> int: ...
-    @property
-    def start_time(self) -> int: ...
-    @property
-    def end_time(self) -> int: ...
-    def open(self) -> None: ...
-    def close(self) -> None: ...
-    def messages(
-        self, connections: Collection[Connection] = (), start: int | None = None, stop: int | None = None
-    ) -> Iterator[tuple[Connection, int, bytes]]: ...
-
-
 @dataclass(frozen=True)
 class _Reading:
     """How the messages of one connection become samples."""
@@ -225,163 +251,52 @@ class _Reading:
     """Of signals by an index, what takes the name of the element there."""
 
 
-class _File:
-    """One opened file, or one rosbag2 folder."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        with reading(path):
-            self.fingerprint = fingerprint_of(path)
-            self.reader = open_reader(path)
-            self.connections = list(self.reader.connections)
-
-    def close(self) -> None:
-        self.reader.close()
-
-    def readings(self, wanted: Mapping[str, list[tuple[str, str]]], notes: Counter[str]) -> dict[int, _Reading]:
-        """What to read of each connection that carries a wanted topic."""
-        readings = {}
-        for connection in self.connections:
-            if connection.topic in wanted:
-                with reading(self.path):
-                    type_ = message_type(connection)
-                    if type_.borrowed:
-                        notes[f"definition of {type_.name} taken from ROS 2 Humble"] += 1
-                    values, names = [], []
-                    for signal, field in wanted[connection.topic]:
-                        try:
-                            values.append((signal, field_getter(type_.definitions, type_.name, field)))
-                            if name_of := name_getter(ways_to(type_.definitions, type_.name, field)):
-                                names.append((signal, name_of))
-                        except SourceError as error:
-                            raise SourceError(f"{self.path}: topic '{connection.topic}' {error}") from None
-                readings[connection.id] = _Reading(connection.topic, type_.decode, type_.stamp, values, names)
-        return readings
-
-    def messages(self, readings: Mapping[int, _Reading]) -> Iterator[tuple[int, _Reading, bytes]]:
-        """Receipt time, reading and bytes of the messages to read."""
-        with reading(self.path):
-            connections = [connection for connection in self.connections if connection.id in readings]
-            if connections:
-                for connection, receipt, raw in self.reader.messages(connections):
-                    yield receipt, readings[connection.id], raw
-
-    def spans(self) -> dict[int, tuple[int, int]]:
-        """First and last receipt time of every connection that has messages.
-
-        Looked for from both ends in windows that widen, so that the middle of a long file is not read.
-        """
-        first: dict[int, int] = {}
-        last: dict[int, int] = {}
-        used = [connection for connection in self.connections if connection.msgcount]
-        begin, end = self.reader.start_time, self.reader.end_time
-        window = SECOND
-        with reading(self.path):
-            while used:
-                if missing := [connection for connection in used if connection.id not in first]:
-                    for connection, receipt, _ in self.reader.messages(missing, stop=begin + window):
-                        first.setdefault(connection.id, receipt)
-                if missing := [connection for connection in used if connection.id not in last]:
-                    last |= {c.id: t for c, t, _ in self.reader.messages(missing, start=end - window)}
-                if len(first) == len(last) == len(used) or window > end - begin:
-                    break
-                window *= 16
-        return {id_: (first[id_], last[id_]) for id_ in first.keys() & last.keys()}
+def readings_of(
+    file: PiecedFile, wanted: Mapping[str, list[tuple[str, str]]], notes: Counter[str]
+) -> dict[int, _Reading]:
+    """What to read of each connection of a file that carries a wanted topic."""
+    readings = {}
+    for connection in file.connections:
+        if connection.topic in wanted:
+            with reading(file.path):
+                type_ = message_type(connection)
+                if type_.borrowed:
+                    notes[f"definition of {type_.name} taken from ROS 2 Humble"] += 1
+                values, names = [], []
+                for signal, field in wanted[connection.topic]:
+                    try:
+                        values.append((signal, field_getter(type_.definitions, type_.name, field)))
+                        if name_of := name_getter(ways_to(type_.definitions, type_.name, field)):
+                            names.append((signal, name_of))
+                    except SourceError as error:
+                        raise SourceError(f"{file.path}: topic '{connection.topic}' {error}") from None
+            readings[connection.id] = _Reading(connection.topic, type_.decode, type_.stamp, values, names)
+    return readings
 
 
-class _ForeignMcap:
-    """An MCAP file without the ROS 2 profile, read through mcap, in the words of rosbags' readers."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self.connections: list[Connection] = []
-        self.message_count = self.start_time = self.end_time = 0
-
-    def open(self) -> None:
-        from mcap.reader import make_reader
-        from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition
-        from rosbags.interfaces import MessageDefinitionFormat as Format
-        from rosbags.typesys.msg import normalize_msgtype
-
-        formats = {"ros1msg": Format.MSG, "ros2msg": Format.MSG, "ros2idl": Format.IDL, "omgidl": Format.IDL}
-        self._file = self._path.open("rb")
-        try:
-            self._reader = make_reader(self._file, validate_crcs=True)
-            summary = self._reader.get_summary()
-            if summary is None or summary.statistics is None:
-                raise SourceError(f"{self._path}: has no summary section; expected one, as `mcap recover` writes")
-            statistics = summary.statistics
-            self.message_count = statistics.message_count
-            self.start_time = statistics.message_start_time
-            self.end_time = statistics.message_end_time + 1
-            for channel in summary.channels.values():
-                schema = summary.schemas.get(channel.schema_id)
-                format_ = formats.get(schema.encoding, Format.NONE) if schema else Format.NONE
-                self.connections.append(
-                    Connection(
-                        channel.id,
-                        channel.topic,
-                        normalize_msgtype(schema.name) if schema and format_ is not Format.NONE else "",
-                        MessageDefinition(format_, schema.data.decode() if schema and format_.value else ""),
-                        "",
-                        statistics.channel_message_counts.get(channel.id, 0),
-                        ConnectionExtRosbag2(channel.message_encoding, []),
-                        self,
-                    )
-                )
-        except BaseException:
-            self.close()
-            raise
-
-    def close(self) -> None:
-        self._file.close()
-
-    def messages(
-        self, connections: Collection[Connection] = (), start: int | None = None, stop: int | None = None
-    ) -> Iterator[tuple[Connection, int, bytes]]:
-        wanted = {connection.id: connection for connection in connections}
-        topics = {connection.topic for connection in connections}
-        for _, channel, message in self._reader.iter_messages(topics=topics):
-            if stop is not None and message.log_time >= stop:
-                return
-            if channel.id in wanted and (start is None or message.log_time >= start):
-                yield wanted[channel.id], message.log_time, message.data
+def holds_messages(path: Path) -> bool:
+    """Whether this is a file of a recording, by its name."""
+    return path.suffix in SUFFIXES or (path.suffix == PACKED and Path(path.stem).suffix in SUFFIXES)
 
 
 def parts_of(path: Path) -> list[Path]:
     """The files to open: a rosbag2 folder is opened as one, a folder without its metadata file by file."""
-    if not path.is_dir():
-        if path.suffix not in SUFFIXES:
-            raise SourceError(f"{path}: not a recording; expected {', '.join(SUFFIXES)} or a folder with metadata.yaml")
-        return [path]
-    if (path / "metadata.yaml").exists():
-        return [path]
-    parts = sorted(
-        part
-        for part in path.iterdir()
-        if (part.suffix in SUFFIXES and part.is_file()) or (part / "metadata.yaml").is_file()
-    )
+    with reading(path):
+        if not path.is_dir():
+            if path.suffix not in SUFFIXES:
+                what = f"expected {', '.join(SUFFIXES)} or a folder with {METADATA}"
+                raise SourceError(f"{path}: not a recording; {what}")
+            return [path]
+        if (path / METADATA).exists():
+            return [path]
+        parts = sorted(
+            part
+            for part in path.iterdir()
+            if (part.suffix in SUFFIXES and part.is_file()) or (part / METADATA).is_file()
+        )
     if not parts:
-        raise SourceError(f"{path}: holds no recording; expected metadata.yaml or {', '.join(SUFFIXES)} files")
+        raise SourceError(f"{path}: holds no recording; expected {METADATA} or {', '.join(SUFFIXES)} files")
     return parts
-
-
-def open_reader(path: Path) -> _Reader:
-    """The reader of a file or rosbag2 folder, opened."""
-    from rosbags.rosbag1 import Reader as BagReader
-    from rosbags.rosbag2 import Reader as Rosbag2Reader
-
-    for database in path.glob("*.db3") if path.is_dir() else [path] * (path.suffix == ".db3"):
-        check_whole(database)
-    reader: _Reader
-    if path.suffix == ".bag" and not path.is_dir():
-        reader = cast(_Reader, BagReader(path))
-    elif path.suffix == ".mcap" and not path.is_dir() and _profile(path) != "ros2":
-        reader = _ForeignMcap(path)
-    else:
-        reader = cast(_Reader, Rosbag2Reader(path))
-    reader.open()
-    return reader
 
 
 def check_whole(path: Path) -> None:
@@ -402,18 +317,11 @@ def pages_of(path: Path) -> tuple[int, int]:
     return 65536 if page == 1 else page, int.from_bytes(head[28:32], "big")
 
 
-def _profile(path: Path) -> str:
-    from mcap.reader import make_reader
-
-    with path.open("rb") as file:
-        return str(make_reader(file).get_header().profile)
-
-
 def fingerprint_of(path: Path) -> str:
     """Digest of the size and the first, middle and last 64 KiB of each file of messages, names left out."""
     files = [path]
     if path.is_dir():
-        files = [part for part in path.iterdir() if part.suffix in (".db3", ".mcap", ".zstd")]
+        files = [part for part in path.iterdir() if holds_messages(part)]
     digests = []
     for each in files:
         size = each.stat().st_size

@@ -6,7 +6,7 @@ import hashlib
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, Self
@@ -210,16 +210,9 @@ def open_source(*paths: str | Path) -> SignalSource:
         return JournalRecording(paths[0])
     if alone := suffixes & {".csv", ".journal"}:
         raise SourceError(f"a {min(alone)} file is read alone; {len(paths)} files were given")
-    from robophm.transports.recording import Recording
+    from robophm.transports.columns.salvage import Salvage
 
-    try:
-        return Recording(*paths)
-    except SourceError as error:
-        from robophm.transports.columns.salvage import Salvage
-
-        with suppress(SourceError):
-            return Salvage(*paths, damage=str(error))
-        raise
+    return Salvage(*paths)
 
 
 @contextmanager

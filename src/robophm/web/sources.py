@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from robophm.core.errors import SourceError, nearest
+from robophm.transports.columns.salvage import Salvage
 from robophm.transports.paced import Paced
-from robophm.transports.recording import Recording
 from robophm.transports.source import SignalSource, open_source
 from robophm.transports.tasks import DoneTask, PlannedTask, tasks_of
 
@@ -56,7 +56,7 @@ def chosen(known: dict[str, Choice], name: str) -> Choice:
 def _told(files: Sequence[Path]) -> Told:
     if any(path.suffix.lower() in (".csv", ".journal") for path in files):
         return ()
-    with Recording(*files) as recording:
+    with Salvage(*files) as recording:
         return list(tasks_of(recording))
 
 

@@ -51,14 +51,15 @@ def stepwise(samples: Iterable[Sample]) -> dict[str, list[tuple[int, float | str
 
 
 def agree(*paths: Path, signals: Iterable[str] = SIGNALS) -> None:
-    """The same samples, and the same notes."""
+    """The same samples, and the same notes, but for those that say by which way they were read."""
     signals = list(signals)
     columns = read_columns(paths, signals)
     found = samples_of(columns)
     with Recording(*paths) as recording:
         expected = stepwise(recording.samples(signals))
         assert found == expected
-        assert columns.notes == recording.notes
+        data = {what: n for what, n in columns.notes.items() if not what.endswith(" decoded message by message")}
+        assert data == recording.notes
     assert found
 
 

@@ -29,7 +29,7 @@ from robophm.transports.columns.pieces import (
     Messages,
     distinct,
 )
-from robophm.transports.columns.walk import Bytes, everywhere
+from robophm.transports.columns.walk import Bytes, Ints, everywhere
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
@@ -110,6 +110,18 @@ class BagFile(ChunkedFile):
                     raise DamageError("not as many as its chunk's info counts")
                 return entries
         raise DamageError("damage")
+
+    def indexed_times(self, chunk: Chunk) -> dict[int, Ints]:
+        """When the messages of a chunk were received, as its index says."""
+        if chunk.indices is None:
+            raise DamageError("no index")
+        times = {}
+        for record in self._indices(chunk.end):
+            entries = self._entries(record)
+            times[record.number(b"conn")] = entries["sec"].astype(np.int64) * SECOND + entries["nsec"]
+        if times.keys() != chunk.indices.keys():
+            raise DamageError("not of the connections that its chunk's info counts")
+        return times
 
     def _entries(self, record: _Record) -> NDArray[Any]:
         """What an index record holds."""
@@ -311,7 +323,7 @@ class BagFile(ChunkedFile):
             try:
                 found, _ = self._scan(self.unpacked(chunk))
             except DamageError:
-                return chunk  # said when its messages are read
+                return replace(chunk, indices=None)  # said when its messages are read
             times += [int(found["time"].min()), int(found["time"].max())] if len(found) else []
         indices = dict.fromkeys(connections, chunk.end) if connections else None
         return replace(chunk, first=min(times, default=0), last=max(times, default=MOST_TIME), indices=indices)

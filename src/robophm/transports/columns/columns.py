@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import combinations
 from operator import itemgetter
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,7 @@ from robophm.transports.columns.pieces import MOST_TIME, Messages, Piece, Pieced
 from robophm.transports.columns.walk import Ints, Program
 from robophm.transports.message_type import MessageType, field_getter, fields_of, message_type, ways_to
 from robophm.transports.named import Names, NotNamedError, name_getter
-from robophm.transports.recording import STAMP_LIMIT, SUFFIXES, parts_of
+from robophm.transports.recording import METADATA, PACKED, STAMP_LIMIT, parts_of
 from robophm.transports.source import Heard, existing, reading
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
@@ -127,14 +127,25 @@ def read_columns(
 
 def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -> list[PiecedFile]:
     """The files of one drive in order of time, left to the stack to close. Raises SourceError as ``read_columns``."""
-    files = []
-    for part in (part for given in paths for part in _files(existing(Path(given)), notes)):
-        with reading(part):
-            file = _open(part, notes)
-        stack.callback(file.close)
-        files.append(file)
-    files.sort(key=lambda file: (file.begin(), file.fingerprint))  # of equal times the earlier file's come first
-    for one, other in pairwise(files):
+    files: list[PiecedFile] = []
+    failed: list[SourceError] = []
+    for given in paths:
+        for part, packs in _files(existing(Path(given)), notes, failed):
+            try:
+                with reading(part):
+                    file = _open(part, packs, notes, stack)
+            except SourceError as error:
+                if part == Path(given):
+                    raise
+                failed.append(error)  # of what was not named itself it costs that alone
+            else:
+                files.append(file)
+    if failed and not files:
+        raise failed[0]
+    notes.update(f"lost: {error}" for error in failed)
+    if len(files) > 1:
+        files.sort(key=lambda file: (file.begin(), file.fingerprint))  # of equal times the earlier file's come first
+    for one, other in combinations(files, 2):
         if one.fingerprint == other.fingerprint and one.begin() < MOST_TIME:
             raise SourceError(f"{one.path} and {other.path} are the same recording; expected it once")
     return files
@@ -148,38 +159,49 @@ def recorded_topics(path: str | Path) -> dict[str, tuple[str, tuple[str, ...]]]:
     Raises SourceError where the file is missing or no recording.
     """
     found: dict[str, tuple[str, tuple[str, ...]]] = {}
-    for part in _files(existing(Path(path)), Counter()):
-        with reading(part):
-            file = _open(part, Counter())
-        try:
+    with ExitStack() as stack:
+        for file in opened([path], Counter(), stack):
             for connection in file.connections:
                 found.setdefault(connection.topic, (connection.msgtype, fields_of(connection)))
-        finally:
-            file.close()
     return dict(sorted(found.items()))
 
 
-def _files(path: Path, notes: Counter[str]) -> list[Path]:
-    """The files to open; a rosbag2 folder is one where only rosbags can open it."""
-    if not path.is_dir() or not (path / "metadata.yaml").exists():
-        return [file for part in parts_of(path) for file in (_files(part, notes) if part.is_dir() else [part])]
-    import yaml
+def _files(path: Path, notes: Counter[str], failed: list[SourceError]) -> Iterator[tuple[Path, bool]]:
+    """The files to open, and whether their messages may be compressed one by one."""
+    if path.is_dir() and (path / METADATA).exists():
+        from robophm.transports.columns.folder import files_in
 
-    with reading(path), (path / "metadata.yaml").open(encoding="utf-8") as file:
-        metadata = yaml.load(file, getattr(yaml, "CSafeLoader", yaml.SafeLoader))["rosbag2_bagfile_information"]
-        if str(metadata.get("compression_mode") or "none").lower() != "none":
-            return [path]
-        files = [path / PurePath(name).name for name in metadata["relative_file_paths"]]
-    for missing in (file for file in files if not file.is_file()):
-        notes[f"lost: {missing} is not there"] += 1
-    return [file for file in files if file.is_file() and file.suffix in SUFFIXES]
+        with reading(path):
+            files, packs = files_in(path, notes)
+        yield from ((file, packs) for file in files)
+    elif path.is_dir():
+        for part in parts_of(path):
+            try:
+                yield from _files(part, notes, failed)
+            except SourceError as error:
+                failed.append(error)
+    else:
+        yield from ((part, False) for part in parts_of(path))
 
 
-def _open(path: Path, notes: Counter[str]) -> PiecedFile:
-    if path.is_dir():
-        from robophm.transports.columns.folder import CompressedFolder
+def _open(path: Path, packs: bool, notes: Counter[str], stack: ExitStack) -> PiecedFile:
+    """One file, left to the stack to close."""
+    if path.suffix == PACKED:
+        from robophm.transports.columns.folder import Unpacked
 
-        return CompressedFolder(path, notes)
+        unpacked = Unpacked(path, notes)
+        stack.callback(unpacked.close)
+        path = unpacked.path
+    file = _plain(path, notes)
+    stack.callback(file.close)
+    if packs:
+        from robophm.transports.columns.folder import PackedMessages, packs_messages
+
+        return PackedMessages(file) if packs_messages(file) else file
+    return file
+
+
+def _plain(path: Path, notes: Counter[str]) -> PiecedFile:
     if path.suffix == ".db3":
         from robophm.transports.columns.db3 import Db3File
 

@@ -1,6 +1,7 @@
 """ROS 2 recordings in SQLite: one row a message.
 
 The rows are found in the file itself, where they are as rosbag2 writes them; SQLite is asked for what is otherwise.
+The index beside the table is never asked where a message is: one bit of it can hide nearly all. It is only counted.
 """
 
 from __future__ import annotations
@@ -9,18 +10,18 @@ import mmap
 import sqlite3
 from collections import Counter
 from collections.abc import Collection, Iterator
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robophm.core.errors import SourceError
-from robophm.transports.columns.pieces import BATCH, MOST_TIME, DamageError, Messages, Piece
+from robophm.transports.columns.pieces import BATCH, MOST_TIME, DamageError, Messages, Piece, Told
 from robophm.transports.columns.rows import Row, RowsFile
-from robophm.transports.columns.table import COLUMNS, Rows, find_rows
+from robophm.transports.columns.table import COLUMNS, Flags, Pages, Rows, find_rows
 from robophm.transports.columns.walk import Bytes
-from robophm.transports.recording import check_whole, pages_of
+from robophm.transports.recording import check_whole
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
@@ -41,14 +42,13 @@ class Db3File(RowsFile):
 
     def __init__(self, path: Path, notes: Counter[str]) -> None:
         super().__init__(path, notes)
-        self._content: Bytes = np.empty(0, np.uint8)
+        with path.open("rb") as file:
+            if not path.stat().st_size:
+                raise SourceError(f"{path}: is empty; expected a recording")
+            self._content: Bytes = np.frombuffer(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ), np.uint8)
         try:
             check_whole(path)
-            with path.open("rb") as file:
-                self._content = np.frombuffer(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ), np.uint8)
-        except (SourceError, ValueError) as error:  # an empty file cannot be mapped
-            if path.stat().st_size % max(1, pages_of(path)[0]):  # SQLite takes what is missing of a page for zeros
-                raise SourceError(str(error)) from None
+        except SourceError as error:
             notes[f"lost: {error}"] += 1
         try:
             self._database = sqlite3.connect(f"{path.resolve().as_uri()}?immutable=1", uri=True)
@@ -82,39 +82,114 @@ class Db3File(RowsFile):
 
     def begin(self) -> int:
         """When the first message was received [ns]."""
+        if self._found:
+            return int(self._found[1].times.min(initial=MOST_TIME))
         try:
-            (first,) = self._database.execute("SELECT min(timestamp) FROM messages").fetchone()
+            (first,) = self._database.execute("SELECT min(+timestamp) FROM messages").fetchone()
         except sqlite3.Error:
             return MOST_TIME  # said when its rows are read
         return first if isinstance(first, int) else MOST_TIME
 
+    def told(self) -> dict[int, Told]:
+        """How many messages each connection has, and when the first and the last of them were received."""
+        if not self._found:
+            return super().told()
+        rows = self._found[1]
+        told = {}
+        for topic in np.unique(rows.topics).tolist():
+            times = rows.times[rows.topics == topic]
+            told[topic] = Told(len(times), int(times.min()), int(times.max()))
+        return told
+
     def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
         """The rows in order of time, a few megabytes of them at once."""
-        try:
-            rows = find_rows(self._content, self._root(), wanted)
-        except DamageError:
+        if not self._found:
             yield from super().pieces(wanted, start, end)
             return
-        order = np.argsort(rows.times, kind="stable")
-        order = order[(rows.times[order] >= start) & (rows.times[order] < end)]
+        pages, rows, lost = self._found
+        self.notes.update(lost)
+        some = (rows.times >= start) & (rows.times < end) & np.isin(rows.topics, list(wanted))
+        order = np.flatnonzero(some)
+        order = order[np.argsort(rows.times[order], kind="stable")]
         batch = np.cumsum(rows.ends[order] - rows.starts[order]) // BATCH
-        for some in np.split(order, np.flatnonzero(np.diff(batch)) + 1):
-            if len(some):
-                part = Rows(*(column[some] for column in rows))
-                yield Piece(int(part.times[0]), partial(self._load, part, wanted))
+        used = np.zeros(pages.count + 1, np.bool_)
+        for part in np.split(order, np.flatnonzero(np.diff(batch)) + 1):
+            if len(part):
+                rows_ = Rows(*(column[part] for column in rows))
+                yield Piece(int(rows_.times[0]), partial(self._load, pages, rows_, used))
 
-    def _load(self, rows: Rows, wanted: Collection[int]) -> list[Messages]:
+    def _load(self, pages: Pages, rows: Rows, used: Flags) -> list[Messages]:
         messages = []
-        for topic in wanted:
-            some = rows.topics == topic
-            messages.append(Messages(topic, self._content, rows.times[some], rows.starts[some], rows.ends[some]))
+        for topic in np.unique(rows.topics).tolist():
+            some = Rows(*(column[rows.topics == topic] for column in rows))
+            spilled = some.spills > 0
+            if spilled.any():
+                messages.append(self._spilled(pages, topic, Rows(*(column[spilled] for column in some)), used))
+                some = Rows(*(column[~spilled] for column in some))
+            if len(some.times):
+                messages.append(Messages(topic, self._content, some.times, some.starts, some.ends))
         return messages
+
+    def _spilled(self, pages: Pages, topic: int, rows: Rows, used: Flags) -> Messages:
+        """The messages of one topic that lie on several pages each, put together."""
+        larger = rows.ends - rows.starts > LARGEST_ROW
+        if larger.any():
+            self.notes[f"{self.path.name}: rows that are too large lost"] += int(larger.sum())
+            rows = Rows(*(column[~larger] for column in rows))
+        ends = np.cumsum(rows.ends - rows.starts)
+        starts = ends - (rows.ends - rows.starts)
+        buffer = np.empty(int(ends[-1]) if len(ends) else 0, np.uint8)
+        whole = np.ones(len(ends), np.bool_)
+        for row, (start, end) in enumerate(zip(starts.tolist(), ends.tolist(), strict=True)):
+            try:
+                pages.fill(buffer[start:end], int(rows.starts[row]), int(rows.spills[row]), used)
+            except DamageError as error:
+                self.notes[f"{self.path.name}: {error} lost"] += 1
+                whole[row] = False
+        return Messages(topic, buffer, rows.times[whole], starts[whole], ends[whole])
+
+    @cached_property
+    def _found(self) -> tuple[Pages, Rows, Counter[str]] | None:
+        """The rows of the table of messages, and what is lost of them; None where SQLite has to be asked."""
+        try:
+            root = self._root()
+            pages = Pages(self._content)
+        except DamageError:
+            return None
+        lost: Counter[str] = Counter()
+        indexed = None
+        try:
+            indexed = self._indexed()
+        except DamageError:
+            lost[f"{self.path.name}: its index is damaged and was not asked"] += 1
+        table = find_rows(pages, root, indexed)
+        lost.update({f"{self.path.name}: {what}": count for what, count in table.lost.items()})
+        found = len(table.rows.times)
+        if indexed is not None and indexed > found:
+            lost[f"{self.path.name}: messages that its index counts and its table lacks lost"] += indexed - found
+        elif indexed is not None and indexed < found:
+            named = f"it names {indexed:,} of {found:,} messages"
+            lost[f"{self.path.name}: its index is damaged and was not asked: {named}"] += 1
+        return pages, table.rows, lost
+
+    def _indexed(self) -> int | None:
+        """How many messages the index of the table has, None where there is none; raises DamageError."""
+        try:
+            query = "SELECT name FROM sqlite_master WHERE type = 'index' AND tbl_name = 'messages' AND sql NOT NULL"
+            for (name,) in self._database.execute(query).fetchall():
+                quoted = str(name).replace('"', '""')
+                (count,) = self._database.execute(f'SELECT count(*) FROM messages INDEXED BY "{quoted}"').fetchone()
+                return int(count)
+        except (sqlite3.Error, UnicodeDecodeError, MemoryError) as error:
+            raise DamageError(str(error)) from error
+        return None
 
     def _root(self) -> int:
         """The page where the table of messages begins; raises DamageError where it is not as rosbag2 makes it."""
         try:
             columns = [name for _, name, *_ in self._database.execute("PRAGMA table_info(messages)")]
-            found = self._database.execute("SELECT rootpage FROM sqlite_master WHERE name = 'messages'").fetchall()
+            query = "SELECT rootpage FROM sqlite_master WHERE type = 'table' AND name = 'messages'"
+            found = self._database.execute(query).fetchall()
         except (sqlite3.Error, ValueError) as error:
             raise DamageError(str(error)) from error
         if tuple(columns) != COLUMNS or len(found) != 1 or not isinstance(found[0][0], int):
@@ -124,9 +199,9 @@ class Db3File(RowsFile):
     def rows(self, wanted: Collection[int], start: int, end: int) -> Iterator[Row]:
         """The rows in order of time; where the database is damaged they end, and the notes say so."""
         ids = ", ".join(str(int(id_)) for id_ in wanted)
-        query = (
-            f"SELECT timestamp, data, topic_id FROM messages WHERE topic_id IN ({ids}) "
-            "AND timestamp >= ? AND timestamp < ? ORDER BY timestamp"
+        query = (  # a + keeps SQLite from asking an index
+            f"SELECT timestamp, data, topic_id FROM messages WHERE +topic_id IN ({ids}) "
+            "AND +timestamp >= ? AND +timestamp < ? ORDER BY +timestamp"
         )
         try:
             yield from self._database.execute(query, (start, end))

@@ -32,9 +32,11 @@ from robophm.transports.columns.pieces import (
     DamageError,
     Messages,
     Piece,
+    Told,
     distinct,
+    tell,
 )
-from robophm.transports.columns.walk import Bytes, everywhere
+from robophm.transports.columns.walk import Bytes, Ints, everywhere
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
@@ -119,6 +121,19 @@ class McapFile(ChunkedFile):
         if opcode != MESSAGE_INDEX or channel != connection or size + 6 != length or size % 16:
             raise DamageError("damage")
         return np.frombuffer(self.view(offset + 15, offset + 15 + size), _INDEX)
+
+    def indexed_times(self, chunk: Chunk) -> dict[int, Ints]:
+        """When the messages of a chunk were received, as its index says."""
+        if chunk.indices is None:
+            raise DamageError("no index")
+        return {id_: self.index(at, id_)["time"].astype(np.int64) for id_, at in chunk.indices.items()}
+
+    def told(self) -> dict[int, Told]:
+        """What there is of each connection, in chunks and outside them."""
+        told = super().told()
+        for id_ in np.unique(self._loose["channel"]).tolist():
+            tell(told, id_, self._loose["time"][self._loose["channel"] == id_].astype(np.int64))
+        return told
 
     def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
         """The messages at these offsets of a chunk."""

@@ -39,6 +39,10 @@ LONGEST_TEXT = 1 << 24
 BATCH = 4_500_000
 """Bytes of messages that are handled at once, as far as chunks are not larger: more no longer stay in the cache."""
 
+_STEP = 1 << 20
+"""Bytes that are unpacked at once where nothing says how many there are."""
+
+
 MOST_TIME = 2**63 - 1
 """Nanoseconds; later times do not exist."""
 
@@ -59,6 +63,15 @@ class Piece(NamedTuple):
     first: int
     """No message in it, nor in a later piece of the file, was received before this [ns]."""
     load: Callable[[], list[Messages]]
+
+
+class Told(NamedTuple):
+    """What there is of one connection."""
+
+    messages: int
+    first: int
+    last: int
+    """When the first and the last were received [ns]."""
 
 
 class PiecedFile(ABC):
@@ -82,6 +95,17 @@ class PiecedFile(ABC):
 
         They come in order of ``first``; each must be loaded before the next is asked for.
         """
+
+    def told(self) -> dict[int, Told]:
+        """What there is of each connection that has messages: by the messages themselves, not by what is said of them.
+
+        What is lost on the way is noted when the messages are read.
+        """
+        counted: dict[int, Told] = {}
+        for piece in self.pieces([connection.id for connection in self.connections], -MOST_TIME, MOST_TIME):
+            for messages in piece.load():
+                tell(counted, messages.connection, messages.times)
+        return counted
 
     @abstractmethod
     def close(self) -> None:
@@ -146,7 +170,7 @@ def unpack(content: Bytes, compression: str, size: int) -> Bytes:
 
 def _decompressor(compression: str) -> Callable[[Any, int], bytes]:
     if compression == "zstd":
-        return _unpack_zstd
+        return unpack_zstd
     if compression == "lz4":
         from lz4.frame import LZ4FrameDecompressor
 
@@ -156,12 +180,26 @@ def _decompressor(compression: str) -> Callable[[Any, int], bytes]:
     raise DamageError(f"compression '{compression}' is not known")
 
 
-def _unpack_zstd(content: Any, size: int) -> bytes:
+def unpack_zstd(content: Any, size: int) -> bytes:
+    """What is in a frame, at most so many bytes; raises DamageError where it says more, or does not unpack."""
     import zstandard
 
-    if zstandard.frame_content_size(content) not in (-1, size):  # -1: the frame does not say
-        raise DamageError("chunk says that it unpacks to another size")
-    return zstandard.ZstdDecompressor().decompress(content, max_output_size=size)
+    try:
+        said = zstandard.frame_content_size(content)
+        if said > size:
+            raise DamageError(f"more than {size} bytes in what is compressed")
+        if said >= 0:
+            return zstandard.ZstdDecompressor().decompress(content, max_output_size=size)
+        parts, left = [], size
+        with zstandard.ZstdDecompressor().stream_reader(content) as stream:
+            while part := stream.read(_STEP):
+                parts.append(part)
+                left -= len(part)
+                if left < 0:
+                    raise DamageError(f"more than {size} bytes in what is compressed")
+    except zstandard.ZstdError as error:
+        raise DamageError(f"does not unpack: {error}") from error
+    return b"".join(parts)
 
 
 @dataclass(frozen=True)
@@ -213,12 +251,36 @@ class ChunkedFile(MappedFile):
                 contents = ahead.result() if ahead else self._contents(batch)
                 buffer, places = self._together(batch, contents)
                 del contents  # before the next ones come
-                ahead = beside.submit(self._contents, following) if following and following[0].packed else None
+                small = following and sum(chunk.size for chunk in following) <= 4 * BATCH  # large ones come alone
+                ahead = (
+                    beside.submit(self._contents, following) if following and small and following[0].packed else None
+                )
                 return self._load(buffer, places, wanted)
 
             batches = [*_batches(some)]
             for batch, following in zip_longest(batches, batches[1:]):
                 yield Piece(batch[0].first, partial(load, batch, following))
+
+    def told(self) -> dict[int, Told]:
+        """By the index of each chunk; of one without it by its messages."""
+        told: dict[int, Told] = {}
+        for chunk in self.chunks:
+            try:
+                for connection, times in self.indexed_times(chunk).items():
+                    tell(told, connection, times)
+            except DamageError:
+                with suppress(DamageError):
+                    for messages in self.scanned(chunk, self.unpacked(chunk), self.known()):
+                        tell(told, messages.connection, messages.times)
+        return told
+
+    def known(self) -> set[int]:
+        """Its connections."""
+        return {connection.id for connection in self.connections}
+
+    @abstractmethod
+    def indexed_times(self, chunk: Chunk) -> dict[int, Ints]:
+        """When the messages of a chunk were received, by connection, as its index says; raises DamageError."""
 
     def _contents(self, chunks: Iterable[Chunk]) -> list[Bytes | str]:
         """What they hold, or what is wrong: an error would keep this list alive by its traceback."""
@@ -317,6 +379,14 @@ def _batches(chunks: Iterable[Chunk]) -> Iterator[list[Chunk]]:
         batch.append(chunk)
     if batch:
         yield batch
+
+
+def tell(told: dict[int, Told], connection: int, times: Ints) -> None:
+    """Count some more messages of a connection."""
+    if len(times):
+        count, first, last = told.get(connection, Told(0, MOST_TIME, -MOST_TIME))
+        first, last = min(first, int(times.min())), max(last, int(times.max()))
+        told[connection] = Told(count + len(times), first, last)
 
 
 def distinct(offsets: NDArray[Any], most: int) -> bool:

@@ -15,6 +15,8 @@ from typing import Any, NamedTuple
 
 from robophm.core.errors import SourceError
 from robophm.transports.columns import read_columns
+from robophm.transports.recording import Recording
+from robophm.transports.source import open_source
 
 from .mutate import Mutant
 from .seeds import FIELDS, TOPICS, Rows, numbers, truth
@@ -198,8 +200,22 @@ def _mcap(path: Path, ros: int) -> Rows:
     return rows
 
 
+def _one_by_one(path: Path, _: int) -> Rows:
+    """The messages as the stepwise reader gives them, each decoded whole; raises ValueError where it says a loss."""
+    rows: Rows = {}
+    with open_source(path) as source:
+        assert isinstance(source, Recording)
+        there = [info.topic for info in source.topics() if info.topic in TOPICS]
+        for time, topic, message in source.messages(there, 1 << 27):
+            if message is not None:
+                rows.setdefault(topic, []).append((time, numbers(topic, message)))
+        if source.lost() or any("unreadable" in note for note in source.notes):
+            raise ValueError(source.notes)
+    return rows
+
+
 PEERS = {
-    ".mcap": (("mcap", _mcap), ("rosbags", _rosbags)),
-    ".bag": (("rosbags", _rosbags),),
-    ".db3": (("rosbags", _rosbags),),
+    ".mcap": (("mcap", _mcap), ("rosbags", _rosbags), ("one by one", _one_by_one)),
+    ".bag": (("rosbags", _rosbags), ("one by one", _one_by_one)),
+    ".db3": (("rosbags", _rosbags), ("one by one", _one_by_one)),
 }

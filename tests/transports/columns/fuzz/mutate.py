@@ -104,6 +104,15 @@ def _flip(content: bytearray, _: Seed, shape: Shape, chance: random.Random) -> f
     return _guarded(shape, at, at + len(new))
 
 
+def _bit(content: bytearray, _: Seed, shape: Shape, chance: random.Random) -> frozenset[Message] | None:
+    """One bit, of a database's index where there is one."""
+    start, end = chance.choice(shape.indices or shape.records)
+    at = min(start + chance.choice([chance.randrange(12), chance.randrange(end - start)]), len(content) - 1)
+    if at >= 0:
+        content[at] ^= 1 << chance.randrange(8)
+    return _guarded(shape, at, at + 1)
+
+
 def _many(content: bytearray, seed: Seed, shape: Shape, chance: random.Random) -> None:
     for _ in range(30):
         _flip(content, seed, shape, chance)
@@ -173,6 +182,7 @@ def _text(content: bytearray, _: Seed, __: Shape, chance: random.Random) -> None
 _WAYS: dict[str, tuple[int, Callable[[bytearray, Seed, Shape, random.Random], frozenset[Message] | None]]] = {
     "number": (50, _number),
     "flip": (12, _flip),
+    "bit": (10, _bit),
     "many": (4, _many),  # type: ignore[dict-item]
     "cut": (6, _cut),
     "pad": (2, _pad),

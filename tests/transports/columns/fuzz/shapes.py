@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sqlite3
 import struct
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass, field
 
 from .seeds import TOPICS, Seed
@@ -20,6 +22,8 @@ class Shape:
     numbers: list[Span] = field(default_factory=list)
     """Lengths, counts, offsets, kinds, times, identifiers, checksums."""
     records: list[Span] = field(default_factory=list)
+    indices: list[Span] = field(default_factory=list)
+    """Pages of a database that say where messages are: its index, and the inner ones of their table."""
     chunks: dict[Span, frozenset[Message]] = field(default_factory=dict)
     """The messages in each."""
     guarded: dict[Span, frozenset[Message]] = field(default_factory=dict)
@@ -156,18 +160,35 @@ def _bag_part(content: bytes, shape: Shape, begin: int, end_: int) -> None:
             _payload(shape, data, end)
 
 
+def _inner(content: bytes, size: int) -> Iterator[int]:
+    """Where the inner pages of the table of messages begin."""
+    with closing(sqlite3.connect(":memory:")) as database:
+        database.deserialize(content)
+        (root,) = database.execute("SELECT rootpage FROM sqlite_master WHERE name = 'messages'").fetchone()
+    pages = [root]
+    while pages:
+        page = (pages.pop() - 1) * size
+        if content[page] == 5:
+            yield page
+            (cells,) = struct.unpack_from(">H", content, page + 3)
+            places = [page + place for place in struct.unpack_from(f">{cells}H", content, page + 12)]
+            pages += [struct.unpack_from(">I", content, place)[0] for place in (*places, page + 8)]
+
+
 def _db3(seed: Seed, shape: Shape) -> None:
     """Pages, their cells, and the columns in those."""
     content = seed.content
     size = struct.unpack_from(">H", content, 16)[0]
     shape.numbers += [(16, 18), (18, 19), (20, 21), (24, 28), (28, 32), (32, 36), (36, 40), (44, 48), (56, 60)]
+    inner = set(_inner(content, size))
     for page in range(0, len(content), size):
         shape.records.append((page, page + size))
         head = page + 100 * (page == 0)
         kind = content[head]
         interior = kind in (2, 5)
-        if kind in (2, 10) and page and seed.name != "large":  # SQLite takes times from the index
+        if page and (kind in (2, 10) or page in inner):  # what is in the table is found without them
             shape.guarded[page, page + size] = frozenset()
+            shape.indices.append((page, page + size))
         if kind not in (2, 5, 10, 13):
             continue
         shape.numbers += [(head, head + 1), (head + 1, head + 3), (head + 3, head + 5), (head + 5, head + 7)]
