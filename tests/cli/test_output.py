@@ -7,6 +7,8 @@ import pty
 import re
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
 
@@ -200,3 +202,19 @@ def test_in_process_use_leaves_the_streams_alone():
     before = sys.stdout, sys.stderr
     assert CliRunner().invoke(app, ["rate", "--json"]).exit_code == OK
     assert (sys.stdout, sys.stderr) == before
+
+
+def test_lines_go_out_as_they_are_written_also_into_a_pipe(command: list[str], design: Path) -> None:
+    """Who waits for the address that a command prints has it while the command runs."""
+    process = subprocess.Popen(
+        [*command, "serve", str(design), "--port", "0"],
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        env={name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"},
+    )  # fmt: skip
+    assert process.stdout is not None
+    with process, ThreadPoolExecutor() as reader:
+        try:
+            assert "is served at http" in reader.submit(process.stdout.readline).result(timeout=20)
+            assert process.poll() is None
+        finally:
+            process.kill()

@@ -51,15 +51,16 @@ def progress_console() -> Console:
     return Console(stderr=True, highlight=False)
 
 
-def print_json(document: Mapping[str, Any]) -> None:
-    """One JSON document on stdout, with its schema version first."""
-    sys.stdout.write(json_text({"schema_version": SCHEMA_VERSION, **document}) + "\n")
+def print_json(document: Mapping[str, Any], *, one_of_many: bool = False) -> None:
+    """One JSON document on stdout, with its schema version first; one of many takes one line."""
+    text = json_text({"schema_version": SCHEMA_VERSION, **document}, indent=None if one_of_many else 2)
+    sys.stdout.write(text + "\n")
 
 
-def json_text(document: Mapping[str, Any]) -> str:
+def json_text(document: Mapping[str, Any], *, indent: int | None = 2) -> str:
     """As it is printed: stdout that cannot show a character gets its JSON escape."""
     unicode = sys.stdout.encoding.lower().startswith("utf")
-    return json.dumps(document, indent=2, ensure_ascii=not unicode, allow_nan=False)
+    return json.dumps(document, indent=indent, ensure_ascii=not unicode, allow_nan=False)
 
 
 def warn(text: str) -> None:

@@ -105,7 +105,7 @@ def run(design: Path, asked: Watched) -> bool:
             )  # fmt: skip
         health = monitor.report()
         if asked.as_json:
-            print_json(health.to_json())
+            print_json(health.to_json(), one_of_many=True)
         else:
             print_report(health, asked.unit)
         for what, count in sorted(source.notes.items()):
@@ -138,14 +138,14 @@ class _Lines(ReportSink):
             return
         self._said = time.monotonic()
         if self._asked.as_json:
-            print_json(report.to_json())
+            print_json(report.to_json(), one_of_many=True)
         else:
             rate = rate_text(report.system.sensor_based.hazard_rate, self._asked.unit)
             self._out.print(f"{report.clocks['operating']:.3f} h  λ {rate}", markup=False)
 
     def judged(self, task: JudgedTask) -> None:
         if self._asked.as_json:
-            print_json({"schema_version": 1, "task": plain(asdict(task))})
+            print_json({"task": plain(asdict(task))}, one_of_many=True)
         else:
             self._out.print(_task_text(task), markup=False)
 
