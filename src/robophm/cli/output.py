@@ -123,6 +123,11 @@ def health_table(report: HealthReport, unit: str, *, course: Mapping[str, str] |
     return table(title, [*columns, *(["λ sensor, recent"] if course is not None else [])], rows, figures=figures)
 
 
+def mark_lines(report: HealthReport) -> list[str]:
+    """What the stars of the table mean."""
+    return [f"* {one.path}: {', '.join(one.marks)}" for one in report.subjects if one.marks]
+
+
 def print_report(report: HealthReport, unit: str) -> None:
     """A report for people: the table, what qualifies it, what is breached."""
     out = console()
@@ -153,8 +158,7 @@ def print_report(report: HealthReport, unit: str) -> None:
         task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
         chance = probability_text(system.completion.probability, system.completion.failure)
         out.print(f"Next task ({task}): completed with {chance}", markup=False)
-    flagged = [f"* {one.path}: {', '.join(one.flags)}" for one in report.subjects if one.flags]
-    for line in (*flagged, *report.notes):
+    for line in (*mark_lines(report), *report.notes):
         out.print(line, style="yellow", markup=False)
     for words in report.warnings:
         out.print(f"warning: {words}", style="yellow", markup=False)

@@ -141,7 +141,8 @@ class _Lines(ReportSink):
             print_json(report.to_json(), one_of_many=True)
         else:
             rate = rate_text(report.system.sensor_based.hazard_rate, self._asked.unit)
-            self._out.print(f"{report.clocks['operating']:.3f} h  λ {rate}", markup=False)
+            marks = f"  ({', '.join(report.system.marks)})" if report.system.marks else ""
+            self._out.print(f"{report.clocks['operating']:.3f} h  λ {rate}{marks}", markup=False, soft_wrap=True)
 
     def judged(self, task: JudgedTask) -> None:
         if self._asked.as_json:

@@ -296,7 +296,7 @@ class Part:
         gone = times[-1:] + max_age
         if longest > max_age:
             gone = np.append(times[:-1][times[1:] - times[:-1] > max_age] + max_age, gone)
-        gone = gone[(gone > start) & (gone < end)]
+        gone = np.concatenate((gone[(gone > start) & (gone < end)], self.stretch.operating.edges[1:-1]))
         extra = ascending(np.concatenate((self.stretch.bounds, gone))) if len(gone) else self.stretch.edges
         inside = slice(times.searchsorted(start, side="right"), times.searchsorted(end))
         if len(extra) == 2 and inside.start and start - times[inside.start - 1] < max_age:
