@@ -7,13 +7,14 @@ that the same samples in the same order always give the same ledger, bit for bit
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TypedDict, Unpack
 
 from robophm.core.signal import CLOCK, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.health.exposure import Exposure
+from robophm.health.leap import LEAP, Leaps, why_not
 from robophm.health.ledger import Ledger
 from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName
@@ -61,8 +62,58 @@ class Monitor:
         self.period = round(period * SECOND)
         self.on_tick = on_tick
 
+    def resume(self, begin: int) -> None:
+        """What comes begins at this time [ns]: within ``max_gap`` it goes on with the recording before it.
+
+        Else the robot was not known to be on when that had ended.
+        """
+        ledger = self.ledger
+        if ledger.ended is not None and begin - ledger.ended > self.robot.max_gap:
+            ledger.ends.append(ledger.ended)
+        ledger.ended = None
+
+    def end(self, last: int | None) -> None:
+        """What was heard was a recording, which has ended, with its last message of whichever topic at ``last`` [ns]."""
+        newest = self.ledger.newest
+        if newest is not None:
+            self.ledger.ended = min(max(newest, newest if last is None else last), newest + self.robot.max_gap)
+
+    def expect(self, spans: Iterable[tuple[int, int]]) -> None:
+        """What comes are recordings that began and ended then [ns], in any order: each end is known."""
+        ends: list[int] = []
+        for begin, end in sorted(spans):
+            if ends and begin - ends[-1] <= self.robot.max_gap:
+                ends[-1] = max(ends[-1], end)
+            else:
+                ends.append(end)
+        self.ledger.ends += ends[:-1]
+
     def observe(self, sample: Sample) -> None:
-        """Take one sample. What is not finite, or older than what has been integrated, is counted and dropped."""
+        """Take one sample. What is not finite, or older than what has been integrated, is counted and dropped.
+
+        What is far ahead of all others is set aside until others confirm that it is so late, or that the clock jumped.
+        """
+        ledger = self.ledger
+        if ledger.ended is not None:
+            self.resume(sample.time)
+        if ledger.newest is None or not (ledger.aside or sample.time > ledger.newest + LEAP):
+            self._take(sample)
+            return
+        heard = Leaps(ledger.newest, (one.time for one in ledger.aside)).hear(sample.time)
+        if heard == "waits":
+            ledger.aside.append(sample)
+            return
+        aside, ledger.aside = ledger.aside, ledger.aside if heard == "full" else []
+        if heard == "confirms":
+            for one in (*aside, sample):
+                self._take(one)
+            return
+        lost = [sample] if heard == "full" else aside
+        ledger.counts.update(why for why in map(why_not, lost) if why)
+        if heard == "counts":
+            self._take(sample)
+
+    def _take(self, sample: Sample) -> None:
         ledger = self.ledger
         at, signal, value = sample
         if ledger.integrated_to is not None and at <= ledger.integrated_to:

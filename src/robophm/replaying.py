@@ -30,6 +30,9 @@ MOST_REPORTS = 1000
 """Reports that are kept of one replay, unless more are asked for."""
 
 
+REPAIR = "where its clock had jumped ahead, robophm store repair takes that out"
+
+
 class Course:
     """The reports of a robot's time that are to be kept: after the first tick, and after the first in every step."""
 
@@ -136,7 +139,11 @@ def _go_through(
 
     monitor = Monitor(robot, ledger, period=period, on_tick=tick if store or on_tick else None)
     life = VirtualLife(monitor, step)
+    if drive.first is not None and not position:
+        monitor.resume(drive.first)
     with drive.open() as source:
+        if not position:
+            monitor.expect(source.spans())
         if (blocks := source.columns(drive.signals, position)) is not None:
             for block in blocks:
                 life.observe(block)
@@ -145,6 +152,8 @@ def _go_through(
             for sample in itertools.islice(source.samples(drive.signals), position, None):
                 position += 1
                 monitor.observe(sample)
+        if source.ends:
+            monitor.end(drive.last)
         save(complete=True)
     return monitor, decided + source.notes
 
@@ -161,5 +170,5 @@ def _not_before(drive: Drive, integrated_to: int) -> None:
         early = (integrated_to - drive.last) / SECOND
         raise SourceError(
             f"{drive.name} ends {early:,.0f} s before the robot's ledger does, and would not count; "
-            "expected recordings in the order of their time, or another store"
+            f"expected recordings in the order of their time, or another store; {REPAIR}"
         )

@@ -101,7 +101,7 @@ def run(design: Path, asked: Watched) -> bool:
             gc.freeze()  # what is there now stays: not to be looked through again and again while the robot runs
             monitor = watch(
                 robot, source, store=kept, journal=written, period=asked.period, sinks=[*sinks, shown],
-                task_topics=_task_topics(asked), speed=speed, functions=asked.functions,
+                task_topics=_task_topics(asked), speed=speed, functions=asked.functions, on_clock=warn,
             )  # fmt: skip
         health = monitor.report()
         if asked.as_json:

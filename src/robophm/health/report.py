@@ -14,6 +14,7 @@ from robophm.core.signal import SECOND
 from robophm.design.robot import FailureMode, Robot, Thresholds
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.health.exposure import Exposure
+from robophm.health.leap import waiting
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion, plan_future
 from robophm.health.plant import Plant
@@ -316,6 +317,8 @@ def _notes(ledger: Ledger) -> tuple[str, ...]:
         signal = key.partition(" ")[0]
         if signal not in silent.setdefault(nanoseconds, []):
             silent[nanoseconds].append(signal)
+    if ledger.aside and ledger.newest is not None:
+        dropped.insert(0, waiting(ledger.newest, ledger.aside))
     return (
         *dropped,
         *(f"no valid value for {t / SECOND:.6g} s of operation: {', '.join(signals)}" for t, signals in silent.items()),

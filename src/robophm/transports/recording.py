@@ -76,6 +76,10 @@ class Recording(SignalSource):
         """What there is to ask for. ``fields`` is empty where the messages cannot be decoded."""
         return list(self._topics)
 
+    def spans(self) -> list[tuple[int, int]]:
+        """When each file began and ended, of those that hold messages; a reader's end is a nanosecond behind the last."""
+        return [(file.reader.start_time, file.reader.end_time - 1) for file in self._files if file.reader.message_count]
+
     @cached_property
     def _topics(self) -> list[TopicInfo]:
         found: dict[str, TopicInfo] = {}
