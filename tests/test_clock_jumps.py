@@ -105,7 +105,7 @@ def test_what_stays_ahead_is_believed_and_nothing_of_it_is_lost(design: Robot) -
 
 @pytest.mark.parametrize("seed", range(12))
 def test_by_the_column_as_one_by_one(design: Robot, seed: int) -> None:
-    """Random jumps of random length, in random blocks: the ledger is the same bit for bit, also of what is set aside."""
+    """Random jumps of random length, in random blocks: the ledger is the same bit for bit."""
     chance = np.random.default_rng(seed)
     samples: list[Sample] = []
     now = START

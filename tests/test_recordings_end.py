@@ -137,4 +137,6 @@ def test_a_run_that_goes_on_where_recordings_ended(design: Robot, tmp_path: Path
             live.observe(sample)
     report = replay(design, tmp_path / "run.journal", store=again, period=1.0)
     assert again.ledger("R") == json.loads(json.dumps(live.ledger.to_json()))
-    assert report.clocks["operating"] * 3600 == pytest.approx(100 + 49 + 60, rel=1e-9)  # what is live runs until max_gap
+    assert report.clocks["operating"] * 3600 == pytest.approx(
+        100 + 49 + 60, rel=1e-9
+    )  # what is live runs until max_gap

@@ -263,7 +263,9 @@ class VirtualLife:
 
 
 def _heard(some: Sequence[tuple[int, Sample]]) -> Heard:
-    arrived, times = (np.array(column, dtype=np.int64) for column in zip(*((at, one.time) for at, one in some), strict=True))
+    arrived, times = (
+        np.array(column, dtype=np.int64) for column in zip(*((at, one.time) for at, one in some), strict=True)
+    )
     return Heard(arrived, times, np.array([one.value for _, one in some]))
 
 

@@ -58,11 +58,15 @@ def test_the_ledger_is_that_of_before_the_jump(inside, tmp_path, poisoned):
     assert ledger["integrated_to"] == good.integrated_to
     now = type(good).of(robot, ledger)
     for name in ("age", "effective", "hazard", "clocks"):
-        assert getattr(now, name).value == pytest.approx(getattr(good, name).value, rel=1e-7)  # stress that scales hazard: at its mean
+        assert getattr(now, name).value == pytest.approx(
+            getattr(good, name).value, rel=1e-7
+        )  # stress that scales hazard: at its mean
     with SqliteStore(tmp_path / "past.db.before-repair") as store:
         assert store.ledger("R")["integrated_to"] > IN_2038
     assert before != (tmp_path / "past.db").read_bytes()
-    (tmp_path / "next.csv").write_text(f"time,{T}\n" + "".join(f"{START // SECOND + 40_000 + i},35\n" for i in range(100)))
+    (tmp_path / "next.csv").write_text(
+        f"time,{T}\n" + "".join(f"{START // SECOND + 40_000 + i},35\n" for i in range(100))
+    )
     again = inside("replay", "robot.yaml", "next.csv", "--store", "past.db", "--json")
     assert again.returncode == 0
     assert json.loads(again.stdout)["clocks"]["calendar"] == pytest.approx(40_099 / 3600, rel=1e-6)

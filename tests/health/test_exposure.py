@@ -320,7 +320,7 @@ class BruteForce:
         return power[1] > 0.5 if power else any(time <= now < time + self.gap for time in self.heard)
 
     def factors(self, now: int) -> dict[str, mpf]:
-        """Conservative: of all that each silent input may be, the last value or the nominal, the worst for each part."""
+        """Conservative: of all that silent inputs may be, last values or nominal ones, the worst for each part."""
         if self.policy != "conservative":
             return self.assumed(now, self.policy, self.policy)
         if not self.on(now):

@@ -79,7 +79,7 @@ def test_no_death_of_a_sensor_lowers_the_rate(first: str, hot: float, volts: flo
 def test_what_is_ahead_does_not_improve_either(celsius: float, factor: int) -> None:
     """Neither after the ten minutes in which a recent mean was to be had, nor where a leg states another input."""
     monitor = Monitor(robot(PART), period=10)
-    hear(monitor, range(0, 60), t=celsius)
+    hear(monitor, range(60), t=celsius)
     hear(monitor, range(60, 1800, 10))
     report = monitor.report()
     life = report.system.sensor_based.remaining_life

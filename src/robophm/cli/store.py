@@ -40,14 +40,16 @@ def repair(
             kept.copy_to(copy)
             kept.bring_back(robot.name, ledger.to_json(), done.before)
     if as_json:
-        print_json({"robot": robot.name, "repaired": done._asdict() if done else None, "copy": str(copy) if done else None})
+        print_json(
+            {"robot": robot.name, "repaired": done._asdict() if done else None, "copy": str(copy) if done else None}
+        )
         return
     out = console()
     if not done:
         out.print(f"{path}: no clock jumped by years in the past of {robot.name}; nothing is changed", markup=False)
         return
     out.print(
-        f"{path}: the clock had jumped from {moment_text(done.before)} by {(done.until - done.before) / HOUR:,.0f} h; that is "
-        f"taken out, with {number_text(done.operating)} h of operation behind it. As it was: {copy}",
+        f"{path}: the clock had jumped from {moment_text(done.before)} by {(done.until - done.before) / HOUR:,.0f} h; "
+        f"that is taken out, with {number_text(done.operating)} h of operation behind it. As it was: {copy}",
         markup=False, soft_wrap=True,
     )  # fmt: skip

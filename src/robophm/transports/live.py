@@ -70,9 +70,7 @@ def _ros2(reason: str, period: float) -> Live:
             if not _has("cyclonedds"):
                 raise SourceError(f"{error}, and no cyclonedds: pip install robophm[ros2]") from None
             why = str(error)
-    return Live(
-        ros2_dds.Ros2Dds(period=period), 2, "ros2_dds", f"{reason}; {why}", ros2_dds.Node, ros2_dds.Publisher
-    )
+    return Live(ros2_dds.Ros2Dds(period=period), 2, "ros2_dds", f"{reason}; {why}", ros2_dds.Node, ros2_dds.Publisher)
 
 
 def generation_here() -> tuple[int, str]:

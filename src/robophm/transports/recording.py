@@ -77,7 +77,7 @@ class Recording(SignalSource):
         return list(self._topics)
 
     def spans(self) -> list[tuple[int, int]]:
-        """When each file began and ended, of those that hold messages; a reader's end is a nanosecond behind the last."""
+        """When each file began and ended, of those that hold messages; a reader's end is a nanosecond too late."""
         return [(file.reader.start_time, file.reader.end_time - 1) for file in self._files if file.reader.message_count]
 
     @cached_property

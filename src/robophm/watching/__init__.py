@@ -39,7 +39,7 @@ def watch(
     ledger, bit for bit. Reports go to ``sinks`` with the remaining lives and completions last seen ahead; so do the
     tasks that ``task_topics`` of a live source tell of, ``speed`` [m/s] and ``functions`` being as of LiveTasks; what
     of them is not judged is in the source's notes. ``on_start`` is called before the first sample, ``on_tick`` after
-    each step, ``on_clock`` with words, at once, where the time of what is heard jumps ahead, or back so that nothing counts.
+    each step, ``on_clock`` with words, at once, where the clock jumps ahead, or back so that nothing counts.
 
     Where there are both a store and a journal, what an earlier watch wrote to that journal and could not save any more
     is taken into the ledger first.

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from robophm.core.signal import HOUR, SECOND
-from robophm.health.ledger import Ledger
 from robophm.health.leap import Leaps
+from robophm.health.ledger import Ledger
 
 BACK = 60 * SECOND
 """Nanoseconds behind what is integrated by which the clock, and not the way of a sample, is late."""
