@@ -12,9 +12,8 @@ import robophm
 from robophm.core.signal import CLOCK, SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
-from robophm.health.ledger import Ledger
 from robophm.monitor import Monitor
-from robophm.replaying import replay
+from robophm.replaying import kept_ledger, replay
 from robophm.stores.memory import MemoryStore
 from robophm.transports.journal import Journal
 from robophm.transports.synthetic import SyntheticOta
@@ -126,9 +125,7 @@ def test_a_run_that_goes_on_where_recordings_ended(design: Robot, tmp_path: Path
     kept, again = MemoryStore(), MemoryStore()
     replay(design, recorded, store=kept, period=1.0)
     replay(design, recorded, store=again, period=1.0)
-    data = kept.ledger("R")
-    assert data is not None
-    live = Monitor(design, Ledger.of(design, data), period=1.0)
+    live = Monitor(design, kept_ledger(design, kept), period=1.0)
     with Journal(tmp_path / "run.journal", design.signals) as journal:
         for second in range(1000, 1200):
             signal = "/motor.temperature" if second < 1050 else CLOCK

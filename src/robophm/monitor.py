@@ -73,7 +73,7 @@ class Monitor:
         ledger.ended = None
 
     def end(self, last: int | None) -> None:
-        """What was heard was a recording, which has ended; its last message, of whichever topic, was at ``last`` [ns]."""
+        """What was heard was a recording that has ended: its last message, of any topic, was at ``last`` [ns]."""
         newest = self.ledger.newest
         if newest is not None:
             self.ledger.ended = min(max(newest, newest if last is None else last), newest + self.robot.max_gap)

@@ -33,6 +33,10 @@ MOST_REPORTS = 1000
 REPAIR = "where its clock had jumped ahead, robophm store repair takes that out"
 
 
+_ENDED = "end of the recording that was heard last"
+"""What its time is kept under in a store, with the newest sample that it is of."""
+
+
 class Course:
     """The reports of a robot's time that are to be kept: after the first tick, and after the first in every step."""
 
@@ -77,6 +81,17 @@ def replay(
     return replay_drives(robot, drives, store=store, period=period, report_every=report_every, on_tick=on_tick)
 
 
+def kept_ledger(robot: Robot, store: Store) -> Ledger | None:
+    """A robot's ledger in a store, to go on from; it knows whether a recording was heard last, and when that ended."""
+    kept = store.ledger(robot.name)
+    if kept is None:
+        return None
+    ledger, end = Ledger.of(robot, kept), store.progress(robot.name, _ENDED)
+    if end.complete and end.notes.get("newest") == ledger.newest:
+        ledger.ended = end.position
+    return ledger
+
+
 def replay_drives(
     robot: Robot,
     drives: Sequence[Drive],
@@ -87,8 +102,7 @@ def replay_drives(
     on_tick: Callable[[Monitor], None] | None = None,
 ) -> HealthReport:
     """The same of drives that have been looked through. Raises SourceError as ``replay``."""
-    kept = store.ledger(robot.name) if store else None
-    ledger = Ledger.of(robot, kept) if kept else None
+    ledger = kept_ledger(robot, store) if store else None
     step = round(report_every * SECOND) if report_every else _report_step(drives) if store else REPORT_STEP
     decided: Counter[str] = Counter()
     for drive in drives:
@@ -155,6 +169,9 @@ def _go_through(
         if source.ends:
             monitor.end(drive.last)
         save(complete=True)
+    if store and (ended := monitor.ledger.ended) is not None:
+        end = Progress(_ENDED, ended, complete=True, notes={"newest": monitor.ledger.newest or 0})
+        store.save(robot.name, monitor.ledger.to_json(), end)
     return monitor, decided + source.notes
 
 

@@ -137,7 +137,10 @@ class Ledger:
     off: int | None = None
     """Time until which it was off last."""
     ended: int | None = None
-    """When the recording ended that was heard last; None where that was no recording, or since another sample."""
+    """When the recording ended that was heard last; None where that was no recording, or since another sample.
+
+    It says nothing of the past, and is kept beside the ledger.
+    """
     ends: list[int] = field(default_factory=list)
     """Ends of recordings, none of which goes on within ``max_gap``, that no integrated sample is later than."""
     last: dict[str, tuple[int, tuple[float, ...]]] = field(default_factory=dict)
@@ -317,7 +320,7 @@ class Ledger:
 
 
 _VERSION = 2
-_TIMES = ("started", "integrated_to", "newest", "heard", "off", "ended")
+_TIMES = ("started", "integrated_to", "newest", "heard", "off")
 
 
 def _steps_to_json(steps: Sequence[Step]) -> dict[str, Any]:

@@ -9,10 +9,9 @@ from contextlib import ExitStack
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
-from robophm.health.ledger import Ledger
 from robophm.health.report import health_now
 from robophm.monitor import Monitor
-from robophm.replaying import REPAIR, REPORT_STEP, Course
+from robophm.replaying import REPAIR, REPORT_STEP, Course, kept_ledger
 from robophm.stores.store import Progress, Store
 from robophm.transports.journal import Journal
 from robophm.transports.sink import JudgedTask, ReportSink
@@ -46,8 +45,7 @@ def watch(
 
     Raises SourceError as the source does, and where the ledger is ahead of the samples' time.
     """
-    kept = store.ledger(robot.name) if store else None
-    ledger = Ledger.of(robot, kept) if kept else None
+    ledger = kept_ledger(robot, store) if store else None
     course = Course(REPORT_STEP, ledger)
     saved = time.monotonic()
     key = f"journal {journal.path.resolve()}" if journal else ""
