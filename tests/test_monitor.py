@@ -55,7 +55,9 @@ def test_clock_samples_make_silence_heard() -> None:
     assert (spoken.clocks["calendar"] * 3600, spoken.system.flags) == (exact(10), ())
     assert (report.clocks["calendar"] * 3600, report.system.flags) == (exact(300), ("stale /t.c",))
     assert report.clocks["operating"] * 3600 == exact(70)  # and a minute, then it is taken to be off
-    assert report.system.sensor_based.unreliability == exact(-mp.expm1(-mpf("0.01") * (15 * 2 + 55) / 3600))
+    assert report.system.sensor_based.unreliability == exact(
+        -mp.expm1(-mpf("0.01") * (15 * 2 + 55 * 2) / 3600)
+    )  # as hot as last heard
 
 
 def test_the_robot_is_not_on_before_it_is_heard() -> None:

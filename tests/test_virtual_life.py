@@ -153,7 +153,7 @@ def stream(seed: int, count: int, *, rough: bool) -> Arrivals:
     st.builds(stream, st.integers(0, 2**32), st.integers(1, 250), rough=st.booleans()),
     st.sampled_from([0.3, 5.0, 30.0]),
     st.sampled_from([0.5, 20.0, 60.0]),
-    st.sampled_from(["nominal", "hold", "worst"]),
+    st.sampled_from(["conservative", "nominal", "hold", "worst"]),
     st.booleans(),
     st.sampled_from([3, 10, 60]),
     st.sampled_from([60 * SECOND, 600 * SECOND]),

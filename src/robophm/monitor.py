@@ -7,7 +7,7 @@ that the same samples in the same order always give the same ledger, bit for bit
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TypedDict, Unpack
 
 import numpy as np
@@ -18,6 +18,7 @@ from robophm.core.signal import CLOCK, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.health.exposure import Exposure
+from robophm.health.leap import LEAP, Leaps, why_not
 from robophm.health.ledger import Ledger
 from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName
@@ -75,25 +76,75 @@ class Monitor:
         self.period = round(seconds * SECOND)
         self.on_tick = on_tick
 
+    def resume(self, begin: int) -> None:
+        """What comes begins at this time [ns]: within ``max_gap`` it goes on with the recording before it.
+
+        Else the robot was not known to be on when that had ended.
+        """
+        ledger = self.ledger
+        if ledger.ended is not None and begin - ledger.ended > self.robot.max_gap:
+            ledger.ends.append(ledger.ended)
+        ledger.ended = None
+
+    def end(self, last: int | None) -> None:
+        """What was heard was a recording that has ended: its last message, of any topic, was at ``last`` [ns]."""
+        newest = self.ledger.newest
+        if newest is not None:
+            self.ledger.ended = min(max(newest, newest if last is None else last), newest + self.robot.max_gap)
+
+    def expect(self, spans: Iterable[tuple[int, int]]) -> None:
+        """What comes are recordings that began and ended then [ns], in any order: each end is known."""
+        ends: list[int] = []
+        for begin, end in sorted(spans):
+            if ends and begin - ends[-1] <= self.robot.max_gap:
+                ends[-1] = max(ends[-1], end)
+            else:
+                ends.append(end)
+        self.ledger.ends += ends[:-1]
+
     def observe(self, sample: Sample) -> None:
         """Take one sample. What is not finite, or older than what has been integrated, is counted and dropped.
 
+        What is far ahead of all others is set aside until others confirm that it is so late, or that the clock jumped.
+
         Raises SourceError where it is no sample.
         """
-        ledger = self.ledger
         try:
             at, signal, value = sample
-            finite = math.isfinite(value)
+            math.isfinite(value)
             taken = isinstance(at, int | np.integer) and isinstance(signal, str)
         except (TypeError, ValueError):
-            finite = taken = False
+            taken = False
         if not taken:
             raise SourceError(f"sample {shown(sample)}: expected a Sample of a time [ns], a signal and a number")
+        ledger = self.ledger
+        if ledger.ended is not None:
+            self.resume(at)
+        if ledger.newest is None or not (ledger.aside or at > ledger.newest + LEAP):
+            self._take(sample)
+            return
+        heard = Leaps(ledger.newest, (one.time for one in ledger.aside)).hear(at)
+        if heard == "waits":
+            ledger.aside.append(Sample(at, signal, value))
+            return
+        aside, ledger.aside = ledger.aside, ledger.aside if heard == "full" else []
+        if heard == "confirms":
+            for one in (*aside, sample):
+                self._take(one)
+            return
+        lost = [sample] if heard == "full" else aside
+        ledger.counts.update(why for why in map(why_not, lost) if why)
+        if heard == "counts":
+            self._take(sample)
+
+    def _take(self, sample: Sample) -> None:
+        ledger = self.ledger
+        at, signal, value = sample
         if ledger.integrated_to is not None and at <= ledger.integrated_to:
             if signal != CLOCK:
                 ledger.counts[f"late: {signal}"] += 1
             return
-        if signal != CLOCK and not finite:
+        if signal != CLOCK and not math.isfinite(value):
             ledger.counts[f"not finite: {signal}"] += 1
             return
         if ledger.started is None or (ledger.integrated_to is None and at < ledger.started):

@@ -31,6 +31,13 @@ MOST_REPORTS = 1000
 """Reports that are kept of one replay, unless more are asked for."""
 
 
+REPAIR = "where its clock had jumped ahead, robophm store repair takes that out"
+
+
+_ENDED = "end of the recording that was heard last"
+"""What its time is kept under in a store, with the newest sample that it is of."""
+
+
 class Course:
     """The reports of a robot's time that are to be kept: after the first tick, and after the first in every step."""
 
@@ -80,6 +87,17 @@ def replay(
     return replay_drives(robot, drives, store=store, period=period, report_every=report_every, on_tick=on_tick)
 
 
+def kept_ledger(robot: Robot, store: Store) -> Ledger | None:
+    """A robot's ledger in a store, to go on from; it knows whether a recording was heard last, and when that ended."""
+    kept = store.ledger(robot.name)
+    if kept is None:
+        return None
+    ledger, end = Ledger.of(robot, kept), store.progress(robot.name, _ENDED)
+    if end.complete and end.notes.get("newest") == ledger.newest:
+        ledger.ended = end.position
+    return ledger
+
+
 def replay_drives(
     robot: Robot,
     drives: Sequence[Drive],
@@ -90,8 +108,7 @@ def replay_drives(
     on_tick: Callable[[Monitor], None] | None = None,
 ) -> HealthReport:
     """The same of drives that have been looked through. Raises SourceError as ``replay``."""
-    kept = store.ledger(robot.name) if store else None
-    ledger = Ledger.of(robot, kept) if kept else None
+    ledger = kept_ledger(robot, store) if store else None
     step = round(report_every * SECOND) if report_every else _report_step(drives) if store else REPORT_STEP
     decided: Counter[str] = Counter()
     for drive in drives:
@@ -143,7 +160,11 @@ def _go_through(
 
     monitor = Monitor(robot, ledger, period=period, on_tick=tick if store or on_tick else None)
     life = VirtualLife(monitor, step)
+    if drive.first is not None and not position:
+        monitor.resume(drive.first)
     with drive.open() as source:
+        if not position:
+            monitor.expect(source.spans())
         if (blocks := source.columns(drive.signals, position)) is not None:
             for block in blocks:
                 life.observe(block)
@@ -154,7 +175,12 @@ def _go_through(
                 monitor.observe(sample)
         for reason in [reason for reason in source.notes if reason.startswith(REORDERED)]:
             monitor.ledger.counts[reason] += source.notes.pop(reason)  # it qualifies what is in the ledger
+        if source.ends:
+            monitor.end(drive.last)
         save(complete=True)
+    if store and (ended := monitor.ledger.ended) is not None:
+        end = Progress(_ENDED, ended, complete=True, notes={"newest": monitor.ledger.newest or 0})
+        store.save(robot.name, monitor.ledger.to_json(), end)
     return monitor, decided + source.notes
 
 
@@ -170,5 +196,5 @@ def _not_before(drive: Drive, integrated_to: int) -> None:
         early = (integrated_to - drive.last) / SECOND
         raise SourceError(
             f"{drive.name} ends {early:,.0f} s before the robot's ledger does, and would not count; "
-            "expected recordings in the order of their time, or another store"
+            f"expected recordings in the order of their time, or another store; {REPAIR}"
         )

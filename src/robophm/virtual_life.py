@@ -11,11 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.core.signal import HOUR, SECOND, Sample
+from robophm.health.leap import Leaps, why_not
 from robophm.health.window import Window
 from robophm.monitor import WINDOW, Monitor
 from robophm.transports.source import Heard
 
 Flags = npt.NDArray[np.bool_]
+
+_NEVER = np.iinfo(np.int64).min
 
 ENOUGH = 500_000
 """Samples that are gone through at once."""
@@ -71,11 +74,53 @@ class VirtualLife:
             new = self._begin(new)
         if self.ledger.integrated_to is None or not new:
             return
-        new = self._taken(new, self.ledger.integrated_to)
+        new, aside = self._believed(new)
+        if new:
+            self._go_through(new, self.ledger.integrated_to)
+        self.ledger.aside = aside
+
+    def _believed(self, new: dict[str, Heard]) -> tuple[dict[str, Heard], list[Sample]]:
+        """What counts as a monitor lets it, and what is set aside behind it, as a clock may have jumped ahead."""
+        known = self.ledger.newest if self.ledger.newest is not None else min(int(h.times[0]) for h in new.values())
+        leaps = Leaps(known, (one.time for one in self.ledger.aside))
+        if not leaps.count and not leaps.ahead(max(int(heard.times.max()) for heard in new.values())):
+            return new, []
+        signals = [*new]
+        arrived, times, values = _joined([*new.values()])
+        whose = np.repeat(np.arange(len(new)), [len(heard.times) for heard in new.values()])
+        aside = [(_NEVER, one) for one in self.ledger.aside]
+        believed: list[tuple[int, Sample]] = []
+        lost: list[tuple[int, Sample]] = []
+        for row in np.argsort(arrived, kind="stable").tolist():
+            one = int(arrived[row]), Sample(int(times[row]), signals[whose[row]], float(values[row]))
+            heard = leaps.hear(one[1].time)
+            if heard == "waits":
+                aside.append(one)
+            elif heard == "full":
+                lost.append(one)
+            else:
+                gone = believed if heard == "confirms" else lost
+                gone += aside if heard == "confirms" else [(one[0], before) for _, before in aside]
+                believed.append(one)
+                aside = []
+        for when, sample in lost:
+            if why := why_not(sample):
+                self._missed[why] = np.append(self._missed.get(why, np.empty(0, dtype=np.int64)), when)
+        self.ledger.aside = []  # as it is whenever something is integrated
+        found: dict[str, list[tuple[int, Sample]]] = {}
+        for one in believed:
+            found.setdefault(one[1].signal, []).append(one)
+        columns = {signal: _heard(some) for signal, some in sorted(found.items())}
+        if not columns:
+            self._count(None)
+        return columns, [sample for _, sample in aside]
+
+    def _go_through(self, new: dict[str, Heard], begun: int) -> None:
+        new = self._taken(new, begun)
         for signal, heard in new.items():
             self._waiting[signal] = _in_time([*_some(self._waiting, signal), heard])
         ends: list[int] = []
-        before = self.ledger.integrated_to
+        before = begun
         for end, arrived in self._ends(before, [*{id(heard.times): heard for heard in new.values()}.values()]):
             ends.append(end)
             if self.monitor.on_tick and end // self.step != before // self.step:
@@ -215,6 +260,13 @@ class VirtualLife:
 
     def _waiting_samples(self) -> int:
         return sum(len(heard.times) for heard in self._waiting.values())
+
+
+def _heard(some: Sequence[tuple[int, Sample]]) -> Heard:
+    arrived, times = (
+        np.array(column, dtype=np.int64) for column in zip(*((at, one.time) for at, one in some), strict=True)
+    )
+    return Heard(arrived, times, np.array([one.value for _, one in some]))
 
 
 def _some(waiting: Mapping[str, Heard], signal: str) -> list[Heard]:

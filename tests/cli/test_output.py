@@ -7,6 +7,8 @@ import pty
 import re
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
 
@@ -263,3 +265,19 @@ def test_what_is_infinite_is_told_from_what_does_not_apply(inside, tmp_path):
     assert document["replacement"]["sensor_based"]["completion_failure"] is None
     plain = json_text({"up": math.inf, "down": -math.inf, "none": math.nan, "deep": [{"x": (math.inf,)}]})
     assert json.loads(plain) == {"up": "Infinity", "down": "-Infinity", "none": None, "deep": [{"x": ["Infinity"]}]}
+
+
+def test_lines_go_out_as_they_are_written_also_into_a_pipe(command: list[str], design: Path) -> None:
+    """Who waits for the address that a command prints has it while the command runs."""
+    process = subprocess.Popen(
+        [*command, "serve", str(design), "--port", "0"],
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        env={name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"},
+    )  # fmt: skip
+    assert process.stdout is not None
+    with process, ThreadPoolExecutor() as reader:
+        try:
+            assert "is served at http" in reader.submit(process.stdout.readline).result(timeout=20)
+            assert process.poll() is None
+        finally:
+            process.kill()

@@ -80,6 +80,7 @@ def test_what_is_missing_may_be_skipped(run, design, recording):
     done = run("replay", design, recording, "--skip-missing")
     assert done.returncode == OK
     assert "stale /ota/pover/temperature.temperature" in done.stdout
+    assert "rests on silence since the beginning of /ota/pover/temperature.temperature" in " ".join(done.stdout.split())
 
 
 GARBAGE = {

@@ -9,7 +9,7 @@ import random
 from collections import Counter
 from collections.abc import Sequence
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -305,11 +305,11 @@ class BruteForce:
     def last(self, signal: str, now: int) -> tuple[int, float] | None:
         return max(((time, value) for time, value in self.values[signal].items() if time <= now), default=None)
 
-    def observed(self, signal: str, now: int, nominal: float, worst: float) -> mpf:
+    def observed(self, signal: str, now: int, nominal: float, worst: float, policy: str) -> mpf:
         last = self.last(signal, now)
-        if last and (now < last[0] + self.max_age[signal] or self.policy == "hold"):
+        if last and (now < last[0] + self.max_age[signal] or policy == "hold"):
             return mpf(last[1])
-        return mpf(worst if self.policy == "worst" else nominal)
+        return mpf(worst if policy == "worst" else nominal)
 
     def fresh(self, signal: str, now: int) -> bool:
         last = self.last(signal, now)
@@ -320,11 +320,20 @@ class BruteForce:
         return power[1] > 0.5 if power else any(time <= now < time + self.gap for time in self.heard)
 
     def factors(self, now: int) -> dict[str, mpf]:
+        """Conservative: of all that silent inputs may be, last values or nominal ones, the worst for each part."""
+        if self.policy != "conservative":
+            return self.assumed(now, self.policy, self.policy)
+        if not self.on(now):
+            return self.assumed(now, "nominal", "nominal")
+        each = [self.assumed(now, *both) for both in product(("hold", "nominal"), repeat=2)]
+        return {part: max(one[part] for one in each) for part in each[0]}
+
+    def assumed(self, now: int, heat: str, pressure: str) -> dict[str, mpf]:
         # without a sensor a part is at its own design temperature: the offset is of measured values alone
-        celsius = self.observed("/a.t", now, 25, 125)
-        voltage = self.observed("/b.v", now, 15, 40)
-        silent = not self.fresh("/a.t", now) and (self.policy == "nominal" or not self.last("/a.t", now))
-        hot = mpf(40) if silent and self.policy != "worst" else celsius + OFFSET
+        celsius = self.observed("/a.t", now, 25, 125, heat)
+        voltage = self.observed("/b.v", now, 15, 40, pressure)
+        silent = not self.fresh("/a.t", now) and (heat == "nominal" or not self.last("/a.t", now))
+        hot = mpf(40) if silent and heat != "worst" else celsius + OFFSET
 
         def handbook(temperature: mpf, volts: mpf) -> mpf:  # πT of column 2, πV of column 3
             heat = mp.exp(-mpf(0.35) / mpf(8.617e-5) * (1 / (temperature + 273) - mpf(1) / 298))
@@ -416,7 +425,7 @@ def streams(draw: st.DrawFn) -> list[Sample]:
 def designs(draw: st.DrawFn) -> dict[str, Any]:
     return {
         "max_age": {signal: draw(st.integers(1, 30 * SECOND)) for signal in SCHEDULES},
-        "stale": draw(st.sampled_from(["nominal", "hold", "worst"])),
+        "stale": draw(st.sampled_from(["conservative", "nominal", "hold", "worst"])),
         "gap": draw(st.integers(1, 40 * SECOND)),
         "powered": draw(st.booleans()),
     }

@@ -333,7 +333,7 @@ def test_recent_inputs_are_the_mean_of_the_signal() -> None:
         life.exposure.integrate(life.ledger, chunk, at + 30 * SECOND)
     (mean,) = life.exposure.recent_inputs(life.ledger).values()
     assert mean == exact(45.0)
-    factor = (6 * mpf(2) ** mpf("0.5") + 8 + 6 * mpf(2) ** mpf("3.5")) / 20  # nominal while it is silent
+    factor = ((6 + 8) * mpf(2) ** mpf("0.5") + 6 * mpf(2) ** mpf("3.5")) / 20  # as last heard while it is silent
     assert life.exposure.recent_factor(life.ledger).tolist() == [exact(factor)]
     life.restart()
     assert list(life.exposure.recent_inputs(life.ledger).values()) == [mean]

@@ -99,7 +99,7 @@ def test_it_says_what_the_report_says(page):
         "degC",
         "-40 … 125",
         "5 s",
-        "nominal",
+        "conservative",
     )
     assert "".join(cells) in bound.replace("\n", "")
     assert len(history) > 20

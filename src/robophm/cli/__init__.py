@@ -85,7 +85,8 @@ class _OutputError(Exception):
 class _Output(io.TextIOWrapper):
     """A standard stream that takes every character, and goes on silently when whoever read it has seen enough.
 
-    So the exit code is the command's own, whether its output was read to the end or not.
+    So the exit code is the command's own, whether its output was read to the end or not. Into a pipe or a file, too,
+    every line goes out as it is written: who reads a command that runs for hours sees it while it runs.
     """
 
     @classmethod
@@ -93,7 +94,7 @@ class _Output(io.TextIOWrapper):
         """The same stream, or nowhere at all where there is none."""
         if stream is None:
             return open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123
-        return cls(stream.buffer, encoding=stream.encoding, errors=errors, line_buffering=stream.isatty())
+        return cls(stream.buffer, encoding=stream.encoding, errors=errors, line_buffering=True)
 
     def write(self, text: str) -> int:
         try:

@@ -13,6 +13,7 @@ from robophm.cli.data import data
 from robophm.cli.field import COMMANDS
 from robophm.cli.output import Json, json_text, may_write
 from robophm.cli.page import PAGE_COMMANDS
+from robophm.cli.store import store
 from robophm.core.errors import UnitError
 from robophm.report.words import rate_text
 
@@ -39,6 +40,7 @@ app = typer.Typer(
 
 
 app.add_typer(data, name="data")
+app.add_typer(store, name="store")
 for _command in (*COMMANDS, *PAGE_COMMANDS):
     app.command()(_command)
 

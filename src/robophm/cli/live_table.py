@@ -8,13 +8,16 @@ from collections import deque
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from robophm.cli.output import health_table
+from robophm.cli.output import health_table, mark_lines
 from robophm.health.report import HealthReport
 from robophm.monitor import Monitor
 from robophm.report.curve import sparkline
 
 REDRAW = 0.25
 """Seconds between two looks, at least."""
+
+MOST_MARKED = 8
+"""Lines under the table that say what its stars mean: it must fit the screen; the report at the end has all."""
 
 
 class LiveTable:
@@ -43,4 +46,5 @@ class LiveTable:
             if "/" not in one.path:
                 self.course.setdefault(one.path, deque(maxlen=24)).append(one.sensor_based.hazard_rate)
         table = health_table(report, "1/h", course={path: sparkline(list(c), 24) for path, c in self.course.items()})
-        return Group(table, Text(f"{report.clocks['operating']:.1f} h of operation"))
+        lines = (f"{report.clocks['operating']:.1f} h of operation", *mark_lines(report)[:MOST_MARKED])
+        return Group(table, Text("\n".join(lines)))

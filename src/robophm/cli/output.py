@@ -51,18 +51,19 @@ def progress_console() -> Console:
     return Console(stderr=True, highlight=False)
 
 
-def print_json(document: Mapping[str, Any]) -> None:
-    """One JSON document on stdout, with its schema version first."""
-    sys.stdout.write(json_text({"schema_version": SCHEMA_VERSION, **document}) + "\n")
+def print_json(document: Mapping[str, Any], *, one_of_many: bool = False) -> None:
+    """One JSON document on stdout, with its schema version first; one of many takes one line."""
+    text = json_text({"schema_version": SCHEMA_VERSION, **document}, indent=None if one_of_many else 2)
+    sys.stdout.write(text + "\n")
 
 
-def json_text(document: Mapping[str, Any]) -> str:
+def json_text(document: Mapping[str, Any], *, indent: int | None = 2) -> str:
     """As it is printed: stdout that cannot show a character gets its JSON escape.
 
     JSON has no number for what is infinite: it is the text "Infinity" or "-Infinity"; null is what does not apply.
     """
     unicode = sys.stdout.encoding.lower().startswith("utf")
-    return json.dumps(plain(document), indent=2, ensure_ascii=not unicode, allow_nan=False)
+    return json.dumps(plain(document), indent=indent, ensure_ascii=not unicode, allow_nan=False)
 
 
 def warn(text: str, kind: str = "warning") -> None:
@@ -125,6 +126,11 @@ def health_table(report: HealthReport, unit: str, *, course: Mapping[str, str] |
     return table(title, [*columns, *(["λ sensor, recent"] if course is not None else [])], rows, figures=figures)
 
 
+def mark_lines(report: HealthReport) -> list[str]:
+    """What the stars of the table mean."""
+    return [f"* {one.path}: {', '.join(one.marks)}" for one in report.subjects if one.marks]
+
+
 def print_report(report: HealthReport, unit: str) -> None:
     """A report for people: the table, what qualifies it, what is breached."""
     out = console()
@@ -155,8 +161,7 @@ def print_report(report: HealthReport, unit: str) -> None:
         task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
         chance = probability_text(system.completion.probability, system.completion.failure)
         out.print(f"Next task ({task}): completed with {chance}", markup=False)
-    flagged = [f"* {one.path}: {', '.join(one.flags)}" for one in report.subjects if one.flags]
-    for line in (*flagged, *report.notes):
+    for line in (*mark_lines(report), *report.notes):
         out.print(line, style="yellow", markup=False)
     for words in report.warnings:
         out.print(f"warning: {words}", style="yellow", markup=False)

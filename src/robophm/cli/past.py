@@ -5,9 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from robophm.cli.output import warn
 from robophm.core.errors import RobophmError, StoreError
 from robophm.design.robot import Robot
+from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger
+from robophm.health.subject import silence
 
 if TYPE_CHECKING:
     from robophm.stores.sqlite import SqliteStore
@@ -26,7 +29,11 @@ def affordable(draws: int, robot: Robot) -> None:
 def kept(path: Path, robot: Robot) -> Ledger:
     """A robot's past from its store. Raises StoreError where there is none."""
     with existing_store(path) as store:
-        return past_in(store, robot)
+        ledger = past_in(store, robot)
+    exposure = Exposure(robot)
+    if words := silence(exposure.silent(exposure.settled(ledger))):
+        warn(f"the past of {robot.name} {words}")
+    return ledger
 
 
 def existing_store(path: Path) -> SqliteStore:

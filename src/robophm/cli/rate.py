@@ -60,8 +60,7 @@ def run(model: str | None, said: Iterable[str], unit: str | None, *, explain: bo
                 markup=False,
             )
         return
-    only("a hazard rate as JSON, in the model's unit" if as_json else "a hazard rate",
-         ("model", "set_", "explain", *["unit"] * (not as_json)))  # fmt: skip
+    only("a hazard rate", ("model", "set_", "explain", "unit"))
     inputs = chosen.settle(given)
     taken = [f"{name} '{word}' is taken as {inputs[name]}" for name, word in given.items()
              if isinstance(chosen.inputs[name], Choice) and inputs[name] != word]  # fmt: skip

@@ -112,11 +112,11 @@ def run(design: Path, asked: Watched) -> bool:
             gc.freeze()  # what is there now stays: not to be looked through again and again while the robot runs
             monitor = watch(
                 robot, source, store=kept, journal=written, period=asked.period, sinks=[*sinks, shown],
-                task_topics=_task_topics(asked), speed=speed, functions=asked.functions,
+                task_topics=_task_topics(asked), speed=speed, functions=asked.functions, on_clock=warn,
             )  # fmt: skip
         health = monitor.report()
         if asked.as_json:
-            print_json(health.to_json())
+            print_json(health.to_json(), one_of_many=True)
         else:
             print_report(health, asked.unit)
         for what, count in sorted(source.notes.items()):
@@ -149,14 +149,15 @@ class _Lines(ReportSink):
             return
         self._said = time.monotonic()
         if self._asked.as_json:
-            print_json(report.to_json())
+            print_json(report.to_json(), one_of_many=True)
         else:
             rate = rate_text(report.system.sensor_based.hazard_rate, self._asked.unit)
-            self._out.print(f"{report.clocks['operating']:.3f} h  λ {rate}", markup=False)
+            marks = f"  ({', '.join(report.system.marks)})" if report.system.marks else ""
+            self._out.print(f"{report.clocks['operating']:.3f} h  λ {rate}{marks}", markup=False, soft_wrap=True)
 
     def judged(self, task: JudgedTask) -> None:
         if self._asked.as_json:
-            print_json({"schema_version": 1, "task": plain(asdict(task))})
+            print_json({"task": plain(asdict(task))}, one_of_many=True)
         else:
             self._out.print(_task_text(task), markup=False)
 

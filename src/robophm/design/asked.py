@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 from robophm.core.errors import nearest
 from robophm.core.given import instance
 from robophm.design.fault import Fault, Path, at
 from robophm.design.robot import FailureMode, Robot
-from robophm.design.task import Driver, Knowledge, Plan, Task
+from robophm.design.task import FARTHEST, LONGEST_TASK, MOST_CYCLES, Driver, Knowledge, Leg, Plan, Task
 from robophm.hazard.model import Range
 
 
@@ -17,9 +18,27 @@ def check_task(task: Task, robot: Robot) -> None:
     instance(task, Task, "task", "a Task of legs, such as Task((Leg(0.5),))", at("task"))
     for i, leg in enumerate(task.legs):
         place = ("legs", str(i))
+        check_leg(leg, place)
         check_functions(leg.functions, robot, place)
         for key, value in leg.stresses.items():
             check_stress(key, value, robot, (*place, "stresses", key))
+    check_hours(task.duration, ("legs",))
+
+
+def check_leg(leg: Leg, place: Path) -> None:
+    """Raises Fault where a leg is longer, or turns more, than any: a slip of the unit."""
+    if not (leg.duration <= LONGEST_TASK and leg.distance <= FARTHEST):
+        most = f"{LONGEST_TASK:g} h and {FARTHEST:g} m"
+        raise Fault(place, f"{leg.distance:g} m in {leg.duration:g} h; expected at most {most}")
+    for name in ("cycles", "starts"):
+        if (count := getattr(leg, name)) is not None and not count <= MOST_CYCLES:
+            raise Fault((*place, name), f"{count:g} {name}; expected at most {MOST_CYCLES:g}")
+
+
+def check_hours(takes: float, place: Path) -> None:
+    """Raises Fault where legs or tasks take longer in all than any."""
+    if takes > LONGEST_TASK:
+        raise Fault(place, f"take {takes:g} h in all; expected at most {LONGEST_TASK:g} h")
 
 
 def check_plan(plan: Plan, robot: Robot) -> None:
@@ -27,6 +46,7 @@ def check_plan(plan: Plan, robot: Robot) -> None:
     instance(plan, Plan, "plan", "a Plan of tasks, as of robophm.load_plan", at("plan"))
     for task in plan.tasks:
         check_task(task, robot)
+    check_hours(math.fsum(task.duration for task in plan.tasks), ("tasks",))
     check_knowledge(plan.knowledge, robot)
 
 

@@ -6,7 +6,7 @@ import math
 
 from robophm.core.errors import nearest
 from robophm.design import schema
-from robophm.design.asked import check_functions, check_stress, contradiction, takers
+from robophm.design.asked import check_functions, check_hours, check_leg, check_stress, contradiction, takers
 from robophm.design.fault import Fault, Path, below, written
 from robophm.design.robot import Robot
 from robophm.design.task import LONGEST_TASK, Knowledge, Leg, Plan, Task
@@ -45,15 +45,16 @@ def build_task(said: schema.Task | schema.Leg, robot: Robot, place: Path = ()) -
         return Task((_leg(said, robot, place),))
     legs = tuple(_leg(leg, robot, (*place, "legs", str(i))) for i, leg in enumerate(said.legs))
     with below(place):
-        return Task(legs, said.name)
+        task = Task(legs, said.name)
+        check_hours(task.duration, ("legs",))
+    return task
 
 
 def build_plan(said: schema.TaskFile, robot: Robot) -> Plan:
     """Tasks of a robot in their order. Raises Fault as ``build_task``."""
     tasks = tuple(build_task(one, robot, ("tasks", str(i))) for i, one in enumerate(said.tasks))
     takes = math.fsum(task.duration for task in tasks)
-    if takes > LONGEST_TASK:
-        raise Fault(("tasks",), f"take {takes:g} h in all; expected at most {LONGEST_TASK:g} h")
+    check_hours(takes, ("tasks",))
     if said.every is not None:
         if said.every < takes and not math.isclose(said.every, takes):  # three of 3 min are 2e-17 h more than 9 min
             raise Fault(("every",), f"{said.every:g} h is shorter than the tasks, which take {takes:g} h")
@@ -99,7 +100,9 @@ def _leg(said: schema.Leg, robot: Robot, place: Path) -> Leg:
     check_functions(said.functions, robot, place)
     stresses = {name: _stated(name, value, robot, (*place, "stresses", name)) for name, value in said.stresses.items()}
     with below(place):
-        return Leg(duration, distance, said.cycles, said.starts, tuple(said.functions), stresses)
+        leg = Leg(duration, distance, said.cycles, said.starts, tuple(said.functions), stresses)
+    check_leg(leg, place)
+    return leg
 
 
 def _stated(key: str, value: str | float, robot: Robot, place: Path) -> float:

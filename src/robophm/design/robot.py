@@ -43,7 +43,7 @@ class Channel:
     high: float
     max_age: int
     """Nanoseconds that the last value holds."""
-    stale: Literal["nominal", "hold", "worst"]
+    stale: Literal["conservative", "nominal", "hold", "worst"]
     shift: float = 0.0
     """What of the offset is no conversion of units: how much more the part has than its sensor reads."""
     stress: str = ""

@@ -89,7 +89,9 @@ class SignalBinding(_Strict):
     rated: float | None = Field(None, gt=0, description="what counts as 1, in that unit; of an input such as load")
     offset: Written | None = Field(None, description="added to the value, e.g. 15 K for a part hotter than its module")
     max_age: _quantity("s", "how long the last value holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
-    stale: Literal["nominal", "hold", "worst"] = Field("nominal", description="what applies when there is no value")
+    stale: Literal["conservative", "nominal", "hold", "worst"] = Field(
+        "conservative", description="what applies when there is no value"
+    )
 
     @model_validator(mode="after")
     def _range_ascends(self) -> SignalBinding:

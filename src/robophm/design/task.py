@@ -54,12 +54,6 @@ class Leg:
         for name in ("duration", "distance", "cycles", "starts"):
             if (value := getattr(self, name)) is not None or name in ("duration", "distance"):
                 object.__setattr__(self, name, number(value, name, error=at(name)))
-        if not (self.duration <= LONGEST_TASK and self.distance <= FARTHEST):
-            raise Fault((), f"{self.distance:g} m in {self.duration:g} h; expected at most {LONGEST_TASK:g} h and "
-                            f"{FARTHEST:g} m")  # fmt: skip
-        for name in ("cycles", "starts"):
-            if (count := getattr(self, name)) is not None and not count <= MOST_CYCLES:
-                raise Fault((name,), f"{count:g} {name}; expected at most {MOST_CYCLES:g}")
         functions = dict.fromkeys(names(self.functions, "functions", "functions by name"))
         object.__setattr__(self, "functions", tuple(functions))
         instance(self.stresses, Mapping, "stresses", "what each is, by name", at("stresses"))
@@ -89,8 +83,6 @@ class Task:
         """Hold a task to what a file of tasks is held to."""
         object.__setattr__(self, "legs", _all(self.legs, Leg, "legs", "legs, such as (Leg(0.5),)"))
         instance(self.name, str, "name", "a text", at("name"))
-        if self.duration > LONGEST_TASK:
-            raise Fault(("legs",), f"take {self.duration:g} h in all; expected at most {LONGEST_TASK:g} h")
 
     @classmethod
     def plain(cls, distance: float, duration: float) -> Task:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,24 +31,26 @@ class Bundle:
                 alike.setdefault(group.law, []).append(i)
         return tuple(alike.values())
 
-    def factors(self, observed: Sequence[Mapping[str, Observed]]) -> list[tuple[Array | None, Flags]]:
-        """ψ of each interval of each group, None where nothing is measured; and where a model's range is left.
+    def factors(
+        self, observed: Sequence[Mapping[str, Observed]], on: Sequence[Flags]
+    ) -> list[tuple[Array | None, Flags, list[Array]]]:
+        """Of each group ψ in each interval, None where nothing is measured; where a model's range is left; its inputs.
 
-        Groups whose stresses differ in nothing but their sensors are asked about together.
+        ``on``: whether the robot was on then. Groups whose stresses differ in nothing but their sensors are asked about
+        together.
         """
-        found: list[tuple[Array | None, Flags]] = [(None, np.zeros((), dtype=bool))] * len(self.groups)
+        found: list[tuple[Array | None, Flags, list[Array]]] = [(None, np.zeros((), dtype=bool), [])] * len(self.groups)
         for alike in self._alike:
-            lines = [(i, self.groups[i].lines(observed[i])) for i in alike]
-            asked = [(i, own) for i, own in lines if len(own[0])]  # no model is asked about no time at all
+            lines = [(i, self.groups[i].lines(observed[i], on[i])) for i in alike]
+            asked = [(i, own) for i, own in lines if len(own[0].values)]  # no model is asked about no time at all
             if not asked:
                 continue
-            columns = zip(*(own for _, own in asked), strict=True)
-            together = [np.concatenate(column) if len(asked) > 1 else column[0] for column in columns]
-            factor, outside = self.groups[alike[0]].factor(together)
+            together = [Line.joined(column) for column in zip(*(own for _, own in asked), strict=True)]
+            factor, outside, values = self.groups[alike[0]].worst(together)
             begin = 0
             for i, own in asked:
-                part = slice(begin, begin := begin + len(own[0]))
-                found[i] = factor[part], outside[part]
+                part = slice(begin, begin := begin + len(own[0].values))
+                found[i] = factor[part], outside[part], [one[part] for one in values]
         return found
 
     def apart(self) -> Iterator[Bundle]:
@@ -78,6 +81,24 @@ def _joined(sets: Iterable[set[str]]) -> dict[str, int]:
     return {each: id(together) for each, together in found.items()}
 
 
+class Line(NamedTuple):
+    """The value of one input in each interval."""
+
+    values: Array
+    other: Array | None = None
+    """What may be assumed instead, where that ages faster; the value itself where nothing has to be assumed."""
+
+    @classmethod
+    def joined(cls, lines: Sequence[Line]) -> Line:
+        """One behind the other."""
+        if len(lines) == 1:
+            return lines[0]
+        other = None
+        if any(line.other is not None for line in lines):
+            other = np.concatenate([line.values if line.other is None else line.other for line in lines])
+        return cls(np.concatenate([line.values for line in lines]), other)
+
+
 @dataclass(frozen=True)
 class Input:
     """One measured input of one stress: the value without a sensor, and the one that ages fastest."""
@@ -97,13 +118,18 @@ class Input:
             worst = float(candidates[np.argmax(stress.factor({name: candidates}).value)])
         return cls(name, channel_key(channel), channel.stale, nominal, worst)
 
-    def observed(self, observed: Observed) -> Array:
+    def line(self, observed: Observed, on: Flags) -> Line:
         """Its value in each interval, also where none is known."""
         values, fresh = observed
         if fresh is None:
-            return values
-        kept = ~np.isnan(values) if self.stale == "hold" else fresh
-        return np.where(kept, values, self.worst if self.stale == "worst" else self.nominal)
+            return Line(values)
+        heard = ~np.isnan(values)
+        if self.stale == "conservative":  # of a robot that is off, nobody expects a word: that is no dead sensor
+            silent = ~fresh & heard & on
+            held = np.where(fresh | silent, values, self.nominal)
+            return Line(held, np.where(silent, self.nominal, held) if silent.any() else None)
+        kept = heard if self.stale == "hold" else fresh
+        return Line(np.where(kept, values, self.worst if self.stale == "worst" else self.nominal))
 
 
 @dataclass
@@ -132,20 +158,25 @@ class Group:
     @cached_property
     def channel_keys(self) -> tuple[str, ...]:
         """Of all its inputs."""
-        return tuple(one.key for _, inputs in self.stresses for one in inputs)
+        return tuple(one.key for one in self.inputs)
+
+    @cached_property
+    def inputs(self) -> tuple[Input, ...]:
+        """All that are measured."""
+        return tuple(one for _, inputs in self.stresses for one in inputs)
 
     @cached_property
     def law(self) -> tuple[object, ...]:
         """Equal where two groups have the same factor for the same inputs."""
         return tuple((stress.law, *(one.name for one in inputs)) for stress, inputs in self.stresses)
 
-    def lines(self, observed: Mapping[str, Observed]) -> list[Array]:
+    def lines(self, observed: Mapping[str, Observed], on: Flags) -> list[Line]:
         """Every measured input of each interval."""
-        return [one.observed(observed[one.key]) for _, inputs in self.stresses for one in inputs]
+        return [one.line(observed[one.key], on) for one in self.inputs]
 
-    def factor(self, lines: Sequence[Array]) -> tuple[Array, Flags]:
+    def factor(self, values: Sequence[Array]) -> tuple[Array, Flags]:
         """ψ for measured inputs, and where a model's range is left."""
-        some = iter(lines)
+        some = iter(values)
         (product, outside), *others = [
             stress.factor({one.name: next(some) for one in inputs}) for stress, inputs in self.stresses
         ]
@@ -153,9 +184,30 @@ class Group:
             product, outside = product * value, outside | beyond
         return product, outside
 
-    def inputs(self, observed: Mapping[str, Observed]) -> dict[str, Array]:
-        """Every measured input of each interval, by name."""
-        return {one.name: one.observed(observed[one.key]) for _, inputs in self.stresses for one in inputs}
+    def worst(self, lines: Sequence[Line]) -> tuple[Array, Flags, list[Array]]:
+        """The same, each input that may be assumed otherwise as it ages fastest; and the inputs as they were taken.
+
+        One after the other, from the last values on: the greatest factor that there is wherever an input makes it grow,
+        or fall, whatever the others are; and never less than that of the last values.
+        """
+        values = [line.values for line in lines]
+        factor, outside = self.factor(values)
+        for place, (_, other) in enumerate(lines):
+            rows = np.flatnonzero(other != values[place]) if other is not None else ()
+            if other is None or not len(rows):
+                continue
+            tried = [one[rows] for one in values]
+            tried[place] = other[rows]
+            assumed, beyond = self.factor(tried)
+            worse = assumed > factor[rows]
+            rows = rows[worse]
+            factor, outside, values[place] = factor.copy(), np.array(outside), values[place].copy()
+            factor[rows], outside[rows], values[place][rows] = assumed[worse], beyond[worse], other[rows]
+        return factor, outside, values
+
+    def named(self, values: Sequence[Array]) -> dict[str, Array]:
+        """Every measured input by its name."""
+        return dict(zip((one.name for one in self.inputs), values, strict=True))
 
 
 def channel_key(channel: Channel) -> str:

@@ -19,7 +19,7 @@ from robophm.design.robot import Channel, MeasuredClock, Robot
 from robophm.health.bundle import Bundle, Group, channel_key
 from robophm.health.clock import Clock
 from robophm.health.ledger import RECENT, Ledger, Step, Total
-from robophm.health.stretch import Observed, Part, Stretch
+from robophm.health.stretch import Flags, Observed, Part, Stretch
 from robophm.health.window import Array, Columns, Window
 
 EACH = 2_500
@@ -113,8 +113,8 @@ class Exposure:
             clock.count_silence(part)
         by_hazard = []
         grids = [part.grid(group.channel_keys) for group in bundle.groups]
-        factors = bundle.factors([grid.observed for grid in grids])
-        for group, grid, (factor, outside) in zip(bundle.groups, grids, factors, strict=True):
+        factors = bundle.factors([grid.observed for grid in grids], [grid.on > 0 for grid in grids])
+        for group, grid, (factor, outside, inputs) in zip(bundle.groups, grids, factors, strict=True):
             clock, members = group.clock, group.members
             went.age[:, members] = went.effective[:, members] = went.clocks[clock][:, None]
             scaled = [i for i in members if self._by_hazard[i]]
@@ -125,7 +125,7 @@ class Exposure:
                 went.effective[:, members] = clock.units(grid.sums(factor * steps))[:, None]
                 if self._witness:
                     on = grid.operating / HOUR if clock.clock == "calendar" else clock.units(steps)
-                    self._witness(members, on, factor, group.inputs(grid.observed))
+                    self._witness(members, on, factor, group.named(inputs))
             if np.any(outside) and (over := int(np.sum(grid.on, where=outside))):
                 part.extrapolated.update({self.modes[i].path: over for i in members})
         if by_hazard:
@@ -154,16 +154,20 @@ class Exposure:
         """The stress factor ψ of every mode under what is known at the integrated-to time; shape (modes,)."""
         factor = np.ones(len(self.modes))
         if (now := ledger.integrated_to) is not None:
-            observed = {}
-            for key, channel in self.channels.items():
-                time, (said,) = ledger.last.get(key, (now - channel.max_age, (math.nan,)))
-                last = np.array([channel.scale * said + channel.offset])
-                observed[key] = Observed(last, np.array([now - time < channel.max_age]))
-            factors = self._whole.factors([observed] * len(self.groups))
-            for group, (value, _) in zip(self.groups, factors, strict=True):
+            for group, (value, *_) in zip(self.groups, self._known(ledger, now), strict=True):
                 if value is not None:
                     factor[group.members] = value[0]
         return factor
+
+    def _known(self, ledger: Ledger, now: int) -> list[tuple[Array | None, Flags, list[Array]]]:
+        """What is known now of each group, as ``Bundle.factors``: of a robot that is on, also while this one is off."""
+        observed = {}
+        for key, channel in self.channels.items():
+            time, (said,) = ledger.last.get(key, (now - channel.max_age, (math.nan,)))
+            last = np.array([channel.scale * said + channel.offset])
+            observed[key] = Observed(last, np.array([now - time < channel.max_age]))
+        count = len(self.groups)
+        return self._whole.factors([observed] * count, [np.ones(1, dtype=bool)] * count)
 
     def recent_factor(self, ledger: Ledger) -> Array:
         """The mean stress factor of every mode over the last ten minutes; NaN where its clock did not run."""
@@ -179,16 +183,31 @@ class Exposure:
         return age / hours if hours > 0 else np.full(age.shape, np.nan)
 
     def recent_inputs(self, ledger: Ledger) -> dict[str, float]:
-        """The mean of every channel, by its key, over the last ten minutes, as far as it had a valid value."""
+        """The mean of every channel, by its key, over the last ten minutes, as far as it had a valid value.
+
+        Of a conservative one that had none, the last value, where a part ages faster at it than as designed.
+        """
         sums: dict[str, tuple[float, float]] = {}
         for step in ledger.recent:
             for key, (value, time) in step.inputs.items():
                 before = sums.get(key, (0.0, 0.0))
                 sums[key] = before[0] + value, before[1] + time
-        return {key: value / time for key, (value, time) in sums.items() if time > 0}
+        means = {key: value / time for key, (value, time) in sums.items() if time > 0}
+        now, held = ledger.integrated_to, dict[str, float]()
+        if now is not None and any(key not in means for key in self.channels):
+            for group, (_, _, values) in zip(self.groups, self._known(ledger, now), strict=True):
+                held |= {
+                    one.key: float(value[0])
+                    for one, value in zip(group.inputs, values, strict=False)  # no values where nothing is measured
+                    if one.stale == "conservative" and value[0] != one.nominal
+                }
+        return held | means
 
-    def silent(self, ledger: Ledger) -> list[str]:
-        """The signals that are bound and have no valid value at the integrated-to time; edges once heard may rest."""
+    def silent(self, ledger: Ledger) -> dict[str, int | None]:
+        """The signals that are bound and have no valid value at the integrated-to time; edges once heard may rest.
+
+        With the time [ns] of the last value; None where there never was one.
+        """
         now = ledger.integrated_to
         bound: list[tuple[str, str, float]] = [
             (key, channel.signal, channel.max_age) for key, channel in self.channels.items()
@@ -197,12 +216,12 @@ class Exposure:
             if clock.measured:
                 age = clock.measured.max_age if clock.measured.kind != "edge" else math.inf
                 bound += [(key, signal, age) for signal, key in clock.keys]
-        old = {
-            signal
-            for key, signal, age in bound
-            if now is None or key not in ledger.last or now >= ledger.last[key][0] + age
-        }
-        return sorted(old)
+        found: dict[str, int | None] = {}
+        for key, signal, age in bound:
+            last = ledger.last[key][0] if key in ledger.last else None
+            if now is None or last is None or now >= last + age:
+                found[signal] = last
+        return dict(sorted(found.items()))
 
 
 def _with_recent(start: int, ends: Sequence[int]) -> list[int]:

@@ -136,10 +136,19 @@ class Ledger:
     """Time of the last sample of the robot itself."""
     off: int | None = None
     """Time until which it was off last."""
+    ended: int | None = None
+    """When the recording ended that was heard last; None where that was no recording, or since another sample.
+
+    It says nothing of the past, and is kept beside the ledger.
+    """
+    ends: list[int] = field(default_factory=list)
+    """Ends of recordings, none of which goes on within ``max_gap``, that no integrated sample is later than."""
     last: dict[str, tuple[int, tuple[float, ...]]] = field(default_factory=dict)
     """The last valid value of every channel, position and clock signal, by its key."""
     pending: Window = field(default_factory=Window)
     """The open window: received, not yet integrated."""
+    aside: list[Sample] = field(default_factory=list)
+    """So far ahead of all others that the clock may have jumped; not yet confirmed, in order of arrival."""
     counts: Counter[str] = field(default_factory=Counter)
     """What was not taken, by reason and signal."""
     stale: Counter[str] = field(default_factory=Counter)
@@ -176,8 +185,10 @@ class Ledger:
         """An independent copy, to look ahead without consequence."""
         totals = {name: getattr(self, name).copy() for name in ("age", "effective", "hazard", "clocks")}
         kept = (
+            "ends",
             "last",
             "pending",
+            "aside",
             "counts",
             "stale",
             "extrapolated",
@@ -237,9 +248,11 @@ class Ledger:
             "modes": list(self.modes),
             "odometers": list(self.odometers),
             "totals": {name: [total.high.tolist(), total.low.tolist()] for name, total in totals.items()},
-            **{name: getattr(self, name) for name in ("started", "integrated_to", "newest", "heard", "off")},
+            **{name: getattr(self, name) for name in _TIMES},
+            "ends": list(self.ends),
             "last": {key: [time, list(values)] for key, (time, values) in self.last.items()},
             "pending": [list(sample) for sample in self.pending.samples()],
+            "aside": [list(sample) for sample in self.aside],
             **{name: dict(getattr(self, name)) for name in ("counts", "stale", "extrapolated")},
             **{name: _steps_to_json(getattr(self, name)) for name in ("recent", "history")},
             "history_step": self.history_step,
@@ -286,13 +299,11 @@ class Ledger:
             totals["hazard"],
             clocks,
             odometers,
-            started=data["started"],
-            integrated_to=data["integrated_to"],
-            newest=data["newest"],
-            heard=data["heard"],
-            off=data["off"],
+            **{name: data.get(name) for name in _TIMES},
+            ends=list(data.get("ends", ())),
             last={key: (time, tuple(values)) for key, (time, values) in data["last"].items()},
             pending=Window(Sample(*sample) for sample in data["pending"]),
+            aside=[Sample(*sample) for sample in data.get("aside", ())],
             counts=Counter(data["counts"]),
             stale=Counter(data["stale"]),
             extrapolated=Counter(data["extrapolated"]),
@@ -309,6 +320,7 @@ class Ledger:
 
 
 _VERSION = 2
+_TIMES = ("started", "integrated_to", "newest", "heard", "off")
 
 
 def _steps_to_json(steps: Sequence[Step]) -> dict[str, Any]:

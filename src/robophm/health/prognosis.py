@@ -447,7 +447,7 @@ def as_lived(
     recent = exposure.recent_factor(ledger)
     usage = exposure.recent_usage(ledger)
     usage = np.where(np.isnan(usage) | plant.calendar, plant.usage, usage)  # an hour of operation is an hour
-    factor = {"nominal": np.ones(len(now)), "last": now, "recent": np.where(np.isnan(recent), 1.0, recent)}[future]
+    factor = {"nominal": np.ones(len(now)), "last": now, "recent": np.where(np.isnan(recent), now, recent)}[future]
     ahead = plant.usage if future == "nominal" else np.where(usage > 0, usage, plant.usage)  # it will drive again
 
     known, then = _seen(ledger)

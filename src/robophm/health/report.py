@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, NamedTuple, get_args, overload
 
@@ -17,11 +17,12 @@ from robophm.design.asked import check_knowledge, check_plan, check_task
 from robophm.design.robot import FailureMode, Robot, Thresholds
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.health.exposure import Exposure
+from robophm.health.leap import waiting
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion, plan_future
 from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName, Outlook, RemainingLife, View, outlooks
-from robophm.health.subject import STALE, Figures, Subject, breached, figures_now, looking_ahead
+from robophm.health.subject import STALE, Figures, Subject, breached, figures_now, looking_ahead, silence
 from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, life_uncertainty
 
 SCHEMA_VERSION = 1
@@ -49,6 +50,8 @@ class ComponentHealth:
     remaining_life: RemainingLife | None = None
     """Sensor-based, of the component alone [h]; where it was asked for."""
     flags: tuple[str, ...] = ()
+    """As of a subject."""
+    silence: str = ""
     """As of a subject."""
 
 
@@ -118,7 +121,7 @@ class HealthReport:
                 )
                 for view in VIEWS
             }  # fmt: skip
-            subjects.append(_subject(system, one.flags, ahead))
+            subjects.append(_subject(system, one, ahead))
             pause()
         for i, diagram in enumerate(lived.plant.alone if parts else ()):
             components[i] = replace(components[i], remaining_life=lived.remaining_life(diagram))
@@ -131,7 +134,7 @@ class HealthReport:
         return replace(
             self,
             subjects=tuple(
-                _subject(system, one.flags, {view: getattr(one, view).beside(getattr(before, view)) for view in VIEWS})
+                _subject(system, one, {view: getattr(one, view).beside(getattr(before, view)) for view in VIEWS})
                 for one, before, system in zip(self.subjects, earlier.subjects, _systems(robot), strict=True)
             ),
             components=tuple(
@@ -251,7 +254,7 @@ def health_now(
     views = outlooks(plant, exposure, ledger, future=future, knowledge=knowledge)
     if plan:
         views = {view: replace(outlook, plan=plan_future(outlook, plan)) for view, outlook in views.items()}
-    silent = set(exposure.silent(ledger)) if ledger.integrated_to is not None else set()  # a mere look ahead
+    silent = exposure.silent(ledger) if ledger.integrated_to is not None else {}  # else a mere look ahead
     odometers = {signal for clock in robot.clocks.values() for signal in clock.signals}
     rates = [views[view].component_hazard_rates() for view in VIEWS]
     survival = [views[view].component_survival() for view in VIEWS]
@@ -265,7 +268,7 @@ def health_now(
         tuple(
             _subject(
                 system,
-                _flags(
+                _marks(
                     (robot.modes[i] for i in plant.system(system.diagram).modes),
                     ledger,
                     silent,
@@ -280,7 +283,7 @@ def health_now(
                 component.path,
                 component.quantity,
                 *(rate, lived_rate, works, lived_works, failed, lived_failed),
-                flags=_flags(component.modes, ledger, silent),
+                **_marks(component.modes, ledger, silent)._asdict(),
             )
             for component, (rate, lived_rate, works, lived_works, failed, lived_failed) in zip(
                 plant.components, numbers.tolist(), strict=True
@@ -307,10 +310,16 @@ def _systems(robot: Robot) -> list[_System]:
     ]
 
 
-def _subject(system: _System, flags: tuple[str, ...], of: Mapping[View, Figures]) -> Subject:
+class _Marks(NamedTuple):
+    flags: tuple[str, ...] = ()
+    silence: str = ""
+
+
+def _subject(system: _System, marked: Subject | _Marks, of: Mapping[View, Figures]) -> Subject:
     lived, limits = of["sensor_based"], system.thresholds
     breaches, warnings = (tuple(breached(one, lived)) for one in (limits, limits.warning))
-    return Subject(system.kind, system.path, of["nominal"], lived, flags, breaches, warnings)
+    marks = marked.flags, breaches, warnings, marked.silence
+    return Subject(system.kind, system.path, of["nominal"], lived, *marks)
 
 
 def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None, draws: int) -> LifeUncertainty | None:
@@ -321,21 +330,23 @@ def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None
     return life_uncertainty(lived, plant.robot.diagram, loads=loads, draws=draws)
 
 
-def _flags(modes: Iterable[FailureMode], ledger: Ledger, silent: Collection[str], *signals: str) -> tuple[str, ...]:
+def _marks(modes: Iterable[FailureMode], ledger: Ledger, silent: Mapping[str, int | None], *signals: str) -> _Marks:
     """What qualifies failure modes: the silent signals that they hang on, and models outside their range."""
     mixed = {key.removeprefix(REORDERED) for key in ledger.counts if key.startswith(REORDERED)}
     if not silent and not mixed and not any(ledger.extrapolated.values()):
-        return ()
+        return _Marks()
     heard_by, extrapolated = {*signals}, False
     for mode in modes:
         heard_by |= {channel.signal for stress in mode.stresses for channel in stress.channels.values()}
         heard_by |= set(mode.measured_clock.signals if mode.measured_clock else ())
         extrapolated |= bool(ledger.extrapolated[mode.path])
-    return (
-        *(f"{STALE}{signal}" for signal in sorted(heard_by & set(silent))),
+    own = {signal: last for signal, last in silent.items() if signal in heard_by}
+    flags = (
+        *(f"{STALE}{signal}" for signal in own),
         *(f"{REORDERED}{signal}" for signal in sorted(heard_by & mixed)),
         *(["extrapolated"] if extrapolated else []),
     )
+    return _Marks(flags, silence(own))
 
 
 def _notes(ledger: Ledger) -> tuple[str, ...]:
@@ -349,6 +360,8 @@ def _notes(ledger: Ledger) -> tuple[str, ...]:
         signal = key.rsplit(" ", 4)[0] if "[" in key else key.partition(" ")[0]  # a name may have blanks
         if signal not in silent.setdefault(nanoseconds, []):
             silent[nanoseconds].append(signal)
+    if ledger.aside and ledger.newest is not None:
+        dropped.insert(0, waiting(ledger.newest, ledger.aside))
     return (
         *dropped,
         *(f"no valid value for {t / SECOND:.6g} s of operation: {', '.join(signals)}" for t, signals in silent.items()),

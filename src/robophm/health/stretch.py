@@ -180,7 +180,8 @@ class Stretch:
             power, self._powered = part.signal(name, name, 0), part.last
         if self.start == self.end:
             return Operating(self.bounds[:1], np.zeros(1, dtype=np.int64))
-        changes = [self.bounds[[0, -1]], *begins, *ends, power.times]
+        over = [(end, self._next(end)) for end in self.ledger.ends]
+        changes = [self.bounds[[0, -1]], *begins, *ends, power.times, np.array(over, dtype=np.int64).reshape(-1)]
         edges = np.concatenate(changes)
         edges = ascending(edges[(edges >= self.start) & (edges <= self.end)])
         at = edges[:-1]
@@ -188,11 +189,18 @@ class Stretch:
         if heard:
             begun, ended = np.sort(np.concatenate(begins)), np.sort(np.concatenate(ends))
             on = np.searchsorted(begun, at, side="right") > np.searchsorted(ended, at, side="right")
+        for end, following in over:  # what was recorded is known to have ended: it did not fall silent
+            on[(at >= end) & (at < following)] = False
         if len(power.times):
             index = np.searchsorted(power.times, at, side="right") - 1
             on = np.where(index < 0, on, power.values[index] > 0.5)
         change = np.append(True, on[1:] != on[:-1])
         return Operating(np.append(at[change], self.end), on[change].astype(np.int64))
+
+    def _next(self, time: int) -> int:
+        """The first sample after a time; the end of the stretch where there is none."""
+        rows = ((said.times, said.times.searchsorted(time, side="right")) for said in self.raw.values())
+        return min((int(times[row]) for times, row in rows if row < len(times)), default=self.end)
 
     def close(self, parts: Iterable[Part]) -> None:
         """Leave in the ledger what the next stretch starts from, and what was noticed on the way."""
@@ -204,6 +212,7 @@ class Stretch:
             ledger.stale.update(part.stale)
             ledger.extrapolated.update(part.extrapolated)
         ledger.heard = self.heard if self.heard is not None else ledger.heard
+        ledger.ends = [end for end in ledger.ends if ledger.heard is None or end >= ledger.heard]
         resting = np.flatnonzero(self.operating.on == 0)
         if len(resting) and self.start < self.end:
             ledger.off = int(self.operating.edges[resting[-1] + 1])
@@ -296,7 +305,7 @@ class Part:
         gone = times[-1:] + max_age
         if longest > max_age:
             gone = np.append(times[:-1][times[1:] - times[:-1] > max_age] + max_age, gone)
-        gone = gone[(gone > start) & (gone < end)]
+        gone = np.concatenate((gone[(gone > start) & (gone < end)], self.stretch.operating.edges[1:-1]))
         extra = ascending(np.concatenate((self.stretch.bounds, gone))) if len(gone) else self.stretch.edges
         inside = slice(times.searchsorted(start, side="right"), times.searchsorted(end))
         if len(extra) == 2 and inside.start and start - times[inside.start - 1] < max_age:

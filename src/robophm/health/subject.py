@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime, timedelta
 from typing import Literal
 
 from robophm.blocks.diagram import Block
+from robophm.core.signal import SECOND
 from robophm.design.robot import Limits
 from robophm.design.task import Task
 from robophm.health.mission import Completion, completion
@@ -16,6 +18,9 @@ State = Literal["ok", "warn", "error", "stale"]
 
 STALE = "stale "
 """How the flag of a silent signal begins."""
+
+MOST_NAMED = 4
+"""Silent signals of one time, and times, that are named."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +82,13 @@ class Subject:
     """Thresholds of the design that the sensor-based figures fail."""
     warnings: tuple[str, ...] = ()
     """Thresholds of a warning that they fail."""
+    silence: str = ""
+    """Where figures rest on what silent sensors may say: since when, and of which signals, in words."""
+
+    @property
+    def marks(self) -> tuple[str, ...]:
+        """All that qualifies the figures, in words, for every face that shows them."""
+        return (*self.flags, self.silence) if self.silence else self.flags
 
     @property
     def state(self) -> State:
@@ -86,6 +98,26 @@ class Subject:
         if any(flag.startswith(STALE) for flag in self.flags):
             return "stale"
         return "warn" if self.warnings else "ok"
+
+
+def silence(last: Mapping[str, int | None]) -> str:
+    """In words, that figures rest on silence: of each silent signal its last time [ns], None where it never spoke."""
+    since: dict[str, list[str]] = {}
+    for signal, time in sorted(last.items(), key=lambda item: (item[1] or 0, item[0])):
+        since.setdefault(_moment(time), []).append(signal)
+    times = [f"since {when} of {_some(signals)}" for when, signals in since.items()]
+    return f"rests on silence {_some(times)}" if times else ""
+
+
+def _moment(time: int | None) -> str:
+    if time is None:
+        return "the beginning"
+    return f"{datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=time // SECOND):%Y-%m-%d %H:%M:%S} UTC"
+
+
+def _some(words: Sequence[str]) -> str:
+    more = f" and {len(words) - MOST_NAMED} more" if len(words) > MOST_NAMED else ""
+    return ", ".join(words[:MOST_NAMED]) + more
 
 
 def breached(limits: Limits, figures: Figures) -> Iterator[str]:

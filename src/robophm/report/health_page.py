@@ -73,7 +73,8 @@ def _summary(report: HealthReport) -> str:
     units = {"kilometres": "km", "cycles": "cycles", "starts": "starts"}
     parts += [f"{number_text(report.clocks[name])} {unit}" for name, unit in units.items() if name in report.clocks]
     at = f", up to {_clock(report.time)}" if report.time is not None else ""
-    return "Observed: " + ", ".join(parts) + at + "."
+    silent = f" What is sensor-based {report.system.silence}." if report.system.silence else ""
+    return "Observed: " + ", ".join(parts) + at + "." + silent
 
 
 def _clock(time: int) -> str:
@@ -183,7 +184,7 @@ def _subject_table(subjects: Iterable[Subject]) -> Html:
             percent_text(lived.reliability, lived.unreliability),
             duration_text(life.median) if life else None,
             percent_text(task.probability, task.failure) if task else None,
-            ", ".join(one.flags) or None,
+            ", ".join(one.marks) or None,
         ))  # fmt: skip
     columns = ["", "λ nominal [1/h]", "λ sensor [1/h]", "R nominal", "R sensor", "RUL median", "PoTC", "flags"]
     shown = len(columns) if any(row[-1] for row in rows) else len(columns) - 1

@@ -6,7 +6,7 @@ import json
 import os
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -85,6 +85,23 @@ class SqliteStore(Store):
         reports: Sequence[Mapping[str, Any]] = (),
     ) -> None:
         """Keep all of it, or none. Raises StoreError, as on a full disk or after somebody else's save."""
+        self._save(robot, ledger, progress, reports, None)
+
+    def bring_back(self, robot: str, ledger: Mapping[str, Any], time: int) -> None:
+        """Keep a ledger that was brought back to a time [ns], and no report of a later one. Raises StoreError."""
+        self._save(robot, ledger, None, (), time)
+
+    def copy_to(self, path: Path) -> None:
+        """Copy all of it into a new file. Raises StoreError where that is there, or cannot be written."""
+        if path.exists():
+            raise StoreError(f"{path}: exists; expected no such file, to keep a copy of {self.path} in")
+        with self._errors(), closing(sqlite3.connect(path)) as copy:
+            self._base.backup(copy)
+
+    def _save(
+        self, robot: str, ledger: Mapping[str, Any], progress: Progress | None, reports: Sequence[Mapping[str, Any]],
+        last: int | None,
+    ) -> None:  # fmt: skip
         rows = [(robot, report["time"], json.dumps(report)) for report in reports]
         with self._errors():
             self._base.execute("BEGIN IMMEDIATE")
@@ -100,6 +117,8 @@ class SqliteStore(Store):
                 if progress:
                     done = (robot, *progress[:3], json.dumps(progress.notes))
                     self._base.execute("INSERT OR REPLACE INTO progress VALUES (?, ?, ?, ?, ?)", done)
+                if last is not None:
+                    self._base.execute("DELETE FROM report WHERE robot = ? AND time > ?", (robot, last))
                 self._base.executemany("INSERT OR REPLACE INTO report VALUES (?, ?, ?)", rows)
                 self._base.execute("COMMIT")
                 self._revisions[robot] = revision + 1

@@ -47,6 +47,12 @@ class Count:
     last: int
 
 
+def _elapsed() -> int:
+    """Nanoseconds that no setting of the clock changes, those of sleep among them where the system tells."""
+    clock = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
+    return time.clock_gettime_ns(clock)
+
+
 class Hearing:
     """Gives messages their time; puts samples, those of the clock, and whole messages in order. All in one thread."""
 
@@ -66,6 +72,9 @@ class Hearing:
         self._told = 0
         """The latest clock sample."""
         self._latest = 0
+        self._began = time.time_ns() - _elapsed()
+        self._set = 0
+        """By how much the clock of this machine has been set since [ns], as far as it was said."""
 
     def messages(self, reading: Reading, raws: Sequence[bytes], before: int | None) -> int | None:
         """Messages of one publisher have come, one after the other.
@@ -138,7 +147,16 @@ class Hearing:
 
     def _receipt(self) -> int:
         """The time that what comes now gets; 0 before there is any."""
-        return self._now if self.simulated else time.time_ns()
+        return self._now if self.simulated else self._steady()
+
+    def _steady(self) -> int:
+        """This machine's time when listening began, and what has passed since, however its clock is set meanwhile."""
+        now = self._began + _elapsed()
+        off = time.time_ns() - now
+        if abs(off - self._set) > SECOND:
+            self._notes.add(f"the clock was set {'forward' if off > self._set else 'back'}; time went on as it was")
+            self._set = off
+        return now
 
     def _set_clock(self, reading: Reading, raw: bytes) -> None:
         seconds, nanoseconds = _clock_of(reading.type.decode(raw))

@@ -134,6 +134,8 @@ class JournalRecording(TextSource):
     Raises SourceError, with the line, where the file is not a journal.
     """
 
+    ends = False  # its clock samples say how long the robot was listened to
+
     def _signals(self) -> frozenset[str]:
         if next(self._lines(), (1, b""))[1] != _TITLE.encode():
             raise SourceError(f"{self.path}: not a journal; expected '{_TITLE.strip()}' as its first line")

@@ -52,16 +52,25 @@ def open_live(choice: str = "auto", *, period: float = 0.5) -> Live:
         from robophm.transports import ros1
 
         return Live(ros1.Ros1(period=period), 1, "ros1", reason, ros1.Node, ros1.Publisher)
-    transport, why = _ros2_transport()
-    reason = f"{reason}; {why}"
-    if transport == "ros2_rclpy":
-        from robophm.transports import ros2_rclpy
+    return _ros2(reason, period)
 
-        source = ros2_rclpy.Ros2Rclpy(period=period)
-        return Live(source, 2, transport, reason, ros2_rclpy.Node, ros2_rclpy.Publisher)
-    from robophm.transports import ros2_dds
 
-    return Live(ros2_dds.Ros2Dds(period=period), 2, transport, reason, ros2_dds.Node, ros2_dds.Publisher)
+def _ros2(reason: str, period: float) -> Live:
+    """Through rclpy where there is one that runs in this Python; else over DDS, and why. Raises SourceError."""
+    from robophm.transports import ros2_dds, ros2_rclpy
+
+    why = "rclpy cannot be imported"
+    if _has("rclpy"):
+        try:
+            source = ros2_rclpy.Ros2Rclpy(period=period)
+            return Live(
+                source, 2, "ros2_rclpy", f"{reason}; rclpy can be imported", ros2_rclpy.Node, ros2_rclpy.Publisher
+            )
+        except SourceError as error:  # as where ROS 2 is sourced for the Python that it was built with
+            if not _has("cyclonedds"):
+                raise SourceError(f"{error}, and no cyclonedds: pip install robophm[ros2]") from None
+            why = str(error)
+    return Live(ros2_dds.Ros2Dds(period=period), 2, "ros2_dds", f"{reason}; {why}", ros2_dds.Node, ros2_dds.Publisher)
 
 
 def generation_here() -> tuple[int, str]:
@@ -92,12 +101,6 @@ def _master() -> str | None:
     except SourceError as error:
         return str(error)
     return None
-
-
-def _ros2_transport() -> tuple[str, str]:
-    if _has("rclpy"):
-        return "ros2_rclpy", "rclpy can be imported"
-    return "ros2_dds", "rclpy cannot be imported" if _has("cyclonedds") else "no rclpy and no cyclonedds"
 
 
 def _has(package: str) -> bool:

@@ -24,7 +24,7 @@ from robophm.transports.named import Names, NotNamedError, name_getter, names_in
 from robophm.transports.source import Heard, SignalSource, TopicInfo, reading
 
 if TYPE_CHECKING:
-    from robophm.transports.columns.pieces import PiecedFile
+    from robophm.transports.columns.pieces import PiecedFile, Told
 
 LONGEST_NAMING = 1 << 18
 """Bytes of a message, beyond which it is not looked into for names."""
@@ -100,14 +100,26 @@ class Recording(SignalSource):
         """What there is to ask for. ``fields`` is empty where the messages cannot be decoded."""
         return list(self._topics)
 
+    def spans(self) -> list[tuple[int, int]]:
+        """When the messages of each file begin and end, of those that hold any."""
+        held = [list(told.values()) for _, told in self._told if told]
+        return [(min(one.first for one in told), max(one.last for one in told)) for told in held]
+
     @cached_property
-    def _topics(self) -> list[TopicInfo]:
-        found: dict[str, TopicInfo] = {}
+    def _told(self) -> list[tuple[PiecedFile, dict[int, Told]]]:
+        """What there is of each connection of each file."""
+        found = []
         for file in self._files:
             notes, file.notes = file.notes, Counter()  # what is lost is said when messages are read
             with reading(file.path):
-                told = file.told()
+                found.append((file, file.told()))
             file.notes = notes
+        return found
+
+    @cached_property
+    def _topics(self) -> list[TopicInfo]:
+        found: dict[str, TopicInfo] = {}
+        for file, told in self._told:
             for connection in file.connections:
                 messages, first, last = told.get(connection.id, (0, None, None))
                 fields = fields_of(connection)

@@ -6,6 +6,8 @@ of ``ros2_dds``: messages come and go as bytes.
 
 from __future__ import annotations
 
+import importlib.util
+import platform
 import threading
 import time
 from collections import Counter, deque
@@ -39,9 +41,20 @@ def rclpy() -> Any:
         import rclpy.event_handler
         import rclpy.executors
         import rclpy.qos
-    except Exception as error:  # a half-sourced installation fails in many ways
-        raise SourceError(f"no rclpy here ({error}); expected the setup of a ROS 2 to be sourced") from None
+    except Exception as error:  # a half-sourced installation, or one for another Python, fails in many ways
+        raise SourceError(_why_not(error)) from None
     return rclpy
+
+
+def _why_not(error: Exception) -> str:
+    """Why rclpy does not run here: where it lies, which tells the Python it is for, and what went wrong first."""
+    spec = importlib.util.find_spec("rclpy")
+    if spec is None:
+        return "rclpy cannot be imported; expected the setup of a ROS 2 to be sourced"
+    folder = next(iter(spec.submodule_search_locations or ()), spec.origin)
+    said = next(iter(str(error).splitlines()), "") or type(error).__name__
+    here = platform.python_version()
+    return f"rclpy cannot be imported: the one in {folder} does not run in Python {here} ({said})"
 
 
 class Node(DdsNode):
@@ -71,8 +84,11 @@ class RclpyGraph:
         self.users = 0
         self._born = time.monotonic()
         self._rclpy = rclpy()
-        self._context = self._rclpy.context.Context()
-        self._rclpy.init(args=[], context=self._context, domain_id=domain)
+        try:
+            self._context = self._rclpy.context.Context()
+            self._rclpy.init(args=[], context=self._context, domain_id=domain)
+        except Exception as error:  # as where the RMW that the environment names is not installed
+            raise SourceError(_why_not(error)) from None
         self._executor = self._rclpy.executors.SingleThreadedExecutor(context=self._context)
         self._nodes: dict[str, Any] = {}
         self._eye = self._rclpy.create_node("robophm_discovery", context=self._context, **_PLAIN)

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +58,8 @@ class SignalSource(ABC):
     """Identifies the content wherever it lies, so that a replay can be resumed and is never counted twice."""
     notes: Counter[str]
     """What had to be decided on the way of the latest ``samples()``, and how often."""
+    ends: ClassVar[bool] = True
+    """Whether with its last message it is known to be over: a recording. What is live, or kept of it, falls silent."""
 
     @abstractmethod
     def topics(self) -> list[TopicInfo]:
@@ -79,6 +81,10 @@ class SignalSource(ABC):
         ``since`` [ns] leaves out what arrived before. Raises SourceError as ``samples``.
         """
         return None
+
+    def spans(self) -> list[tuple[int, int]]:
+        """When each of several recordings began and ended [ns]; empty where it is one, or that is not known."""
+        return []
 
     def stop(self) -> None:
         """End ``samples`` once all that has come so far has been taken; from any thread, and from a signal."""
@@ -118,6 +124,8 @@ LiveItem = Sample | Told | Gap
 
 class LiveSource(SignalSource):
     """What is heard while it happens: endless, until ``close``, which may come from any thread."""
+
+    ends = False
 
     @abstractmethod
     def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:

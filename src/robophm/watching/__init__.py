@@ -10,15 +10,15 @@ from contextlib import ExitStack
 from robophm.core.errors import SourceError
 from robophm.core.signal import REORDERED, SECOND
 from robophm.design.robot import Robot
-from robophm.health.ledger import Ledger
 from robophm.health.report import health_now
 from robophm.monitor import Monitor
-from robophm.replaying import REPORT_STEP, Course
+from robophm.replaying import REPAIR, REPORT_STEP, Course, kept_ledger
 from robophm.stores.store import Progress, Store
 from robophm.transports.journal import Journal
 from robophm.transports.sink import JudgedTask, ReportSink
 from robophm.transports.source import Gap, LiveItem, LiveSource, SignalSource, Told
 from robophm.watching.ahead import LookAhead
+from robophm.watching.clock_steps import ClockSteps
 from robophm.watching.tasks import LiveTasks
 
 SAVE_EVERY = 5.0
@@ -31,7 +31,7 @@ def watch(
     sinks: Sequence[ReportSink] = (), task_topics: Collection[str] = (),
     speed: float | None = None, functions: Sequence[str] = (),
     on_start: Callable[[Monitor], None] | None = None, on_tick: Callable[[Monitor], None] | None = None,
-    on_task: Callable[[JudgedTask], None] | None = None,
+    on_task: Callable[[JudgedTask], None] | None = None, on_clock: Callable[[str], None] | None = None,
 ) -> Monitor:  # fmt: skip
     """Listen until the source is closed, from where the store's ledger stands; the monitor as it is then.
 
@@ -39,15 +39,14 @@ def watch(
     ledger, bit for bit. Reports go to ``sinks`` with the remaining lives and completions last seen ahead; so do the
     tasks that ``task_topics`` of a live source tell of, ``speed`` [m/s] and ``functions`` being as of LiveTasks; what
     of them is not judged is in the source's notes. ``on_start`` is called before the first sample, ``on_tick`` after
-    each step.
+    each step, ``on_clock`` with words, at once, where the clock jumps ahead, or back so that nothing counts.
 
     Where there are both a store and a journal, what an earlier watch wrote to that journal and could not save any more
     is taken into the ledger first.
 
     Raises SourceError as the source does, and where the ledger is ahead of the samples' time.
     """
-    kept = store.ledger(robot.name) if store else None
-    ledger = Ledger.of(robot, kept) if kept else None
+    ledger = kept_ledger(robot, store) if store else None
     course = Course(REPORT_STEP, ledger)
     saved = time.monotonic()
     key = f"journal {journal.path.resolve()}" if journal else ""
@@ -84,6 +83,7 @@ def watch(
             on_tick(monitor)
 
     ahead = LookAhead()
+    clock = ClockSteps()
     monitor = Monitor(robot, ledger, period=period, on_tick=tick)
     tasks = LiveTasks(monitor, speed=speed, functions=functions)
     if store and journal and (kept_to := store.progress(robot.name, key).position):
@@ -112,11 +112,13 @@ def watch(
             if behind is not None and heard.time < behind:
                 raise SourceError(
                     f"the ledger of {robot.name} is {(behind - heard.time) / SECOND:,.0f} s ahead of what is heard; "
-                    "expected a clock that is right, or another store"
+                    f"expected a clock that is right, or another store; {REPAIR}"
                 )
             behind = None
             if journal:
                 journal.write(heard)
+            if (words := clock.hear(heard.time, monitor.ledger)) and on_clock:
+                on_clock(words)
             monitor.observe(heard)
             if time.monotonic() - saved > SAVE_EVERY:
                 save()

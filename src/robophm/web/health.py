@@ -122,7 +122,7 @@ def health_of(
         source=run.source if run else "",
         error=run.error if run else "",
         state=state,
-        why=[*told, *shown.warnings, *flags],
+        why=[*told, *shown.warnings, *shown.system.marks],
         design_changed=design_changed,
         time=report.time / SECOND if report.time is not None else None,
         samples=run.samples if run else 0,
@@ -143,7 +143,7 @@ def _subject(one: Subject, latest: Subject | None) -> SubjectHealth:
         name=one.path.rpartition("/")[2],
         nominal=_figures(one.nominal, latest.nominal if latest else None),
         sensor_based=_figures(one.sensor_based, latest.sensor_based if latest else None),
-        flags=list(one.flags),
+        flags=list(one.marks),
     )
 
 

@@ -55,7 +55,7 @@ export function Sensors(): ReactNode {
       const range = Array.isArray(said.range) ? `, ${said.range.join(" to ")}` : "";
       return {
         at: part.path, place: [...part.place, "signals", input], kind: input,
-        words: `${String(said.topic)}.${String(said.field)} [${String(said.unit ?? "unit of the input")}]${range}; holds ${String(said.max_age ?? "5 s")}, then ${String(said.stale ?? "nominal")}`,
+        words: `${String(said.topic)}.${String(said.field)} [${String(said.unit ?? "unit of the input")}]${range}; holds ${String(said.max_age ?? "5 s")}, then ${String(said.stale ?? "conservative")}`,
         signals: [`${String(said.topic)}.${String(said.field)}`],
       };
     }),

@@ -150,7 +150,7 @@ def diagnostics(report: HealthReport, node: str) -> Fields:
 
 
 def _words(one: Subject) -> str:
-    return "; ".join((*one.breaches, *one.warnings, *one.flags)) or "OK"
+    return "; ".join((*one.breaches, *one.warnings, *one.marks)) or "OK"
 
 
 def _values(one: Subject) -> dict[str, float]:

@@ -19,6 +19,7 @@ const KINDS: [string, string][] = [
   ["powered", "whether the robot is on"],
 ];
 const STALE: [string, string][] = [
+  ["conservative", "conservative: the last value or as designed, whichever ages faster"],
   ["nominal", "nominal: as designed"], ["hold", "hold: the last value"], ["worst", "worst: the largest rate in the range"],
 ];
 const UNITS: Record<string, string> = { temperature: "degC", voltage: "V", humidity: "percent", load: "", current: "A", pressure: "Pa" };
@@ -34,7 +35,7 @@ export function BindForm({ start }: { start: Start }): ReactNode {
   const [low, setLow] = useState("");
   const [high, setHigh] = useState("");
   const [age, setAge] = useState("5 s");
-  const [stale, setStale] = useState("nominal");
+  const [stale, setStale] = useState("conservative");
   const [tested, setTested] = useState<Shapes["SensorTested"] | null>(null);
   const inputs = useInputs();
   const part = design && findPart(design, level);
@@ -57,7 +58,7 @@ export function BindForm({ start }: { start: Start }): ReactNode {
     const place = kind === "input" ? ["signals", input] : kind === "powered" ? ["powered"] : ["clocks", "kilometres"];
     const value =
       kind === "input"
-        ? { topic, field, ...(unit ? { unit } : {}), ...(range ? { range } : {}), ...(age !== "5 s" ? { max_age: age } : {}), ...(stale !== "nominal" ? { stale } : {}) }
+        ? { topic, field, ...(unit ? { unit } : {}), ...(range ? { range } : {}), ...(age !== "5 s" ? { max_age: age } : {}), ...(stale !== "conservative" ? { stale } : {}) }
         : kind === "powered"
           ? { topic, field }
           : kind === "speed"

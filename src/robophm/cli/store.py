@@ -1,0 +1,55 @@
+"""``robophm store``: what is done to a store itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robophm.cli.output import Json
+
+store = typer.Typer(no_args_is_help=True, help="Look after a store, where a robot's past is kept.")
+
+
+@store.callback()
+def _store() -> None:
+    """Look after a store, where a robot's past is kept."""
+
+
+@store.command()
+def repair(
+    design: Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")],
+    path: Annotated[Path, typer.Option("--store", help="the robot's past, as kept by replay or watch")],
+    as_json: Json = False,
+) -> None:
+    """Take a jump of the clock by years out of a robot's past, and what came behind it; a copy is kept beside it."""
+    from robophm.cli.output import console, print_json
+    from robophm.cli.past import existing_store, past_in
+    from robophm.core.signal import HOUR
+    from robophm.design.file import load
+    from robophm.health.repair import take_out_jump
+    from robophm.report.words import moment_text, number_text
+
+    robot = load(design)
+    with existing_store(path) as kept:
+        ledger = past_in(kept, robot)
+        done = take_out_jump(robot, ledger)
+        copy = path.with_name(f"{path.name}.before-repair")
+        if done:
+            kept.copy_to(copy)
+            kept.bring_back(robot.name, ledger.to_json(), done.before)
+    if as_json:
+        print_json(
+            {"robot": robot.name, "repaired": done._asdict() if done else None, "copy": str(copy) if done else None}
+        )
+        return
+    out = console()
+    if not done:
+        out.print(f"{path}: no clock jumped by years in the past of {robot.name}; nothing is changed", markup=False)
+        return
+    out.print(
+        f"{path}: the clock had jumped from {moment_text(done.before)} by {(done.until - done.before) / HOUR:,.0f} h; "
+        f"that is taken out, with {number_text(done.operating)} h of operation behind it. As it was: {copy}",
+        markup=False, soft_wrap=True,
+    )  # fmt: skip

@@ -1,0 +1,77 @@
+"""A ledger into which a clock that had jumped ahead was counted: the jump, and what came behind it, taken out again."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from robophm.design.robot import Robot
+from robophm.health.leap import LEAP
+from robophm.health.ledger import Ledger, Step
+from robophm.health.window import Window
+
+
+class Repaired(NamedTuple):
+    """What was taken out."""
+
+    before: int
+    """To which the ledger goes back [ns]."""
+    until: int
+    """To which it had been integrated [ns]."""
+    operating: float
+    """Hours of operation behind the jump that are taken out with it."""
+
+
+def take_out_jump(robot: Robot, ledger: Ledger) -> Repaired | None:
+    """Bring a ledger back to where its first jump of the clock began; None where it has none, and nothing is changed.
+
+    A jump is a step of the past that took longer than ``LEAP``. Sums are brought back by what the steps from then on
+    added; of a mode whose stress scales its hazard, at the mean stress of each. Distances stay as they were measured.
+    A part that was replaced or repaired since keeps its sums.
+    """
+    steps, until = ledger.history, ledger.integrated_to
+    if ledger.started is None or until is None:
+        return None
+    ends = [ledger.started, *(step.end for step in steps)]
+    first = next((i for i, (begin, end) in enumerate(pairwise(ends)) if end - begin > LEAP), None)
+    if first is None:
+        return None
+    before = ends[first]
+    gone = steps[first:]
+    _bring_back(robot, ledger, gone, before)
+    ledger.history = steps[:first]
+    ledger.recent = [step for step in ledger.recent if step.end <= before]
+    ledger.pending, ledger.aside, ledger.ends, ledger.ended = Window(), [], [], None
+    ledger.integrated_to = ledger.newest = before
+    ledger.heard = None if ledger.heard is None else min(ledger.heard, before)
+    ledger.off = before if ledger.off is not None and ledger.off > before else ledger.off
+    ledger.last = {key: (min(time, before), values) for key, (time, values) in ledger.last.items()}
+    ledger.seen = {key: seen._replace(time=min(seen.time, before)) for key, seen in ledger.seen.items()}
+    ledger.replaced = {key: min(time, before) for key, time in ledger.replaced.items()}
+    ledger.services = [service._replace(time=min(service.time, before)) for service in ledger.services]
+    return Repaired(before, until, sum(step.operating for step in gone))
+
+
+def _bring_back(robot: Robot, ledger: Ledger, gone: list[Step], before: int) -> None:
+    served = {key for key, time in ledger.replaced.items() if time > before}
+    kept = np.array([mode not in served for mode in ledger.modes])
+    age, effective = (np.sum([getattr(step, name) for step in gone], axis=0) * kept for name in ("age", "effective"))
+    hazard = np.zeros(len(kept))
+    for i, mode in enumerate(robot.modes):
+        if mode.scaling == "hazard" and kept[i]:
+            initial = 0.0 if mode.key in ledger.replaced else mode.initial_exposure
+            at = initial + float(ledger.age.value[i] - age[i])
+            for step in gone:
+                if step.age[i] > 0:
+                    more = mode.life.increment(np.array([at]), np.array([step.age[i]]))
+                    hazard[i] += step.effective[i] / step.age[i] * float(more[0])
+                    at += float(step.age[i])
+    clocks = np.zeros(len(ledger.clocks.high))
+    clocks[:2] = sum(step.operating for step in gone), sum(step.calendar for step in gone)
+    totals = (ledger.age, age), (ledger.effective, effective), (ledger.hazard, hazard), (ledger.clocks, clocks)
+    for total, less in totals:
+        total.add(-less)
+        below = total.value < 0  # by rounding alone
+        total.high[below], total.low[below] = 0.0, 0.0

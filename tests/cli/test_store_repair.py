@@ -1,0 +1,92 @@
+"""A store that a clock in 2038 had ended before jumps were set aside: brought back to before it, a copy kept."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from robophm.core.signal import SECOND, Sample
+from robophm.design.file import load
+from robophm.monitor import Monitor
+from robophm.stores.sqlite import SqliteStore
+
+START, IN_2038 = 1_795_000_020 * SECOND, 2_147_483_000 * SECOND
+T = "/motor.temperature"
+DESIGN = """
+schema_version: 1
+name: R
+signals: {temperature: {topic: /motor, field: temperature, unit: degC, max_age: 10 s, range: [-40, 125]}}
+components:
+  motor: {rate: 0.01 /h, acceleration: {model: q10, reference_temperature: 25 degC}}
+  seal:
+    life: {distribution: weibull, scale: 40 h, shape: 2.5}
+    scaling: hazard
+    acceleration: {model: q10, reference_temperature: 25 degC}
+  shelf: {life: {distribution: weibull, scale: 200000 h, shape: 2}, clock: calendar}
+"""
+
+
+@pytest.fixture
+def poisoned(tmp_path):
+    """Ten hours in whole periods of a minute, then 20 s in 2038, each sample taken as it came, as it once was."""
+    (tmp_path / "robot.yaml").write_text(DESIGN)
+    robot = load(tmp_path / "robot.yaml")
+    monitor = Monitor(robot)
+    for second in range(0, 36_000, 2):
+        monitor.observe(Sample(START + second * SECOND, T, 35.0 + second // 9000))
+    monitor.observe(Sample(START + 36_001 * SECOND, T, 40.0))
+    good = monitor.ledger.copy()
+    for second in range(0, 70, 2):
+        monitor._take(Sample(IN_2038 + second * SECOND, T, 60.0))
+    with SqliteStore(tmp_path / "past.db") as store:
+        reports = [{"time": START + 60 * SECOND}, {"time": IN_2038}]
+        store.save("R", monitor.ledger.to_json(), None, reports)
+    return robot, good
+
+
+def test_the_ledger_is_that_of_before_the_jump(inside, tmp_path, poisoned):
+    robot, good = poisoned
+    before = (tmp_path / "past.db").read_bytes()
+    done = inside("store", "repair", "robot.yaml", "--store", "past.db")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "the clock had jumped from 2026-" in done.stdout
+    assert "As it was: past.db.before-repair" in done.stdout
+    with SqliteStore(tmp_path / "past.db") as store:
+        ledger = store.ledger("R")
+        assert [report["time"] for report in store.history("R")] == [START + 60 * SECOND]
+    assert ledger["integrated_to"] == good.integrated_to
+    now = type(good).of(robot, ledger)
+    for name in ("age", "effective", "hazard", "clocks"):
+        assert getattr(now, name).value == pytest.approx(
+            getattr(good, name).value, rel=1e-7
+        )  # stress that scales hazard: at its mean
+    with SqliteStore(tmp_path / "past.db.before-repair") as store:
+        assert store.ledger("R")["integrated_to"] > IN_2038
+    assert before != (tmp_path / "past.db").read_bytes()
+    (tmp_path / "next.csv").write_text(
+        f"time,{T}\n" + "".join(f"{START // SECOND + 40_000 + i},35\n" for i in range(100))
+    )
+    again = inside("replay", "robot.yaml", "next.csv", "--store", "past.db", "--json")
+    assert again.returncode == 0
+    assert json.loads(again.stdout)["clocks"]["calendar"] == pytest.approx(40_099 / 3600, rel=1e-6)
+
+
+def test_a_store_without_a_jump_is_left_alone(inside, tmp_path, poisoned):
+    inside("store", "repair", "robot.yaml", "--store", "past.db")
+    with SqliteStore(tmp_path / "past.db") as store:
+        before = store.ledger("R")
+    done = inside("store", "repair", "robot.yaml", "--store", "past.db", "--json")
+    assert json.loads(done.stdout) == {"schema_version": 1, "robot": "R", "repaired": None, "copy": None}
+    with SqliteStore(tmp_path / "past.db") as store:
+        assert store.ledger("R") == before
+
+
+def test_a_copy_that_is_there_is_never_written_over(inside, tmp_path, poisoned):
+    (tmp_path / "past.db.before-repair").write_text("mine")
+    done = inside("store", "repair", "robot.yaml", "--store", "past.db")
+    assert done.returncode == 3
+    assert done.stderr.startswith("error: past.db.before-repair: exists; expected no such file")
+    assert (tmp_path / "past.db.before-repair").read_text() == "mine"
+    with SqliteStore(tmp_path / "past.db") as store:
+        assert store.ledger("R")["integrated_to"] > IN_2038
