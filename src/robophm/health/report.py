@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from robophm.health.mission import Completion, completion, plan_future
 from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName, Outlook, RemainingLife, View, outlooks
 from robophm.health.subject import STALE, Figures, Subject, breached, figures_now, looking_ahead
+from robophm.health.to_come import FailuresToCome, failures_to_come
 from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, life_uncertainty
 
 SCHEMA_VERSION = 1
@@ -64,6 +66,15 @@ class HealthReport:
     outlooks: Mapping[View, Outlook] = field(repr=False, compare=False)
     uncertainty: LifeUncertainty | None = None
     """Of the robot's sensor-based remaining life; where it was asked for, and rates or load are uncertain."""
+    horizon: float | None = None
+    """How far ahead failures to come are looked for [h of calendar time]; None: to the median remaining life."""
+
+    @cached_property
+    def failures_to_come(self) -> FailuresToCome:
+        """Which parts the robot's failures within the horizon will come from."""
+        life = self.system.sensor_based.remaining_life or self.remaining_life()
+        robot = self.outlooks["sensor_based"].plant.robot
+        return failures_to_come(self.outlooks, robot.diagram, life.median, self.horizon)
 
     @property
     def breaches(self) -> tuple[str, ...]:
@@ -156,6 +167,7 @@ class HealthReport:
             **{name: getattr(self, name) for name in names},
             "subjects": [plain(asdict(subject)) | {"state": subject.state} for subject in self.subjects],
             "components": [plain(asdict(component)) for component in self.components],
+            "failures_to_come": plain(asdict(self.failures_to_come)) if self.system.sensor_based.remaining_life else None,
             "task": task_to_json(self.task) if self.task else None,
             "uncertainty": plain({name: interval._asdict() for name, interval in vars(self.uncertainty).items()})
             if self.uncertainty
@@ -194,17 +206,19 @@ def health_report(
     plant: Plant, exposure: Exposure, ledger: Ledger, *,
     task: Task | None = None, remaining_life: bool = True,
     future: FutureName = "recent", plan: Plan | None = None, knowledge: Knowledge | None = None,
-    draws: int = 0, parts: bool = False,
+    draws: int = 0, parts: bool = False, horizon: float | None = None,
 ) -> HealthReport:  # fmt: skip
     """The health that a ledger tells of; ``task`` is the design's unless given. Remaining life is the slow part.
 
     Under a ``plan`` the robot does its tasks again and again for the rest of its life. ``draws`` of uncertain rates and
-    loads tell how far the remaining life may lie; ``parts``: state that of every component too.
+    loads tell how far the remaining life may lie; ``parts``: state that of every component too. ``horizon`` [h]: how
+    far ahead failures to come are looked for.
     """
     now = health_now(plant, exposure, ledger, task=task, future=future, plan=plan, knowledge=knowledge)
     return replace(
         now.looking_ahead(remaining_life=remaining_life, parts=parts),
         uncertainty=_uncertainty(plant, ledger, now.outlooks["sensor_based"], plan, draws),
+        horizon=horizon,
     )
 
 
