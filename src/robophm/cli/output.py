@@ -17,8 +17,12 @@ from rich.table import Table
 from rich.text import Text
 
 from robophm.core.errors import RobophmError
+from robophm.core.units import quantity
 from robophm.health.report import HealthReport
 from robophm.health.uncertainty import Interval
+from robophm.health.to_come import LONGEST, FailuresToCome
+from robophm.report.to_come import FEW, horizon_text, notes, share_text
+from robophm.report.to_come import shown as largest
 from robophm.report.words import duration_text, number_text, percent_text, probability_text, rate_text
 
 if TYPE_CHECKING:
@@ -30,6 +34,11 @@ SCHEMA_VERSION = 1
 
 Json = Annotated[bool, typer.Option("--json", help="print one JSON document on stdout")]
 """The option of every command."""
+
+Horizon = Annotated[
+    str | None,
+    typer.Option(help="how far ahead to look for what will fail, e.g. '1 year'; default the median remaining life"),
+]
 
 PLAIN_WIDTH = 120
 """Columns of what is printed into a file or a pipe."""
@@ -152,6 +161,8 @@ def print_report(report: HealthReport, unit: str) -> None:
         task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
         chance = probability_text(system.completion.probability, system.completion.failure)
         out.print(f"Next task ({task}): completed with {chance}", markup=False)
+    if system.remaining_life:
+        print_failures_to_come(report.failures_to_come)
     flagged = [f"* {one.path}: {', '.join(one.flags)}" for one in report.subjects if one.flags]
     for line in (*flagged, *report.notes):
         out.print(line, style="yellow", markup=False)
@@ -170,6 +181,37 @@ def print_parts(report: HealthReport) -> None:
     ]
     title = "Remaining life of each component alone, calendar time"
     print_table(console(), table(title, ("", "5 % by", "median", "95 % by"), rows, figures=(1, 2, 3)))
+
+
+def horizon_of(text: str | None) -> float | None:
+    """How far ahead failures to come are looked for [h]; None: the usual. Raises RobophmError."""
+    if text is None:
+        return None
+    hours = quantity(text, "h")
+    if not 0 < hours <= LONGEST:
+        raise RobophmError(f"--horizon {text}: expected above zero, at most {LONGEST:g} h")
+    return hours
+
+
+def print_failures_to_come(found: FailuresToCome, *, both: bool = True) -> None:
+    """Which parts the failures to come will come from: the few that bring about most of them."""
+    some = largest(found, FEW)
+    if not some:
+        return
+    views = ("nominal", "sensor-based") if both else ("nominal",)
+    rows = [
+        [one.path + (f" ×{one.quantity}" if one.quantity > 1 else ""),
+         *(share_text(getattr(one, view.replace("-", "_"))) for view in views)]
+        for one in some
+    ]  # fmt: skip
+    title = f"What will fail it: share of the failures {horizon_text(found)}"
+    out = console()
+    out.print(f"\n{title}", style="bold", markup=False, soft_wrap=True)
+    print_table(out, table("", ("", *views), rows, figures=range(1, 1 + len(views))))
+    for note in notes(found, some):
+        out.print(note)
+    if rest := len(found.contributions) - len(some):
+        out.print(f"{rest:,} more are not listed")
 
 
 def _span(interval: Interval) -> str:

@@ -10,7 +10,16 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from robophm.cli.output import console, estimate_text, may_write, print_json, print_table, table, write
+from robophm.cli.output import (
+    console,
+    estimate_text,
+    may_write,
+    print_failures_to_come,
+    print_json,
+    print_table,
+    table,
+    write,
+)
 from robophm.core.errors import UnitError
 from robophm.design.file import load
 from robophm.design.legacy import legacy_rate, legacy_reliability
@@ -19,6 +28,7 @@ from robophm.groups.monte_carlo import Estimate, Wear, simulate
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.health.report import plain
+from robophm.health.to_come import failures_to_come
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
 from robophm.report.diagram_text import diagram_text
@@ -134,18 +144,25 @@ def estimated(design: Path, hours: float, robots: int, seed: int, svg: Path | No
     )  # fmt: skip
 
 
-def shown(design: Path, hours: float, unit: str, svg: Path | None, *, legacy: bool, as_json: bool) -> None:
+def shown(
+    design: Path, hours: float, unit: str, svg: Path | None, horizon: float | None, *, legacy: bool, as_json: bool
+) -> None:
     """Draw, and tabulate what is promised. Raises RobophmError."""
     robot = _asked(design, hours, svg)
     found = promises(robot, hours, legacy=legacy)
     if svg:
         write(svg, svg_diagram(robot, unit))
+    new = as_designed(Plant(robot))
+    median = new.remaining_life(robot.diagram).median
+    to_come = failures_to_come({"nominal": new, "sensor_based": new}, robot.diagram, median, horizon)
     if as_json:
-        print_json({"robot": robot.name, "hours": hours, "modules": [plain(asdict(one)) for one in found]})
+        modules = [plain(asdict(one)) for one in found]
+        print_json({"robot": robot.name, "hours": hours, "modules": modules, "failures_to_come": plain(asdict(to_come))})
         return
     out = console()
     draw(out, robot, unit)
     print_table(out, promises_table(robot, found, hours, unit))
+    print_failures_to_come(to_come, both=False)
 
 
 def _asked(design: Path, hours: float, svg: Path | None) -> Robot:

@@ -74,6 +74,10 @@ def usual_hours(outlook: Outlook, median: float) -> float:
     return min(half, USUAL) if half > 0 else USUAL
 
 
+LIFELONG = 20_000
+"""Units up to which a page states Barlow–Proschan importances too, in a second or two."""
+
+
 class Drawn(Parts):
     """A diagram prepared with every unit by itself, to be asked about each."""
 

@@ -27,8 +27,10 @@ class Contribution:
     """What a component, or a group of parts that depend on each other, has in the failures to come."""
 
     path: str
-    """Of the component with all of its equal parts; of a group, which fails as one unit, its name."""
+    """Of the component with all of its equal parts; of a group its name."""
     quantity: int
+    group: bool
+    """Whether it is a group, which fails as one unit: its members have no share of their own."""
     nominal: float
     """P(its failure is the one that fails the robot within the horizon | the robot fails within it); not a number where
     the robot has failed or cannot fail."""
@@ -68,14 +70,14 @@ def failures_to_come(
     share = float(course.operating[-1] / course.hours[-1])
     each = {view: _caused(outlook, diagram, ahead * share) for view, outlook in outlooks.items()}
     plant = lived.plant
-    quantities = [*(part.quantity for part in plant.components), *(1 for _ in plant.groups)]
+    parts = [*((part.quantity, False) for part in plant.components), *((1, True) for _ in plant.groups)]
     shares = {view: caused / fails if fails > 0 else np.full(len(caused), math.nan)
               for view, (caused, fails) in each.items()}  # fmt: skip
     drawn = np.unique(plant.component_of[plant.system(diagram).units]).tolist()
     order = sorted(drawn, key=lambda i: -np.nan_to_num(shares["sensor_based"][i]))
     return FailuresToCome(
         ahead, horizon is not None, ahead * share, each["nominal"][1], each["sensor_based"][1],
-        tuple(Contribution(plant.paths[i], quantities[i], *(float(shares[view][i]) for view in ("nominal", "sensor_based")))
+        tuple(Contribution(plant.paths[i], *parts[i], *(float(shares[view][i]) for view in ("nominal", "sensor_based")))
               for i in order),
     )  # fmt: skip
 

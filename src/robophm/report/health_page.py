@@ -24,6 +24,7 @@ from robophm.report.minimal_sets import what_it_takes_to_fail
 from robophm.report.outline import Label
 from robophm.report.page import figure, page, section, side_by_side, table_html, tile, tiles
 from robophm.report.style import Tone
+from robophm.report.to_come import contributors
 from robophm.report.words import duration_text, number_text, odds_text, percent_text, rate_text
 
 VIEWS = {"nominal": "nominal", "sensor_based": "sensor-based"}
@@ -57,7 +58,7 @@ def _sections(
     yield section("Curves", side_by_side(*_history_curves(report.robot, history), *_outlook_curves(robot, report)))
     yield section("Modules", _subject_table(report.subjects))
     yield section("What it takes to fail", *what_it_takes_to_fail(robot, report))
-    yield section("What contributes most", _contributors(report))
+    yield section("What will fail it", *contributors(report.failures_to_come, report.components))
     life = report.system.sensor_based.remaining_life
     yield section("What matters most", *matters(robot, report.outlooks, life.median if life else 0.0))
     yield section("What to replace first", *replace_first(robot, report.outlooks, report.task))
@@ -187,23 +188,6 @@ def _subject_table(subjects: Iterable[Subject]) -> Html:
     shown = len(columns) if any(row[-1] for row in rows) else len(columns) - 1
     caption = "sensor: sensor-based; RUL and PoTC are, given that the module works now"
     return table_html(columns[:shown], [row[:shown] for row in rows], caption, "lrrrrrrl"[:shown])
-
-
-def _contributors(report: HealthReport) -> Html:
-    worst = sorted(report.components, key=lambda c: -c.sensor_based_hazard_rate)[:10]
-    total = sum(component.sensor_based_hazard_rate for component in report.components) or 1.0
-    rows = [
-        (
-            c.path,
-            c.quantity,
-            c.nominal_hazard_rate,
-            c.sensor_based_hazard_rate,
-            f"{100 * c.sensor_based_hazard_rate / total:.1f} %",
-        )
-        for c in worst
-    ]
-    columns = ("component", "quantity", "λ nominal [1/h]", "λ sensor-based [1/h]", "share of all parts")
-    return table_html(columns, rows, "The ten highest hazard rates, all equal parts together", "lrrrr")
 
 
 def _assumptions(robot: Robot) -> Iterable[str]:

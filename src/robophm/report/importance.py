@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from robophm.core.errors import StructureError
 from robophm.design.robot import Robot
 from robophm.design.task import Task
-from robophm.health.importance import Drawn, Importances, importances, usual_hours
+from robophm.health.importance import LIFELONG, Drawn, Importances, importances, usual_hours
 from robophm.health.prognosis import Outlook, View
 from robophm.health.replacement import Replacements, replacements
 from robophm.report.bars import bars_svg
@@ -34,7 +34,7 @@ def matters(robot: Robot, outlooks: Mapping[View, Outlook], median: float) -> It
     except StructureError as error:
         yield f"Importances are not stated: {error}."
         return
-    many = len(drawn.structure.names) > MANY
+    many = len(drawn.structure.names) > LIFELONG
     hours = usual_hours(lived, median)
     found = {view: importances(outlooks[view], drawn, hours, lifelong=not many) for view in VIEWS}
     if math.isnan(found["sensor_based"].units[0].birnbaum):

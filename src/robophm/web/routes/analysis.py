@@ -13,7 +13,7 @@ from robophm.blocks.cut_sets import MinimalSets
 from robophm.blocks.diagram import Block
 from robophm.blocks.fault_tree import FaultTree
 from robophm.core.errors import DesignError, nearest
-from robophm.health.importance import Drawn, importances, usual_hours
+from robophm.health.importance import LIFELONG, Drawn, importances, usual_hours
 from robophm.health.prognosis import Outlook, outlooks
 from robophm.health.report import VIEWS
 from robophm.report.minimal_sets import MOST_PARTS, STEPS, Listed, failed_of
@@ -199,7 +199,7 @@ def get_importance(
     diagram = _system(prepared, path)
     drawn = Drawn(prepared.plant, diagram)
     ahead = hours or usual_hours(lived, lived.remaining_life(diagram).median)
-    found = importances(lived, drawn, ahead, lifelong=len(drawn.structure.names) <= 2000)
+    found = importances(lived, drawn, ahead, lifelong=len(drawn.structure.names) <= LIFELONG)
     measures = (
         "birnbaum",
         "criticality",
