@@ -91,9 +91,15 @@ def test_what_is_known_and_what_is_behind() -> None:
     parts = {"a": weibull(1000.0, 3.0, initial_exposure="800 h"), "b": part(1e-3), "c": part(1e-3)}
     design = robot(parts, diagram={"series": [{"parallel": ["a", "b"]}, "c"]})
     found = shares(asked(design, 50.0, failed=frozenset("b")))
-    aged, _ = quad(lambda t: 3e-3 * (0.8 + t / 1000) ** 2 * math.exp(-((0.8 + t / 1000) ** 3) + 0.8**3 - 1e-3 * t), 0, 50)
+    aged, _ = quad(
+        lambda t: 3e-3 * (0.8 + t / 1000) ** 2 * math.exp(-((0.8 + t / 1000) ** 3) + 0.8**3 - 1e-3 * t), 0, 50
+    )
     whole = 1 - math.exp(0.8**3 - 0.85**3 - 0.05)
-    assert found == {"a": pytest.approx(aged / whole, rel=1e-6), "b": 0.0, "c": pytest.approx(1 - aged / whole, rel=1e-6)}
+    assert found == {
+        "a": pytest.approx(aged / whole, rel=1e-6),
+        "b": 0.0,
+        "c": pytest.approx(1 - aged / whole, rel=1e-6),
+    }
 
 
 def draw(rng: random.Random, names: list[str], places: int) -> Any:
@@ -182,8 +188,8 @@ def test_shares_add_up_and_over_all_time_are_barlow_proschan() -> None:
          "worn": part(1e-4, initial_exposure="3000 h", life={"distribution": "weibull", "shape": 2.7}),
          "x": part(1e-4, life={"distribution": "lognormal", "log_deviation": 0.7}),
          "pump": part(3e-4, quantity=3, required=2, initial_exposure="900 h")},
-        diagram={"series": ["young", {"parallel": ["worn", "x"]}, "pump"]}, common_causes={"heat": {"of": ["pump"], "beta": 0.1}},
-        usage={"operating": 0.4},
+        diagram={"series": ["young", {"parallel": ["worn", "x"]}, "pump"]},
+        common_causes={"heat": {"of": ["pump"], "beta": 0.1}}, usage={"operating": 0.4},
     )  # fmt: skip
     for horizon in (0.01, 50.0, 4000.0, 1e8):
         assert sum(shares(asked(design, horizon)).values()) == pytest.approx(1, abs=1e-9)

@@ -111,10 +111,11 @@ def barlow_proschan(
         rough = np.max(error, axis=0) > tolerance / 100 * (settled.sum() + area.sum())
         settled = settled + area[:, ~rough].sum(axis=1)
         if not rough.any():
-            return settled
+            break
         middle = (low + high)[rough] / 2
         low, high = np.append(low[rough], middle), np.append(middle, high[rough])
-    return settled + area[:, rough].sum(axis=1)
+    found: Array = settled + area[:, rough].sum(axis=1)
+    return found
 
 
 _DEEPEST = 30

@@ -6,17 +6,20 @@ from pathlib import Path
 
 from robophm.cli.output import console, print_json, warn
 from robophm.design.file import load
+from robophm.health.unknown import named
 
 
 def run(design: Path, *, as_json: bool) -> None:
     """Warn of what is odd, and count what there is. Raises DesignError."""
     robot = load(design)
     count = sum(component.quantity for component in robot.all_components()) - len(robot.causes)
+    unknown = sum(component.quantity for component in robot.all_components() if component.unknown)
     if as_json:
         print_json(
             {
                 "robot": robot.name,
                 "parts": count,
+                "parts_of_unknown_rate": unknown,
                 "common_causes": len(robot.causes),
                 "signals": list(robot.signals),
                 "warnings": list(robot.warnings),
@@ -25,8 +28,11 @@ def run(design: Path, *, as_json: bool) -> None:
         return
     for warning in robot.warnings:
         warn(warning)
+    if unknown:
+        warn(f"{unknown:,} parts of unknown rate are left out of every total, which says so: {named(robot)}")
     console().print(
         f"{design}: {robot.name} is valid: {len(list(robot.all_modules()))} modules, {count} parts, "
+        + (f"{unknown} of them of unknown rate, " if unknown else "")
         + (f"{len(robot.causes)} common causes, " if robot.causes else "")
         + f"{len(robot.signals)} signals, {len(robot.warnings)} warnings", markup=False
     )  # fmt: skip

@@ -155,7 +155,7 @@ def _print(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> N
     counts = ", ".join(f"{states[state]} {state}" for state in ("added", "changed", "unchanged", "kept"))
     written = "nothing written (dry run)" if wishes.dry_run else str(design)
     out.print(f"{written}: {counts}, {gone} removed; {states['needs a rate']} need a rate; "
-              f"λ of the rated {rate_text(_total(found))}", markup=False)  # fmt: skip
+              f"λ {'at least ' if states['needs a rate'] else ''}{rate_text(_total(found))}", markup=False)  # fmt: skip
 
 
 def _by_kind(parts: Iterable[ImportedPart]) -> dict[str, list[ImportedPart]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from robophm.cli.output import console, may_make, warn, write
+from robophm.cli.output import console, may_make, print_unknown, warn, write
 from robophm.cli.past import kept
 from robophm.design.file import load
 from robophm.monitor import Monitor
@@ -31,5 +31,6 @@ def run(design: Path, store: Path | None, output: Path, horizon: float | None, *
     health = Monitor(robot, ledger).report(horizon=horizon)
     html = health_page(robot, health, history, data)
     write(output, printer.pdf(html) if printer else html)
+    print_unknown(health.system.unknown, robot)
     console().print(f"Report: {output}", markup=False, soft_wrap=True)
     return bool(health.breaches)

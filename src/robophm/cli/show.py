@@ -17,6 +17,7 @@ from robophm.cli.output import (
     print_failures_to_come,
     print_json,
     print_table,
+    print_unknown,
     table,
     write,
 )
@@ -29,6 +30,7 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.health.report import plain
 from robophm.health.to_come import failures_to_come
+from robophm.health.unknown import Unknown, marks, unknown
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
 from robophm.report.diagram_text import diagram_text
@@ -49,6 +51,8 @@ class Promise:
     unreliability: float
     mean_time_to_failure: float
     """[h of calendar time]"""
+    unknown: Unknown | None = None
+    """What parts of unknown rate in it make of the figures."""
     legacy_hazard_rate: float | None = None
     """What the 2020 tool says [1/h]."""
     legacy_reliability: float | None = None
@@ -61,8 +65,9 @@ def promises(robot: Robot, hours: float, *, legacy: bool) -> list[Promise]:
     for path, module in levels(robot):
         works, failed, density = (float(values[0]) for values in new.survival_curve(module.diagram, np.array([hours])))
         old = (legacy_rate(module), legacy_reliability(module, hours)) if legacy else (None, None)
+        left_out = unknown(new, module.diagram, later=hours > 0)
         rate = density / works if works > 0 else float("inf")
-        found.append(Promise(path, rate, works, failed, new.remaining_life(module.diagram).mean, *old))
+        found.append(Promise(path, rate, works, failed, new.remaining_life(module.diagram).mean, left_out, *old))
     return found
 
 
@@ -116,8 +121,10 @@ def promises_table(robot: Robot, found: Sequence[Promise], hours: float, unit: s
     rows = []
     for one in found:
         indent = "  " * (one.path.count("/") + bool(one.path))
-        row = [indent + (one.path.rpartition("/")[2] or robot.name), rate_text(one.hazard_rate, unit)]
-        row += [percent_text(one.reliability, one.unreliability), duration_text(one.mean_time_to_failure)]
+        rate, works, ahead = marks(one.unknown)
+        row = [indent + (one.path.rpartition("/")[2] or robot.name), rate + rate_text(one.hazard_rate, unit)]
+        row.append(works + percent_text(one.reliability, one.unreliability))
+        row.append(ahead + duration_text(one.mean_time_to_failure))
         if one.legacy_hazard_rate is not None and one.legacy_reliability is not None:
             row += [rate_text(one.legacy_hazard_rate, unit), percent_text(one.legacy_reliability)]
         rows.append(row)
@@ -128,7 +135,8 @@ def _labels(robot: Robot, unit: str) -> Callable[[str], Label]:
     new = as_designed(Plant(robot))
     rates = {path: new.hazard_rate(module.diagram) for path, module in levels(robot)}
     components = zip(robot.all_components(), new.component_hazard_rates(), strict=True)
-    return part_labels(robot, rates | {part.path: float(rate) for part, rate in components}, unit)
+    left_out = {path: marks(unknown(new, module.diagram))[0] for path, module in levels(robot)}
+    return part_labels(robot, rates | {part.path: float(rate) for part, rate in components}, unit, unknown=left_out)
 
 
 def estimated(design: Path, hours: float, robots: int, seed: int, svg: Path | None, *, as_json: bool) -> None:
@@ -157,11 +165,14 @@ def shown(
     to_come = failures_to_come({"nominal": new, "sensor_based": new}, robot.diagram, median, horizon)
     if as_json:
         modules = [plain(asdict(one)) for one in found]
-        print_json({"robot": robot.name, "hours": hours, "modules": modules, "failures_to_come": plain(asdict(to_come))})
+        print_json(
+            {"robot": robot.name, "hours": hours, "modules": modules, "failures_to_come": plain(asdict(to_come))}
+        )
         return
     out = console()
     draw(out, robot, unit)
     print_table(out, promises_table(robot, found, hours, unit))
+    print_unknown(found[0].unknown, robot)
     print_failures_to_come(to_come, both=False)
 
 

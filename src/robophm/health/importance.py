@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,7 @@ from robophm.blocks.reliability import Structure
 from robophm.core.errors import StructureError
 from robophm.health.plant import Parts, Plant
 from robophm.health.prognosis import Outlook
+from robophm.health.unknown import Unknown, unknown
 
 Array = npt.NDArray[np.float64]
 
@@ -57,6 +58,8 @@ class Importances:
     units: tuple[UnitImportance, ...]
     refused: str = ""
     """Why there are no Fussell–Vesely importances, where there are none."""
+    unknown: Unknown | None = None
+    """What parts of unknown rate are left out: theirs say what would be if they never failed."""
 
     def ranked(self, by: str = "criticality") -> list[UnitImportance]:
         """The most important first; those of which it is not known last."""
@@ -105,7 +108,8 @@ def importances(outlook: Outlook, drawn: Drawn, hours: float, *, lifelong: bool 
     ever = float(caused.sum()) if works > 0 else 1.0
     share = caused / ever if ever > 0 else caused
     failure = float(system.fails) / works if works > 0 else 1.0
-    return _stated(drawn.diagram, drawn.structure, chances, share, hours, failure, ever)
+    found = _stated(drawn.diagram, drawn.structure, chances, share, hours, failure, ever)
+    return replace(found, unknown=unknown(outlook, drawn.diagram))
 
 
 def of_tree(tree: FaultTree, occurred: Array, not_yet: Array, hours: float = math.nan) -> Importances:

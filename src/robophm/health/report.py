@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
@@ -12,16 +12,17 @@ import numpy as np
 
 from robophm.blocks.diagram import Block
 from robophm.core.signal import SECOND
-from robophm.design.robot import FailureMode, Robot, Thresholds
+from robophm.design.robot import FailureMode, Limits, Robot, Thresholds
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion, plan_future
 from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName, Outlook, RemainingLife, View, outlooks
-from robophm.health.subject import STALE, Figures, Subject, breached, figures_now, looking_ahead
+from robophm.health.subject import STALE, Figures, State, Subject, breached, figures_now, looking_ahead
 from robophm.health.to_come import FailuresToCome, failures_to_come
 from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, life_uncertainty
+from robophm.health.unknown import Unknown, unknown
 
 SCHEMA_VERSION = 1
 """Of a report as JSON."""
@@ -45,6 +46,8 @@ class ComponentHealth:
     """Sensor-based, of the component alone [h]; where it was asked for."""
     flags: tuple[str, ...] = ()
     """As of a subject."""
+    unknown: bool = False
+    """Whether it has a rate that is not known: its hazard rates are at least, its reliabilities at most, as stated."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,11 @@ class HealthReport:
     horizon: float | None = None
     """How far ahead failures to come are looked for [h of calendar time]; None: to the median remaining life."""
 
+    @property
+    def looked_ahead(self) -> bool:
+        """Whether remaining lives, the slow part, are there."""
+        return self.system.sensor_based.remaining_life is not None
+
     @cached_property
     def failures_to_come(self) -> FailuresToCome:
         """Which parts the robot's failures within the horizon will come from."""
@@ -91,6 +99,26 @@ class HealthReport:
             words if subject.kind == "robot" else f"{subject.path}: {words}"
             for subject in self.subjects
             for words in getattr(subject, what)
+        )
+
+    @property
+    def state(self) -> State:
+        """Of the robot and all that has thresholds in it, in one word."""
+        if self.breaches:
+            return "error"
+        if self.system.state == "stale":
+            return "stale"
+        return "warn" if self.warnings or self.system.flags else "ok"
+
+    @property
+    def limited(self) -> bool:
+        """Whether the design sets any threshold at all: without one nothing can be called too low."""
+        limits = [f.name for f in fields(Limits)]
+        return any(
+            getattr(one, name) is not None
+            for system in _systems(self.outlooks["sensor_based"].plant.robot)
+            for one in (system.thresholds, system.thresholds.warning)
+            for name in limits
         )
 
     @property
@@ -123,7 +151,7 @@ class HealthReport:
                 )
                 for view in VIEWS
             }  # fmt: skip
-            subjects.append(_subject(system, one.flags, ahead))
+            subjects.append(_subject(system, one, ahead))
             pause()
         for number, diagram in enumerate(lived.plant.alone if parts else ()):
             components[number] = replace(components[number], remaining_life=lived.remaining_life(diagram))
@@ -136,7 +164,7 @@ class HealthReport:
         return replace(
             self,
             subjects=tuple(
-                _subject(system, one.flags, {view: getattr(one, view).beside(getattr(before, view)) for view in VIEWS})
+                _subject(system, one, {view: getattr(one, view).beside(getattr(before, view)) for view in VIEWS})
                 for one, before, system in zip(self.subjects, earlier.subjects, _systems(robot), strict=True)
             ),
             components=tuple(
@@ -167,11 +195,15 @@ class HealthReport:
             **{name: getattr(self, name) for name in names},
             "subjects": [plain(asdict(subject)) | {"state": subject.state} for subject in self.subjects],
             "components": [plain(asdict(component)) for component in self.components],
-            "failures_to_come": plain(asdict(self.failures_to_come)) if self.system.sensor_based.remaining_life else None,
+            "failures_to_come": plain(asdict(self.failures_to_come))
+            if self.system.sensor_based.remaining_life
+            else None,
             "task": task_to_json(self.task) if self.task else None,
             "uncertainty": plain({name: interval._asdict() for name, interval in vars(self.uncertainty).items()})
             if self.uncertainty
             else None,
+            "state": self.state,
+            "limits_set": self.limited,
             "breaches": list(self.breaches),
             "warnings": list(self.warnings),
             "notes": list(self.notes),
@@ -232,6 +264,7 @@ def health_now(
     views = outlooks(plant, exposure, ledger, future=future, knowledge=knowledge)
     if plan:
         views = {view: replace(outlook, plan=plan_future(outlook, plan)) for view, outlook in views.items()}
+    lived = views["sensor_based"]
     silent = set(exposure.silent(ledger)) if ledger.integrated_to is not None else set()  # a mere look ahead
     odometers = {signal for clock in robot.clocks.values() for signal in clock.signals}
     rates = [views[view].component_hazard_rates() for view in VIEWS]
@@ -246,11 +279,17 @@ def health_now(
         tuple(
             _subject(
                 system,
-                _flags(
-                    (robot.modes[i] for i in plant.system(system.diagram).modes),
-                    ledger,
-                    silent,
-                    *(odometers if system.kind == "robot" else ()),
+                _Told(
+                    (
+                        *_flags(
+                            (robot.modes[i] for i in plant.system(system.diagram).modes),
+                            ledger,
+                            silent,
+                            *(odometers if system.kind == "robot" else ()),
+                        ),
+                        *([left_out.words] if (left_out := unknown(lived, system.diagram)) else []),
+                    ),
+                    left_out,
                 ),
                 {view: figures_now(views[view], system.diagram) for view in VIEWS},
             )
@@ -261,7 +300,8 @@ def health_now(
                 component.path,
                 component.quantity,
                 *(rate, lived_rate, works, lived_works, failed, lived_failed),
-                flags=_flags(component.modes, ledger, silent),
+                flags=(*_flags(component.modes, ledger, silent), *([_UNKNOWN_RATE] if component.unknown else [])),
+                unknown=component.unknown,
             )
             for component, (rate, lived_rate, works, lived_works, failed, lived_failed) in zip(
                 plant.components, numbers.tolist(), strict=True
@@ -271,6 +311,9 @@ def health_now(
         _notes(ledger),
         views,
     )
+
+
+_UNKNOWN_RATE = "unknown rate"
 
 
 class _System(NamedTuple):
@@ -288,10 +331,15 @@ def _systems(robot: Robot) -> list[_System]:
     ]
 
 
-def _subject(system: _System, flags: tuple[str, ...], of: Mapping[View, Figures]) -> Subject:
+class _Told(NamedTuple):
+    flags: tuple[str, ...]
+    unknown: Unknown | None
+
+
+def _subject(system: _System, told: Subject | _Told, of: Mapping[View, Figures]) -> Subject:
     lived, limits = of["sensor_based"], system.thresholds
     breaches, warnings = (tuple(breached(one, lived)) for one in (limits, limits.warning))
-    return Subject(system.kind, system.path, of["nominal"], lived, flags, breaches, warnings)
+    return Subject(system.kind, system.path, of["nominal"], lived, told.flags, breaches, warnings, told.unknown)
 
 
 def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None, draws: int) -> LifeUncertainty | None:

@@ -13,6 +13,7 @@ from robophm.blocks.diagram import Block
 from robophm.blocks.importance import barlow_proschan
 from robophm.core.errors import RobophmError
 from robophm.health.prognosis import Outlook, View
+from robophm.health.unknown import Unknown, unknown
 
 Array = npt.NDArray[np.float64]
 
@@ -51,7 +52,9 @@ class FailuresToCome:
     """P(the robot fails within the horizon)."""
     sensor_based_failure: float
     contributions: tuple[Contribution, ...]
-    """The largest sensor-based share first."""
+    """The largest sensor-based share first; of parts of unknown rate, whose failures are not counted, none."""
+    unknown: Unknown | None = None
+    """What parts are left out."""
 
 
 def failures_to_come(
@@ -73,17 +76,19 @@ def failures_to_come(
     parts = [*((part.quantity, False) for part in plant.components), *((1, True) for _ in plant.groups)]
     shares = {view: caused / fails if fails > 0 else np.full(len(caused), math.nan)
               for view, (caused, fails) in each.items()}  # fmt: skip
-    drawn = np.unique(plant.component_of[plant.system(diagram).units]).tolist()
+    rated = [not all(mode.unknown for mode in part.modes) for part in plant.components] + [True] * len(plant.groups)
+    drawn = [i for i in np.unique(plant.component_of[plant.system(diagram).units]).tolist() if rated[i]]
     order = sorted(drawn, key=lambda i: -np.nan_to_num(shares["sensor_based"][i]))
     return FailuresToCome(
         ahead, horizon is not None, ahead * share, each["nominal"][1], each["sensor_based"][1],
         tuple(Contribution(plant.paths[i], *parts[i], *(float(shares[view][i]) for view in ("nominal", "sensor_based")))
               for i in order),
+        unknown(lived, diagram),
     )  # fmt: skip
 
 
 def _caused(outlook: Outlook, diagram: Block, hours: float) -> tuple[Array, float]:
-    """P(it is a component's failure that fails the system within so many operating hours | what is known), and their sum.
+    """P(a component's failure is the one that fails the system within operating hours | what is known), and their sum.
 
     Components and groups in the plant's order. Parts in series are folded to one unit first, since each of them has of
     its failures what it has of its hazard: the work grows with the parts, not with their square.

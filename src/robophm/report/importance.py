@@ -11,6 +11,7 @@ from robophm.design.task import Task
 from robophm.health.importance import LIFELONG, Drawn, Importances, importances, usual_hours
 from robophm.health.prognosis import Outlook, View
 from robophm.health.replacement import Replacements, replacements
+from robophm.health.unknown import IF_NEVER
 from robophm.report.bars import bars_svg
 from robophm.report.markup import Html
 from robophm.report.page import figure, table_html
@@ -62,6 +63,8 @@ def _matters(found: Mapping[View, Importances], many: bool) -> Iterable[Html | s
     rest = len(one.units) - len(most)
     caption = f"Sensor-based, within {ahead}; Barlow–Proschan: share of all failures to come that it brings about"
     yield table_html(columns, rows, caption + (f"; {rest:,} more parts are not shown" if rest else ""), "lrrrrrrr")
+    if one.unknown:
+        yield f"{one.unknown.words} left out: what is stated is as {IF_NEVER}."
     if many:
         yield "Barlow–Proschan importances are not worked out for so many parts; `robophm importance` states them."
 

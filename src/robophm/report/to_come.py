@@ -38,6 +38,8 @@ def shown(found: FailuresToCome, most: int) -> list[Contribution]:
 
 def notes(found: FailuresToCome, some: Sequence[Contribution]) -> Iterable[str]:
     """What is to be said beside them."""
+    if found.unknown:
+        yield f"Shares are of the failures of parts whose rate is known: {found.unknown.words} left out."
     if any(one.group for one in some):
         yield "A group of parts that depend on each other is one unit."
 
@@ -56,7 +58,13 @@ def contributors(found: FailuresToCome, components: Iterable[ComponentHealth]) -
     )  # fmt: skip
     rates = {one.path: (one.nominal_hazard_rate, one.sensor_based_hazard_rate) for one in components}
     rows = [
-        (one.path, one.quantity, *rates.get(one.path, (None, None)), share_text(one.nominal), share_text(one.sensor_based))
+        (
+            one.path,
+            one.quantity,
+            *rates.get(one.path, (None, None)),
+            share_text(one.nominal),
+            share_text(one.sensor_based),
+        )
         for one in some
     ]
     columns = ("part", "quantity", "λ now nominal [1/h]", "λ now sensor [1/h]", "share nominal", "share sensor")
