@@ -55,9 +55,9 @@ def test_where_some_modes_are_known_the_others_are_not_silent() -> None:
     assert found.system.sensor_based.hazard_rate == pytest.approx(1e-8, rel=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", range(24))
 def test_what_was_said_holds_for_any_rate(seed: int) -> None:
-    """Of random structures and pasts, parts shared between places: their rates drawn afterwards, from FIT to per hour."""
+    """Of random structures with shared parts, and pasts: their rates drawn afterwards, from FIT to per hour."""
     rng = random.Random(seed)
     names = list("abcde")
     parts: dict[str, dict[str, Any]] = {}
@@ -68,13 +68,16 @@ def test_what_was_said_holds_for_any_rate(seed: int) -> None:
     diagram = draw(rng, names, 7)
     hidden = rng.sample(names, 2)
     task = {"duration": f"{10 ** rng.uniform(0, 3)!r} h"}
-    stated = report(robot({**parts, **{one: {**parts[one], "rate": "unknown"} for one in hidden}}, diagram=diagram, task=task))
+    stated = report(
+        robot({**parts, **{one: {**parts[one], "rate": "unknown"} for one in hidden}}, diagram=diagram, task=task)
+    )
     left_out = stated.system.unknown
     here = stated.system.sensor_based
     for _ in range(4):
         told = {one: {**parts[one], "rate": f"{10 ** rng.uniform(-9, 0)!r} /h"} for one in hidden}
         true = report(robot({**parts, **told}, diagram=diagram, task=task)).system.sensor_based
-        assert here.completion and true.completion and here.remaining_life and true.remaining_life
+        assert here.completion
+        assert true.completion
         if left_out is None:  # neither is drawn
             assert true == here
             continue
@@ -99,7 +102,8 @@ def test_redundancy_may_turn_a_figure_either_way_and_that_is_said() -> None:
     dead = {"rate": "1 /h", "initial_exposure": "100 h"}
     true = report(robot({**parts, "u": dead}, **wired)).system.sensor_based
     assert true.hazard_rate < stated.sensor_based.hazard_rate  # "at least" would have been false
-    assert true.remaining_life is not None and stated.sensor_based.remaining_life is not None
+    assert true.remaining_life
+    assert stated.sensor_based.remaining_life
     assert true.remaining_life.median > stated.sensor_based.remaining_life.median
 
 
@@ -111,7 +115,8 @@ def test_later_the_hazard_of_a_redundant_robot_is_no_bound() -> None:
     )))  # fmt: skip
     diagram = new.plant.robot.diagram
     now, then = unknown(new, diagram), unknown(new, diagram, later=True)
-    assert now and then
+    assert now
+    assert then
     assert (now.hazard_rate, then.hazard_rate) == ("at least", IF_NEVER)
 
 
@@ -135,12 +140,14 @@ def test_an_effect_of_unknown_rate_is_not_the_least_likely_one() -> None:
     found = {one.mode: one for one in effects(as_designed(Plant(design)), 100.0, {})}
     assert (found["b"].unknown, found["b"].occurrence) == (True, 10)
     assert all(math.isnan(value) for value in (found["b"].probability, found["b"].criticality, found["b"].ratio))
-    assert {one.effect for one in found.values()} == {"redundancy"}  # although b, as if it never failed, backs a for ever
+    assert {one.effect for one in found.values()} == {
+        "redundancy"
+    }  # although b, as if it never failed, backs a for ever
 
 
 def test_all_of_unknown_rate() -> None:
     found = report(robot({"a": {"rate": "unknown"}, "b": {"rate": "unknown"}}))
-    assert found.system.unknown is not None and found.system.unknown.parts == 2
+    assert found.system.flags == ("2 parts of unknown rate",)
     assert found.failures_to_come.contributions == ()
     assert json.loads(json.dumps(found.to_json(), allow_nan=False))["subjects"][0]["unknown"]["parts"] == 2
 

@@ -14,6 +14,9 @@ def run(design: Path, *, as_json: bool) -> None:
     robot = load(design)
     count = sum(component.quantity for component in robot.all_components()) - len(robot.causes)
     unknown = sum(component.quantity for component in robot.all_components() if component.unknown)
+    warnings = list(robot.warnings)
+    if unknown:
+        warnings.append(f"{unknown:,} parts of unknown rate are left out of every total, which says so: {named(robot)}")
     if as_json:
         print_json(
             {
@@ -22,17 +25,15 @@ def run(design: Path, *, as_json: bool) -> None:
                 "parts_of_unknown_rate": unknown,
                 "common_causes": len(robot.causes),
                 "signals": list(robot.signals),
-                "warnings": list(robot.warnings),
+                "warnings": warnings,
             }
         )
         return
-    for warning in robot.warnings:
+    for warning in warnings:
         warn(warning)
-    if unknown:
-        warn(f"{unknown:,} parts of unknown rate are left out of every total, which says so: {named(robot)}")
     console().print(
         f"{design}: {robot.name} is valid: {len(list(robot.all_modules()))} modules, {count} parts, "
         + (f"{unknown} of them of unknown rate, " if unknown else "")
         + (f"{len(robot.causes)} common causes, " if robot.causes else "")
-        + f"{len(robot.signals)} signals, {len(robot.warnings)} warnings", markup=False
+        + f"{len(robot.signals)} signals, {len(warnings)} warnings", markup=False, soft_wrap=True
     )  # fmt: skip

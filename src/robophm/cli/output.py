@@ -23,7 +23,7 @@ from robophm.design.robot import Robot
 from robophm.health.report import ComponentHealth, HealthReport
 from robophm.health.to_come import LONGEST, FailuresToCome
 from robophm.health.uncertainty import Interval
-from robophm.health.unknown import Unknown, marks, named
+from robophm.health.unknown import Unknown, marked, marks, named
 from robophm.report.to_come import FEW, horizon_text, notes, share_text
 from robophm.report.to_come import shown as largest
 from robophm.report.words import duration_text, number_text, percent_text, probability_text, rate_text
@@ -122,11 +122,11 @@ def health_table(report: HealthReport, unit: str, *, course: Mapping[str, str] |
         rate, works, ahead = marks(one.unknown)
         rows.append([
             name + (" *" if one.flags else ""),
-            rate + rate_text(one.nominal.hazard_rate, unit),
-            rate + rate_text(one.sensor_based.hazard_rate, unit),
+            marked(rate, rate_text(one.nominal.hazard_rate, unit)),
+            marked(rate, rate_text(one.sensor_based.hazard_rate, unit)),
             works + percent_text(one.nominal.reliability, one.nominal.unreliability),
             works + percent_text(one.sensor_based.reliability, one.sensor_based.unreliability),
-            ahead + duration_text(life.median) if life else "–",
+            marked(ahead, duration_text(life.median)) if life else "–",
             ahead + percent_text(task.probability, task.failure) if task else "–",
             *([course[one.path]] if course is not None else []),
         ])  # fmt: skip
@@ -146,14 +146,12 @@ def print_report(report: HealthReport, unit: str) -> None:
     robot = report.outlooks["sensor_based"].plant.robot
     print_unknown(report.system.unknown, robot)
     system = report.system.sensor_based
-    ahead = f"{report.system.unknown.ahead}, " if report.system.unknown else ""
+    left_out = report.system.unknown
     if system.remaining_life:
         life = system.remaining_life
-        out.print(
-            f"Remaining life (calendar time): {ahead}median {duration_text(life.median)}, "
-            f"mean {duration_text(life.mean)}, 90 % between {duration_text(life.early)} and {duration_text(life.late)}",
-            markup=False,
-        )
+        span = f"90 % between {duration_text(life.early)} and {duration_text(life.late)}"
+        said = f"median {duration_text(life.median)}, mean {duration_text(life.mean)}, {span}"
+        out.print(f"Remaining life (calendar time): {left_out.said_ahead(said) if left_out else said}", markup=False)
         wanted = robot.thresholds.survival
         if life.threshold is not None and wanted is not None:
             out.print(f"Works on for {duration_text(life.threshold)} with {percent_text(wanted)}", markup=False)
@@ -167,7 +165,9 @@ def print_report(report: HealthReport, unit: str) -> None:
     if report.task and system.completion:
         task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
         chance = probability_text(system.completion.probability, system.completion.failure)
-        out.print(f"Next task ({task}): completed with {ahead}{chance}", markup=False)
+        out.print(
+            f"Next task ({task}): completed with {left_out.said_ahead(chance) if left_out else chance}", markup=False
+        )
     if system.remaining_life:
         print_failures_to_come(report.failures_to_come)
     flagged = [f"* {one.path}: {', '.join(one.flags)}" for one in report.subjects if one.flags]

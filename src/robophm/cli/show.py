@@ -30,7 +30,7 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.health.report import plain
 from robophm.health.to_come import failures_to_come
-from robophm.health.unknown import Unknown, marks, unknown
+from robophm.health.unknown import Unknown, marked, marks, unknown
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
 from robophm.report.diagram_text import diagram_text
@@ -122,9 +122,9 @@ def promises_table(robot: Robot, found: Sequence[Promise], hours: float, unit: s
     for one in found:
         indent = "  " * (one.path.count("/") + bool(one.path))
         rate, works, ahead = marks(one.unknown)
-        row = [indent + (one.path.rpartition("/")[2] or robot.name), rate + rate_text(one.hazard_rate, unit)]
+        row = [indent + (one.path.rpartition("/")[2] or robot.name), marked(rate, rate_text(one.hazard_rate, unit))]
         row.append(works + percent_text(one.reliability, one.unreliability))
-        row.append(ahead + duration_text(one.mean_time_to_failure))
+        row.append(marked(ahead, duration_text(one.mean_time_to_failure)))
         if one.legacy_hazard_rate is not None and one.legacy_reliability is not None:
             row += [rate_text(one.legacy_hazard_rate, unit), percent_text(one.legacy_reliability)]
         rows.append(row)

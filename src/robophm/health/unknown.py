@@ -35,6 +35,10 @@ class Unknown:
         """How many there are: "3 parts of unknown rate"."""
         return f"{self.parts:,} part{'s' * (self.parts != 1)} of {UNKNOWN} rate"
 
+    def said_ahead(self, text: str) -> str:
+        """A remaining life or probability of completion in words: "at most …", or "…, if they never fail"."""
+        return f"at most {text}" if self.ahead == "at most" else f"{text}, {IF_NEVER}"
+
     @property
     def sentence(self) -> str:
         """What they make of the figures."""
@@ -67,6 +71,11 @@ def named(robot: Robot, most: int = 5) -> str:
     """The components of unknown rate, the first few by name."""
     found = [part.path for part in robot.all_components() if part.unknown]
     return ", ".join(found[:most]) + (f" and {len(found) - most:,} more" if len(found) > most else "")
+
+
+def marked(mark: str, text: str) -> str:
+    """A figure behind its mark; "unknown" where that would say nothing: at least 0, at most for ever."""
+    return "unknown" if mark and (text in ("∞", "0") or text.startswith("0 ")) else mark + text
 
 
 def marks(left_out: Unknown | None) -> tuple[str, str, str]:

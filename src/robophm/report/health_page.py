@@ -13,7 +13,7 @@ from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.health.report import HealthReport
 from robophm.health.subject import STALE, Figures, Subject
-from robophm.health.unknown import marks, named
+from robophm.health.unknown import marked, marks, named
 from robophm.report.basis import made_of, sensors
 from robophm.report.curve import Line, curve_svg
 from robophm.report.dependence import dependence
@@ -88,7 +88,12 @@ def _tiles(report: HealthReport) -> Html:
     tone: Tone | None = report.state if report.state != "ok" or report.limited else None
     rate, works, ahead = marks(system.unknown)
     each = [
-        tile("Hazard rate now", _each(both, lambda f: rate + rate_text(f.hazard_rate)), "per hour of operation", tone),
+        tile(
+            "Hazard rate now",
+            _each(both, lambda f: marked(rate, rate_text(f.hazard_rate))),
+            "per hour of operation",
+            tone,
+        ),
         tile(
             "Reliability",
             _each(both, lambda f: works + percent_text(f.reliability, f.unreliability)),
@@ -97,7 +102,9 @@ def _tiles(report: HealthReport) -> Html:
         ),
     ]
     if system.nominal.remaining_life:
-        lives = {name: ahead + duration_text(f.remaining_life.median) for name, f in both.items() if f.remaining_life}
+        lives = {
+            name: marked(ahead, duration_text(f.remaining_life.median)) for name, f in both.items() if f.remaining_life
+        }
         late = system.sensor_based.remaining_life
         note = f"median; 90 % between {duration_text(late.early)} and {duration_text(late.late)}" if late else ""
         each.append(tile("Remaining life", lives, note, tone))
@@ -191,10 +198,10 @@ def _subject_table(subjects: Iterable[Subject]) -> Html:
         life, task = lived.remaining_life, lived.completion
         rate, works, ahead = marks(one.unknown)
         rows.append((
-            one.path, rate + number_text(nominal.hazard_rate), rate + number_text(lived.hazard_rate),
+            one.path, marked(rate, number_text(nominal.hazard_rate)), marked(rate, number_text(lived.hazard_rate)),
             works + percent_text(nominal.reliability, nominal.unreliability),
             works + percent_text(lived.reliability, lived.unreliability),
-            ahead + duration_text(life.median) if life else None,
+            marked(ahead, duration_text(life.median)) if life else None,
             ahead + percent_text(task.probability, task.failure) if task else None,
             ", ".join(one.flags) or None,
         ))  # fmt: skip

@@ -6,13 +6,15 @@ import math
 import threading
 from collections import OrderedDict
 from collections.abc import Mapping
+from dataclasses import asdict
 from functools import cached_property
 
 from robophm.blocks.merging import single_points_of_failure
 from robophm.design.robot import Module, Robot
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, as_designed
-from robophm.web.shapes import LevelFigures
+from robophm.health.unknown import Unknown, unknown
+from robophm.web.shapes import LevelFigures, UnknownRates
 
 _KEPT = 4
 
@@ -42,6 +44,12 @@ class Prepared:
         return found | {part.path: float(rate) for part, rate in parts}
 
     @cached_property
+    def unknown(self) -> dict[str, Unknown]:
+        """What parts of unknown rate make of each level that has some, by path."""
+        found = {path: unknown(self.new, module.diagram) for path, module in self.modules.items()}
+        return {path: one for path, one in found.items() if one}
+
+    @cached_property
     def single_points(self) -> frozenset[str]:
         """Paths of the components, and their units, whose failure alone fails the robot."""
         units = single_points_of_failure(self.robot.diagram)
@@ -51,17 +59,27 @@ class Prepared:
     def levels(self) -> dict[str, LevelFigures]:
         """What each level and part promises when new."""
         found = {
-            path: LevelFigures(kind="module" if path else "robot", hazard_rate=finite(self.rates[path]))
+            path: LevelFigures(
+                kind="module" if path else "robot",
+                hazard_rate=finite(self.rates[path]),
+                unknown=unknown_of(self.unknown.get(path)),
+            )
             for path in self.modules
         }
-        for part in self.robot.all_components():
+        for i, part in enumerate(self.robot.all_components()):
             found[part.path] = LevelFigures(
                 kind="component",
                 hazard_rate=finite(self.rates[part.path]),
                 quantity=part.quantity,
                 single_point=part.path in self.single_points,
+                unknown=unknown_of(unknown(self.new, self.plant.alone[i]) if part.unknown else None),
             )
         return found
+
+
+def unknown_of(found: Unknown | None) -> UnknownRates | None:
+    """As it goes over the wire."""
+    return UnknownRates(**asdict(found), sentence=found.sentence) if found else None
 
 
 def finite(value: float) -> float | None:

@@ -54,6 +54,17 @@ class DesignState(Shape):
     """What each level and part of a valid design promises when new, by path; "" is the robot."""
 
 
+class UnknownRates(Shape):
+    """What parts of unknown rate, left out of the figures of what they are in, make of them."""
+
+    parts: int
+    hazard_rate: Literal["at least", "if they never fail"]
+    reliability: Literal["at most"]
+    ahead: Literal["at most", "if they never fail"]
+    """What remaining life and task completion are."""
+    sentence: str
+
+
 class LevelFigures(Shape):
     """Nominal, when new."""
 
@@ -63,6 +74,7 @@ class LevelFigures(Shape):
     quantity: int = 1
     single_point: bool = False
     """Whether its failure alone fails the robot."""
+    unknown: UnknownRates | None = None
 
 
 class Stale(Trouble):
@@ -70,6 +82,15 @@ class Stale(Trouble):
 
     yours: int
     current: DesignState
+
+
+class Outside(Trouble):
+    """The file has been changed by hand since it was read, and was not written over."""
+
+    digest: str
+    """Of what it holds now: with it, saving writes over it."""
+    changes: list[str]
+    """What was changed by hand, as lines of a unified diff; the first few hundred."""
 
 
 class Put(Shape):
@@ -167,6 +188,13 @@ class OfRevision(Shape):
     """Which revision a write is made of."""
 
     revision: int
+
+
+class SaveAsked(OfRevision):
+    """Write the file."""
+
+    over: Annotated[str, Field(max_length=64)] | None = None
+    """Digest of a file that was changed by hand, and is to be written over; what it holds is kept beside it."""
 
 
 class WholeText(OfRevision):
