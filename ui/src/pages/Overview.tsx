@@ -68,12 +68,12 @@ function Figures({ health }: { health: Health }): ReactNode {
         ]} />
         <Figure tone={tone} name="Remaining life, median" value={life ? marked(left, "ahead", durationText(life.median)) : "…"} rows={[
           ["nominal", nominal.remaining_life ? marked(left, "ahead", durationText(nominal.remaining_life.median)) : "…"],
-          ["90 % between", life ? `${durationText(life.early)} and ${durationText(life.late)}` : "…"],
+          ["90 % between", life ? marked(left, "ahead", `${durationText(life.early)} and ${durationText(life.late)}`) : "…"],
         ]} />
         {health.task && (
           <Figure tone={tone} name={`Task of ${numberText(health.task.distance)} m in ${durationText(health.task.duration)}, completed`} value={marked(left, "ahead", percentText(lived.completion, lived.completion_failure))} rows={[
             ["nominal", marked(left, "ahead", percentText(nominal.completion, nominal.completion_failure))],
-            ["fails", oddsText(lived.completion_failure) || "–"],
+            [left?.ahead === "at most" ? "fails at least" : "fails", oddsText(lived.completion_failure) || "–"],
           ]} />
         )}
       </div>

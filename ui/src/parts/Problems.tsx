@@ -17,7 +17,7 @@ export function ProblemsButton(): ReactNode {
       <button onClick={() => setOpen(true)} aria-label={`Problems of the design: ${words}`}>
         <span className={`state ${errors ? "error" : warnings ? "warn" : "idle"}`}>
           {errors + warnings > 0 && <Icon name={errors ? "error" : "warn"} />}
-          {errors + warnings > 0 ? `Design: ${words}` : `${words} in the design`}
+          Design: {words}
         </span>
       </button>
       {open && (

@@ -66,7 +66,7 @@ function HowLong({ path, state }: { path: string; state: number }): ReactNode {
   const text = (hours: number | null): string => marked(found.unknown, "ahead", durationText(hours));
   return (
     <span className="small" style={{ display: "block" }}>
-      lives {text(found.life.mean)} on average, half of them {text(found.life.median)}
+      mean life {text(found.life.mean)}, median {text(found.life.median)}
       <span className="quiet"> of calendar time when new</span>
       {found.unknown && <span className="quiet"> ({found.unknown.parts === 1 ? "a rate in it is" : `${found.unknown.parts} rates in it are`} unknown)</span>}
     </span>
