@@ -45,8 +45,11 @@ class Prepared:
 
     @cached_property
     def unknown(self) -> dict[str, Unknown]:
-        """What parts of unknown rate make of each level that has some, by path."""
+        """What parts of unknown rate make of each level and part that has some, by path."""
         found = {path: unknown(self.new, module.diagram) for path, module in self.modules.items()}
+        for part, alone in zip(self.plant.components, self.plant.alone, strict=True):
+            if part.unknown:
+                found[part.path] = unknown(self.new, alone)
         return {path: one for path, one in found.items() if one}
 
     @cached_property
@@ -62,24 +65,27 @@ class Prepared:
             path: LevelFigures(
                 kind="module" if path else "robot",
                 hazard_rate=finite(self.rates[path]),
-                unknown=unknown_of(self.unknown.get(path)),
             )
             for path in self.modules
         }
-        for i, part in enumerate(self.robot.all_components()):
+        for part in self.robot.all_components():
             found[part.path] = LevelFigures(
                 kind="component",
                 hazard_rate=finite(self.rates[part.path]),
                 quantity=part.quantity,
                 single_point=part.path in self.single_points,
-                unknown=unknown_of(unknown(self.new, self.plant.alone[i]) if part.unknown else None),
             )
         return found
 
 
 def unknown_of(found: Unknown | None) -> UnknownRates | None:
     """As it goes over the wire."""
-    return UnknownRates(**asdict(found), sentence=found.sentence) if found else None
+    return rates_of(found) if found else None
+
+
+def rates_of(found: Unknown) -> UnknownRates:
+    """The same of what is there."""
+    return UnknownRates(**asdict(found), sentence=found.sentence)
 
 
 def finite(value: float) -> float | None:

@@ -52,6 +52,8 @@ class DesignState(Shape):
     problems: list[Problem]
     levels: dict[str, LevelFigures]
     """What each level and part of a valid design promises when new, by path; "" is the robot."""
+    unknown: dict[str, UnknownRates]
+    """Of those that have parts of unknown rate, what these make of it."""
 
 
 class UnknownRates(Shape):
@@ -74,7 +76,6 @@ class LevelFigures(Shape):
     quantity: int = 1
     single_point: bool = False
     """Whether its failure alone fails the robot."""
-    unknown: UnknownRates | None = None
 
 
 class Stale(Trouble):

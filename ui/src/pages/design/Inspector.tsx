@@ -30,7 +30,7 @@ export function Inspector({ part, several, design }: { part: Part; several: numb
       </p>
       {figures && (
         <p>
-          <strong>{marked(figures.unknown, "hazard_rate", rateText(figures.hazard_rate, unit))}</strong>{" "}
+          <strong>{marked(design.unknown[part.path], "hazard_rate", rateText(figures.hazard_rate, unit))}</strong>{" "}
           <span className="quiet small">
             when new{figures.quantity > 1 ? `, all ${figures.quantity} together` : ""}
           </span>

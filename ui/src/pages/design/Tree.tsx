@@ -161,7 +161,7 @@ export function Tree({ root, chosen, choose, open, design }: { root: Part; chose
               <span className={`name ${part.kind}`}>{words ? part.path : part.name}</span>
               {problem && <span className={`badge ${problem.level}`}>{problem.level === "error" ? "mend" : "odd"}</span>}
               {figures && figures.quantity > 1 && <span className="small quiet">×{figures.quantity}</span>}
-              <span className="small quiet rate">{figures ? marked(figures.unknown, "hazard_rate", rateText(figures.hazard_rate, unit)) : ""}</span>
+              <span className="small quiet rate">{figures ? marked(design.unknown[part.path], "hazard_rate", rateText(figures.hazard_rate, unit)) : ""}</span>
             </li>
           );
         })}

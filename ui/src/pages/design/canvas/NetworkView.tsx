@@ -89,7 +89,7 @@ export function NetworkView({ level, place, network, chosen, choose }: Props): R
         const part = parts.get(name.replace(/\[\d+\]$/, ""));
         const kind: Kind = part ? "part" : name === network.from || name === network.to ? "end" : "junction";
         const role = name === network.from ? "begins here" : name === network.to ? "ends here" : "";
-        const detail = part ? [marked(design?.levels[part.path]?.unknown, "hazard_rate", rateText(design?.levels[part.path]?.hazard_rate, unit)), role].filter(Boolean).join(" · ") : role || "junction";
+        const detail = part ? [marked(design?.unknown[part.path], "hazard_rate", rateText(design?.levels[part.path]?.hazard_rate, unit)), role].filter(Boolean).join(" · ") : role || "junction";
         const { x, y } = at.get(name)!;
         return {
           id: name, type: "place", position: { x: x - WIDE / 2, y: y - HIGH / 2 }, width: WIDE, height: HIGH,
