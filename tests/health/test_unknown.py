@@ -132,7 +132,7 @@ def test_a_task_that_does_not_need_them_is_exact() -> None:
         plan = Plan((Task((Leg(duration=5.0, functions=(function,)),)),))
         found = task_report(monitor.plant, monitor.exposure, monitor.exposure.settled(monitor.ledger), plan)
         assert (found.unknown.parts if found.unknown else 0) == parts
-        assert (found.to_json()["unknown"] or {}).get("ahead") == ("at most" if parts else None)
+        assert found.to_json().get("unknown", {}).get("ahead") == ("at most" if parts else None)
 
 
 def test_an_effect_of_unknown_rate_is_not_the_least_likely_one() -> None:

@@ -65,7 +65,7 @@ class TaskReport:
             "uncertainty": plain(_uncertainty(self.uncertainty)) if self.uncertainty else None,
             "deciding": [asdict(one) for one in self.deciding],
             "threshold": self.threshold,
-            "unknown": asdict(self.unknown) if self.unknown else None,
+            **({"unknown": asdict(self.unknown)} if self.unknown else {}),
         }
 
 
