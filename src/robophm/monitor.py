@@ -46,6 +46,7 @@ class ReportOptions(TypedDict, total=False):
     knowledge: Knowledge | None
     draws: int
     parts: bool
+    horizon: float | None
 
 
 class Monitor:

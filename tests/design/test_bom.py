@@ -2,7 +2,6 @@
 
 import math
 import random
-import re
 from pathlib import Path
 
 import pytest
@@ -31,8 +30,8 @@ def by_name(found):
 
 
 def all_rated(text):
-    """What somebody makes of the lines that need a rate."""
-    return re.sub("(?m)^  # ", "  ", text).replace('"? FIT"', '"5 FIT"')
+    """What somebody makes of the parts that need a rate."""
+    return text.replace("rate: unknown", "rate: 5 FIT")
 
 
 def test_kicad(tmp_path):
@@ -69,23 +68,23 @@ def test_kicad(tmp_path):
 
 def test_nothing_is_invented(tmp_path):
     found = imported("kicad.csv", tmp_path)
-    rated = {part.path for part in found.robot.all_components()}
+    components = {part.path: part for part in found.robot.all_components()}
     for one in found.parts:
+        component = components[one.outcome.name]
+        assert component.unknown == (one.rating is None)
+        assert component.quantity == one.part.quantity
         if one.rating is None:
             assert (one.hazard_rate, one.outcome.state) == (None, "needs a rate")
-            assert one.outcome.name not in rated
-            line = next(line for line in found.text.splitlines() if f"row {one.part.row}:" in line)
-            assert line.startswith("  # ")
-            assert line.endswith(f"# needs a rate: {one.outcome.text}")
+            assert f"    rate: unknown  # needs a rate: {one.outcome.text}\n" in found.text
     assert {one.outcome.name for one in found.parts if one.rating is None} == {"AE1"}
 
 
-def test_a_line_that_needs_a_rate_is_a_part_once_it_has_one(tmp_path):
-    """Take off the '# ', state a rate: the design loads, and the next import leaves the part alone."""
+def test_a_part_of_unknown_rate_is_its_authors_once_it_has_one(tmp_path):
+    """State a rate in place of the word: the design loads, and the next import leaves the part alone."""
     design = tmp_path / "robot.yaml"
     text = imported("kicad.csv", tmp_path).text
-    before, _, after = text.partition('  # AE1: {rate: "? FIT"')
-    design.write_text(f'{before}  AE1: {{rate: "30 FIT"{after}')
+    assert text.count("rate: unknown") == 1
+    design.write_text(text.replace("rate: unknown", "rate: 30 FIT"))
     assert {part.path: part.modes[0].rate for part in load(design).all_components()}["AE1"] == 30e-9
     again = by_name(imported("kicad.csv", tmp_path))["AE1"].outcome
     assert (again.state, again.text) == ("kept", "edited by hand, stays as it is")

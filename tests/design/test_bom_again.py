@@ -79,7 +79,8 @@ def test_added_changed_removed(source, design):
     told = {one.outcome.name: one.outcome.text for one in found.parts}["C1-C4"]
     assert all(words in told for words in ("quantity was 4", "100 nF", "references were C1-C4"))
     parts = {part.path: part for part in found.robot.all_components()}
-    assert parts.keys() == {"C1-C4", "C6", "C7"}
+    assert parts.keys() == {"C1-C4", "C6", "C7", "AE1"}
+    assert [part.path for part in parts.values() if part.unknown] == ["AE1"]
     assert parts["C1-C4"].quantity == 3
     assert parts["C1-C4"].modes[0].stresses[0].design["capacitance"] == pytest.approx(0.22)
 
@@ -198,7 +199,7 @@ def test_levels_that_are_new(source, tmp_path, module):
         before = {part.path for part in load(design).all_components()}
         found = import_bom(source, design, module=module)
         after = {part.path for part in found.robot.all_components()}
-        assert after - before == {"/".join([*module, name]) for name in ("C1-C4", "C5", "C6")}
+        assert after - before == {"/".join([*module, name]) for name in ("C1-C4", "C5", "C6", "AE1")}
         assert before <= after
         design.write_text(found.text)
         again = import_bom(source, design, module=module)
@@ -227,11 +228,51 @@ def test_a_part_that_is_drawn_stays(source, design):
     assert {"C5", "C6"} <= {part.path for part in found.robot.all_components()}
 
 
-def test_a_part_of_which_too_little_is_known_now_is_taken_out_and_said(source, design):
+def unknown(found):
+    return {part.path for part in found.robot.all_components() if part.unknown}
+
+
+def test_a_part_of_which_too_little_is_known_now_is_of_unknown_rate_until_more_is(source, design):
+    before = design.read_text()
     source.write_text(LIST.replace("C6,10uF", "C6,unknown"))
     found = import_bom(source, design)
     assert states(found)["C6"] == "needs a rate"
-    assert "C6" not in {part.path for part in found.robot.all_components()}
+    assert unknown(found) == {"C6", "AE1"}
+    assert "    rate: unknown  # needs a rate: the list does not say its capacitance" in found.text
+    design.write_text(found.text)
+    again = import_bom(source, design)
+    assert again.text == found.text
+    source.write_text(LIST)
+    back = import_bom(source, design)
+    assert states(back)["C6"] == "changed"
+    assert unknown(back) == {"AE1"}
+    assert back.text == before
+
+
+def test_what_it_needs_is_brought_up_to_date_and_a_remark_of_ones_own_stays(source, design):
+    source.write_text(LIST.replace("C6,10uF", "C6,unknown"))
+    design.write_text(import_bom(source, design).text)
+    text = design.read_text()
+    stale = text.replace("# needs a rate: the list does not say its capacitance", "# needs a rate: long ago")
+    assert stale != text
+    design.write_text(stale)
+    assert import_bom(source, design).text == text
+    own = text.replace("# needs a rate: the list does not say its capacitance", "# asked the maker")
+    design.write_text(own)
+    assert import_bom(source, design).text == own
+
+
+def test_remarks_of_an_older_import_become_parts(source, design):
+    """What stood as a remark, and counted as never failing, is a part of unknown rate."""
+    text = design.read_text()
+    start = text.index("  AE1:")
+    end = text.index("\n", text.index("source:", start)) + 1
+    remark = (
+        '  # AE1: {rate: "? FIT", description: "x", quantity: 1, source: "board.csv, row 5: AE1"}  # needs a rate: y\n'
+    )
+    design.write_text(text[:start] + remark + text[end:])
+    found = import_bom(source, design)
+    assert found.text == text
 
 
 def test_parts_of_another_list_stay(source, design, tmp_path):

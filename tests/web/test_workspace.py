@@ -8,7 +8,7 @@ import pytest
 from robophm.core.errors import DesignError, StoreError
 from robophm.design import editing
 from robophm.design.fault import Fault
-from robophm.web.workspace import StaleError, Workspace
+from robophm.web.workspace import OutsideError, StaleError, Workspace
 
 from .conftest import SMALL
 
@@ -163,3 +163,73 @@ def test_a_design_for_which_there_are_no_figures_is_no_design_without_problems(p
     assert problem.level == "error"
     assert "no exact solution" in problem.message
     assert checked.robot is not None
+
+
+def test_a_file_edited_by_hand_meanwhile_is_not_written_over(path):
+    work = Workspace(path)
+    mine = work.edit(1, put(["components", "horn"], HORN), "horn")
+    by_hand = SMALL.replace("quantity: 2", "quantity: 4")
+    path.write_text(by_hand)
+    with pytest.raises(OutsideError, match=r"courier\.yaml was changed outside since it was read") as caught:
+        work.save(mine.revision)
+    assert path.read_text() == by_hand
+    before, after = (line for line in caught.value.changes[2:] if line[:1] in "+-")
+    assert ("quantity: 2" in before, "quantity: 4" in after) == (True, True)
+    # It is changed once more: what was seen is not what would be lost.
+    path.write_text(by_hand.replace("4", "5"))
+    with pytest.raises(OutsideError) as again:
+        work.save(mine.revision, caught.value.digest)
+    assert work.save(mine.revision, again.value.digest).saved
+    assert path.read_text() == mine.text
+    assert path.with_name("courier.yaml.bak").read_text() == by_hand.replace("4", "5")
+    # The next save takes its backup not away.
+    more = work.edit(mine.revision, put(["components", "bell"], HORN), "bell")
+    work.save(more.revision)
+    assert path.with_name("courier.yaml.bak.2").read_text() == by_hand.replace("4", "5")
+
+
+def test_what_was_made_of_it_by_hand_is_taken_and_ones_own_comes_back_by_undo(path):
+    work = Workspace(path)
+    mine = work.edit(1, put(["components", "horn"], HORN), "horn")
+    work.save(mine.revision)
+    mine = work.edit(mine.revision, put(["components", "bell"], HORN), "bell")
+    by_hand = SMALL.replace("quantity: 2", "quantity: 4")
+    path.write_text(by_hand)
+    taken = work.take(mine.revision)
+    assert (taken.text, taken.saved, taken.what) == (by_hand, True, "changed outside")
+    back = work.undo(taken.revision)
+    assert (back.text, back.saved) == (mine.text, False)
+    assert work.save(back.revision).saved
+    with pytest.raises(StaleError):
+        work.take(1)
+
+
+def test_a_design_that_its_file_no_longer_holds_is_not_saved(path):
+    work = Workspace(path)
+    assert work.draft().saved
+    path.write_text(SMALL.replace("quantity: 2", "quantity: 4"))
+    assert not work.draft().saved
+    path.write_text(SMALL)
+    assert work.draft().saved
+    path.unlink()
+    assert not work.draft().saved
+    assert work.save(work.draft().revision).saved  # nothing is there to be lost
+    assert path.read_text() == SMALL
+
+
+def test_a_file_that_appears_where_a_robot_was_begun_is_not_written_over(tmp_path):
+    path = tmp_path / "new.yaml"
+    work = Workspace(path)
+    draft = work.edit(1, put(["components", "horn"], HORN), "horn")
+    path.write_text(SMALL)
+    with pytest.raises(OutsideError):
+        work.save(draft.revision)
+    assert path.read_text() == SMALL
+
+
+def test_a_file_that_is_no_design_is_not_taken(path):
+    work = Workspace(path)
+    path.write_text("{")
+    with pytest.raises(Fault):
+        work.take(1)
+    assert work.draft().text == SMALL

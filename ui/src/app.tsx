@@ -1,8 +1,10 @@
 import { Component, type ComponentType, type ReactNode, useEffect, useState } from "react";
+import { useAsking, useHealth } from "./lib/health";
 import { connected, pulse } from "./lib/live";
 import { go, redo, route, save, undo, unreachable, useDesign, useShared } from "./lib/store";
 import { Help } from "./parts/Help";
-import { ICONS, Icon } from "./parts/Icon";
+import { ICONS, Icon, State } from "./parts/Icon";
+import { OutsideDialog } from "./parts/OutsideDialog";
 import { Palette } from "./parts/Palette";
 import { ProblemsButton } from "./parts/Problems";
 import { Toasts } from "./parts/Toasts";
@@ -68,6 +70,7 @@ class Fence extends Component<{ children: ReactNode; of: string }, { wrong: stri
 function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () => void }): ReactNode {
   const design = useDesign();
   const { monitoring } = useShared(pulse);
+  const { health } = useHealth();
   return (
     <header className="top">
       <div className="brand">
@@ -82,6 +85,11 @@ function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () 
         <Icon name={monitoring === "running" ? "live" : "pause"} />
         {monitoring === "running" ? "Watching" : monitoring === "failed" ? "Watching failed" : monitoring === "ended" ? "Recording over" : "Not watching"}
       </span>
+      {health && health.state !== "idle" && (
+        <a className="health" href="#/overview" aria-label={`Health: ${health.state}`}>
+          <State of={health.state} limited={health.limits_set} title={health.why.join("\n") || undefined} />
+        </a>
+      )}
       <ProblemsButton />
       <button onClick={() => void undo()} disabled={!design?.undo} title={design?.undo ? `Undo: ${design.undo} (Ctrl+Z)` : "Nothing to undo"}>
         Undo
@@ -103,6 +111,7 @@ function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () 
 }
 
 export function App(): ReactNode {
+  useAsking();
   const { page } = useShared(route);
   const link = useShared(connected);
   const wrong = useShared(unreachable);
@@ -161,6 +170,7 @@ export function App(): ReactNode {
         </Fence>
       </main>
       <Toasts />
+      <OutsideDialog />
       {palette && <Palette close={() => setPalette(false)} pages={PAGES} go={go} />}
       {help && <Help close={() => setHelp(false)} />}
     </div>

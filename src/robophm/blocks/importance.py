@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robophm.blocks.decision_diagram import numbers
 from robophm.blocks.reliability import Structure, Transition
-from robophm.core.waiting_time import Curve, time_at
+from robophm.core.waiting_time import NODES, Curve, panel_areas, time_at
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ AT_ONCE = 2_000_000
 """Numbers that one array may hold; more columns take turns."""
 
 TOLERANCE = 1e-10
-"""Of a Barlow–Proschan importance, of what all of them add up to."""
+"""Of a Barlow–Proschan importance, of what all of them add up to, unless another is asked for."""
 
 
 class Importance(NamedTuple):
@@ -94,48 +94,49 @@ def intensity(structure: Structure, works: ArrayLike, failed: ArrayLike, density
     return result
 
 
-def barlow_proschan(intensity: Callable[[Array], Array], curve: Curve, until: float = math.inf) -> Array:
-    """P(it is this unit's failure that fails the system, by a time), shape (units,): ∫ Iᵢ fᵢ dt, to TOLERANCE.
+def barlow_proschan(
+    intensity: Callable[[Array], Array], curve: Curve, until: float = math.inf, tolerance: float = TOLERANCE
+) -> Array:
+    """P(it is this unit's failure that fails the system, by a time), shape (units,): ∫ Iᵢ fᵢ dt, to a tolerance.
 
     ``intensity`` takes times, shape (n,), and gives Iᵢ·fᵢ, shape (units, n); ``curve`` is the system's. Over all units
     it adds up to P(the system fails by then). Barlow and Proschan, Stoch. Proc. Appl. 3 (1975).
     """
-    edges = _edges(curve, until)
+    edges = _edges(curve, until, tolerance)
     if not len(edges):
         return np.zeros(len(intensity(np.ones(1))))
     low, high = edges[:-1], edges[1:]
-    whole = _panels(intensity, low, high)
-    settled = np.zeros(len(whole))
+    settled = np.zeros(1)
     for _ in range(_DEEPEST):
-        middle = (low + high) / 2
-        left, right = _panels(intensity, low, middle), _panels(intensity, middle, high)
-        both = left + right
-        rough = np.max(np.abs(both - whole), axis=0) > TOLERANCE / 100 * (settled.sum() + both.sum())
-        settled += both[:, ~rough].sum(axis=1)
+        area, error = _panels(intensity, low, high)
+        rough = np.max(error, axis=0) > tolerance / 100 * (settled.sum() + area.sum())
+        settled = settled + area[:, ~rough].sum(axis=1)
         if not rough.any():
-            return settled
-        low, high = (np.concatenate((one[rough], two[rough])) for one, two in ((low, middle), (middle, high)))
-        whole = np.concatenate((left[:, rough], right[:, rough]), axis=1)
-    settled += whole.sum(axis=1)
-    return settled
+            break
+        middle = (low + high)[rough] / 2
+        low, high = np.append(low[rough], middle), np.append(middle, high[rough])
+    found: Array = settled + area[:, rough].sum(axis=1)
+    return found
 
 
 _DEEPEST = 30
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
 _LONGEST = 1e250  # a time beyond which nothing is asked
+_STEP = 8.0
+_ROUGHLY = 1e-3  # of ln time: panels may begin and end nearly anywhere
 
 
-def _edges(curve: Curve, until: float) -> Array:
-    """ln of times, each with four times the system's cumulative hazard of the one before: smooth between them."""
+def _edges(curve: Curve, until: float, tolerance: float) -> Array:
+    """ln of times, each with about _STEP times the system's cumulative hazard of the one before: smooth between."""
     end = min(until, _LONGEST)
     (fails,), (survives,) = curve(np.array([end]))
     if not fails > 0:
         return np.empty(0)
     most = -math.log1p(-fails) if fails < 0.5 else -math.log(max(survives, 1e-300))
-    levels = min(most, 64.0) * 4.0 ** np.arange(-22, 1)
+    steps = math.ceil(math.log(1e3 / tolerance, _STEP))
+    levels = min(most, 64.0) * _STEP ** np.arange(-steps, 1.0)
     if until == math.inf and most < 64.0:  # what may never fail gets there only at the end
         levels = np.sort(np.append(levels, most * (1 - 2.0 ** -np.arange(2.0, 44.0))))
-    times = time_at(curve, -np.expm1(-levels), np.exp(-levels), tolerance=1e-7)
+    times = time_at(curve, -np.expm1(-levels), np.exp(-levels), tolerance=_ROUGHLY)
     times = np.unique(np.maximum.accumulate(times[(times > 0) & (times < end)]))
     if until < math.inf and most <= 64.0:
         times = np.append(times, end)
@@ -145,9 +146,15 @@ def _edges(curve: Curve, until: float) -> Array:
     return np.append(edges[0] - 40, edges)  # e⁻⁴⁰ of the first time is below every digit
 
 
-def _panels(intensity: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """∫ over panels in x = ln t, shape (units, panels)."""
-    times = np.exp(low[:, None] + (high - low)[:, None] * (_NODES + 1) / 2)
-    found = [(intensity(some) * some) @ _WEIGHTS for some in times]
-    area: Array = np.stack(found, axis=1) * (high - low) / 2
-    return area
+def _panels(intensity: Callable[[Array], Array], low: Array, high: Array) -> tuple[Array, Array]:
+    """∫ over panels in x = ln t, and about how far off each is; shapes (units, panels)."""
+    half = (high - low) / 2
+    times = np.exp(low[:, None] + half[:, None] * (NODES + 1))
+    units, found = len(intensity(times[0, :1])), []
+    turn = max(1, AT_ONCE // (units * len(NODES)))
+    for start in range(0, len(times), turn):
+        some = times[start : start + turn]
+        values = (intensity(some.ravel()) * some.ravel()).reshape(units, *some.shape)
+        found.append(panel_areas(values * half[start : start + turn, None]))
+    area, error = (np.concatenate(each, axis=1) for each in zip(*found, strict=True))
+    return area, error

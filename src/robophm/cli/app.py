@@ -11,7 +11,7 @@ import typer.core
 from robophm.cli import BREACHED, EXIT_CODES, NotOursError
 from robophm.cli.data import data
 from robophm.cli.field import COMMANDS
-from robophm.cli.output import Json, json_text, may_write
+from robophm.cli.output import Horizon, Json, horizon_of, json_text, may_write
 from robophm.cli.page import PAGE_COMMANDS
 from robophm.cli.store import store
 from robophm.core.errors import UnitError
@@ -102,6 +102,7 @@ def show(
     hours: Annotated[float, typer.Option(help="operating hours at which to state λ and R")] = 1000.0,
     unit: Unit = "1/h",
     svg: Annotated[Path | None, typer.Option(help="also draw the diagram into this SVG file")] = None,
+    horizon: Horizon = None,
     legacy: Legacy = False,
     monte_carlo: Annotated[
         int | None, typer.Option(min=1, max=1_000_000_000, help="only estimate R by so many simulated robots")
@@ -115,7 +116,7 @@ def show(
     if monte_carlo:
         estimated(design, hours, monte_carlo, seed, as_json=as_json)
     else:
-        shown(design, hours, unit, svg, legacy=legacy, as_json=as_json)
+        shown(design, hours, unit, svg, horizon_of(horizon), legacy=legacy, as_json=as_json)
 
 
 @app.command()
@@ -175,6 +176,7 @@ def predict(
     working: Working = None,
     parts: Annotated[bool, typer.Option("--parts", help="remaining life of every component too")] = False,
     draws: Draws = 2000,
+    horizon: Horizon = None,
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
@@ -182,8 +184,9 @@ def predict(
     from robophm.cli.predict import Wishes, run
 
     wishes = Wishes(
-        distance, speed, duration, future, plan, tuple(failed or ()), tuple(working or ()), draws, parts=parts
-    )
+        distance, speed, duration, future, plan, tuple(failed or ()), tuple(working or ()), draws,
+        horizon_of(horizon), parts=parts,
+    )  # fmt: skip
     _leave(run(design, store, wishes, unit, as_json=as_json))
 
 
@@ -233,13 +236,15 @@ def replay(
     ] = None,
     report: Annotated[Path | None, typer.Option(help="write a page about its health, HTML")] = None,
     skip_missing: SkipMissing = False,
+    horizon: Horizon = None,
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
     """A robot's health after what it recorded: drives in the order of their time, however many."""
     from robophm.cli.replay import run
 
-    _leave(run(design, recordings, store, report, unit, skip_missing=skip_missing, as_json=as_json))
+    ahead = horizon_of(horizon)
+    _leave(run(design, recordings, store, report, unit, ahead, skip_missing=skip_missing, as_json=as_json))
 
 
 @app.command()

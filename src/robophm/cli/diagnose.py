@@ -18,11 +18,12 @@ from robophm.design.robot import Robot
 from robophm.health.effects import SEVERITY, Effect, SilentStates, alarm_chances, effects, fault_chances, silent_states
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, as_designed, nominal_outlook
+from robophm.health.report import plain
 from robophm.learning.sensor_choice import Choice, choose, explained
 from robophm.learning.sensors import coverage, read_sensors, seen
 from robophm.learning.suspects import Diagnosis, Sensor, suspects
 from robophm.monitor import Monitor
-from robophm.report.fmeca_page import effect_text, fmeca_csv, fmeca_page
+from robophm.report.fmeca_page import effect_text, fmeca_csv, fmeca_page, unknown_words
 from robophm.report.words import number_text, percent_text
 
 
@@ -43,7 +44,7 @@ def fmeca(
         write(to, fmeca_csv(found, sees) if to.suffix == ".csv" else fmeca_page(robot.name, found, sees, hours))
     if as_json:
         modes = [{**asdict(one), "rpn": one.rpn, "criticality": one.criticality} for one in found]
-        print_json({"robot": robot.name, "hours": hours, "modes": modes, "coverage": sees})
+        print_json({"robot": robot.name, "hours": hours, "modes": plain(modes), "coverage": sees})
         return
     _print_effects(robot, found, hours, to)
 
@@ -74,6 +75,8 @@ def _print_effects(robot: Robot, found: list[Effect], hours: float, to: Path | N
     print_table(out, table(title, columns, rows, figures=range(2, len(columns))))
     if len(found) > len(rows):
         out.print(f"{len(found) - len(rows):,} more are not listed; --to FMECA.CSV has all")
+    for words in unknown_words(found):
+        out.print(words, style="yellow", markup=False)
     out.print("S severity, O occurrence, D detection (10: nothing sees it), RPN their product")
     if to:
         out.print(f"Written to {to}", markup=False, soft_wrap=True)

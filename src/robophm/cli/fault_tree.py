@@ -24,6 +24,7 @@ from robophm.design.robot import Robot
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.health.report import plain
+from robophm.health.unknown import IF_NEVER, Unknown, unknown
 from robophm.life.exponential import Exponential
 from robophm.report.minimal_sets import Listed
 from robophm.report.words import number_text, probability_text
@@ -47,6 +48,8 @@ class System:
     """What it was read from, unless it is of a robot."""
     source: str = ""
     time: float | None = None
+    unknown: Unknown | None = None
+    """Parts of unknown rate in it."""
 
 
 def of_robot(robot: Robot, function: str | None, hours: float) -> System:
@@ -55,6 +58,7 @@ def of_robot(robot: Robot, function: str | None, hours: float) -> System:
         raise RobophmError(f"{hours:g} h: expected a finite number")
     if function is not None and function not in robot.functions:
         raise RobophmError(f"no function '{function}'{nearest(function, robot.functions)}")
+    when = f"after {number_text(hours)} h of operation, new and as designed"
     diagram = robot.functions[function] if function else robot.diagram
     tree, new = FaultTree.of(diagram), as_designed(Plant(robot))
     states = [new.survival_curve(Unit(name), np.array([hours])) for name in tree.names]
@@ -66,10 +70,13 @@ def of_robot(robot: Robot, function: str | None, hours: float) -> System:
             if not calendar:
                 rates |= dict.fromkeys(part.units, part.multiplicity * each)
     name = f"{robot.name}: {function}" if function else robot.name
+    left_out = unknown(new, diagram)
+    if left_out:
+        when += f"; {left_out.words} as {IF_NEVER}"
     return System(
-        name, f"after {number_text(hours)} h of operation, new and as designed", tree,
+        name, when, tree,
         np.array([float(one.failed[0]) for one in states]), np.array([float(one.works[0]) for one in states]),
-        diagram, rates,
+        diagram, rates, unknown=left_out,
     )  # fmt: skip
 
 
@@ -108,6 +115,8 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
 
     What is written is a model in the Open-PSA format, or where its name ends as a design's does, a design.
     """
+    if to and system.unknown:
+        raise RobophmError(f"{to}: {system.unknown.words} would be written as never failing; expected their rates")
     text = _design(system, to) if to and is_design(to) else ""
     probability = float(system.tree.probability(system.occurred, system.not_yet))
     listed = Listed(MinimalSets(system.tree), system.occurred, most, order) if system.tree.coherent else None

@@ -165,7 +165,7 @@ def _print(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> N
     guessed = f", of which {rate_text(_sum(guesses))} is guessed by letters alone" if guesses else ""
     out.print(
         f"{written}: {counts}, {gone} removed; {states['needs a rate']} need a rate; "
-        f"λ of the rated {rate_text(_total(found))}{guessed}",
+        f"λ {'at least ' if states['needs a rate'] else ''}{rate_text(_total(found))}{guessed}",
         markup=False,
     )
 

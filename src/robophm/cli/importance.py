@@ -21,6 +21,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.prognosis import FutureName, View, outlooks
 from robophm.health.replacement import Replacements, replacements
 from robophm.health.report import VIEWS, plain
+from robophm.health.unknown import IF_NEVER
 from robophm.monitor import Monitor
 from robophm.report.words import duration_text, number_text, percent_text, probability_text
 
@@ -121,7 +122,13 @@ def _show(title: str, found: Importances, question: Question, nominal: Importanc
         out.print(f"{title}: has failed; no part matters more than another", markup=False, soft_wrap=True)
         return
     ahead = f"within {number_text(found.hours)} h of operation " if not math.isnan(found.ever) else ""
-    out.print(f"{title}: fails {ahead}with {number_text(100 * found.failure)} %", markup=False, soft_wrap=True)
+    least = ""
+    if left_out := found.unknown:
+        least = "at least " if left_out.ahead == "at most" else ""
+        says = f"{left_out.words} left out: what is stated is as {IF_NEVER}"
+    out.print(f"{title}: fails {ahead}with {least}{number_text(100 * found.failure)} %", markup=False, soft_wrap=True)
+    if left_out:
+        out.print(says, style="yellow", markup=False, soft_wrap=True)
     columns = ["most important first", "Birnbaum", "criticality", "F–V", "RAW", "RRW", "improvement"]
     lifelong = not math.isnan(found.ever)
     columns += [*(["causes"] if lifelong else []), *(["crit. nominal"] if nominal else [])]

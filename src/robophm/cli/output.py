@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,8 +18,14 @@ from rich.table import Table
 from rich.text import Text
 
 from robophm.core.errors import RobophmError
-from robophm.health.report import HealthReport, plain
+from robophm.core.units import quantity
+from robophm.design.robot import Robot
+from robophm.health.report import ComponentHealth, HealthReport, plain
+from robophm.health.to_come import LONGEST, FailuresToCome
 from robophm.health.uncertainty import Interval
+from robophm.health.unknown import Unknown, marked, marks, named
+from robophm.report.to_come import FEW, horizon_text, notes, share_text
+from robophm.report.to_come import shown as largest
 from robophm.report.words import duration_text, number_text, percent_text, probability_text, rate_text
 
 if TYPE_CHECKING:
@@ -30,6 +37,11 @@ SCHEMA_VERSION = 1
 
 Json = Annotated[bool, typer.Option("--json", help="print one JSON document on stdout")]
 """The option of every command."""
+
+Horizon = Annotated[
+    str | None,
+    typer.Option(help="how far ahead to look for what will fail, e.g. '1 year'; default the median remaining life"),
+]
 
 PLAIN_WIDTH = 120
 """Columns of what is printed into a file or a pipe."""
@@ -111,14 +123,15 @@ def health_table(report: HealthReport, unit: str, *, course: Mapping[str, str] |
             continue
         name = one.path if one.kind == "robot" else "  " * (1 + one.path.count("/")) + one.path.rpartition("/")[2]
         life, task = one.sensor_based.remaining_life, one.sensor_based.completion
+        rate, works, ahead = marks(one.unknown)
         rows.append([
             name + (" *" if one.flags else ""),
-            rate_text(one.nominal.hazard_rate, unit),
-            rate_text(one.sensor_based.hazard_rate, unit),
-            percent_text(one.nominal.reliability, one.nominal.unreliability),
-            percent_text(one.sensor_based.reliability, one.sensor_based.unreliability),
-            duration_text(life.median) if life else "–",
-            percent_text(task.probability, task.failure) if task else "–",
+            marked(rate, rate_text(one.nominal.hazard_rate, unit)),
+            marked(rate, rate_text(one.sensor_based.hazard_rate, unit)),
+            works + percent_text(one.nominal.reliability, one.nominal.unreliability),
+            works + percent_text(one.sensor_based.reliability, one.sensor_based.unreliability),
+            marked(ahead, duration_text(life.median)) if life else "–",
+            ahead + percent_text(task.probability, task.failure) if task else "–",
             *([course[one.path]] if course is not None else []),
         ])  # fmt: skip
     title = f"Health of {report.robot}"
@@ -139,15 +152,16 @@ def print_report(report: HealthReport, unit: str) -> None:
     lived = ", ".join(f"{number_text(v)} {clocks.get(n, n)}" for n, v in report.clocks.items())
     out.print(f"Observed: {lived if report.time is not None else 'nothing yet; sensor-based is nominal'}", markup=False)
     out.print("R is survival since new over that time; λ, remaining life and PoTC are given that it works now.")
+    robot = report.outlooks["sensor_based"].plant.robot
+    print_unknown(report.system.unknown, robot)
     system = report.system.sensor_based
+    left_out = report.system.unknown
     if system.remaining_life:
         life = system.remaining_life
-        out.print(
-            f"Remaining life (calendar time): median {duration_text(life.median)}, mean {duration_text(life.mean)}, "
-            f"90 % between {duration_text(life.early)} and {duration_text(life.late)}",
-            markup=False,
-        )
-        wanted = report.outlooks["sensor_based"].plant.robot.thresholds.survival
+        span = f"90 % between {duration_text(life.early)} and {duration_text(life.late)}"
+        said = f"median {duration_text(life.median)}, mean {duration_text(life.mean)}, {span}"
+        out.print(f"Remaining life (calendar time): {left_out.said_ahead(said) if left_out else said}", markup=False)
+        wanted = robot.thresholds.survival
         if life.threshold is not None and wanted is not None:
             out.print(f"Works on for {duration_text(life.threshold)} with {percent_text(wanted)}", markup=False)
     if sure := report.uncertainty:
@@ -160,7 +174,11 @@ def print_report(report: HealthReport, unit: str) -> None:
     if report.task and system.completion:
         task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
         chance = probability_text(system.completion.probability, system.completion.failure)
-        out.print(f"Next task ({task}): completed with {chance}", markup=False)
+        out.print(
+            f"Next task ({task}): completed with {left_out.said_ahead(chance) if left_out else chance}", markup=False
+        )
+    if system.remaining_life:
+        print_failures_to_come(report.failures_to_come)
     for line in (*mark_lines(report), *report.notes):
         out.print(line, style="yellow", markup=False)
     for words in report.warnings:
@@ -169,15 +187,58 @@ def print_report(report: HealthReport, unit: str) -> None:
         out.print(f"threshold breached: {breach}", style="bold red", markup=False)
 
 
+def print_unknown(left_out: Unknown | None, robot: Robot) -> None:
+    """What parts of unknown rate make of the figures, and which they are; nothing where there are none."""
+    if left_out:
+        console().print(f"{left_out.sentence} ({named(robot)})", style="yellow", markup=False, soft_wrap=True)
+
+
 def print_parts(report: HealthReport) -> None:
     """Remaining life of every component, the shortest first."""
     lives = [(part, part.remaining_life) for part in report.components if part.remaining_life]
+
+    def text(part: ComponentHealth, time: float) -> str:
+        if not part.unknown:
+            return duration_text(time)
+        return "unknown" if math.isinf(time) else f"≤ {duration_text(time)}"
+
     rows = [
-        (part.path, duration_text(life.early), duration_text(life.median), duration_text(life.late))
+        (part.path, *(text(part, time) for time in (life.early, life.median, life.late)))
         for part, life in sorted(lives, key=lambda pair: pair[1].median)
     ]
     title = "Remaining life of each component alone, calendar time"
     print_table(console(), table(title, ("", "5 % by", "median", "95 % by"), rows, figures=(1, 2, 3)))
+
+
+def horizon_of(text: str | None) -> float | None:
+    """How far ahead failures to come are looked for [h]; None: the usual. Raises RobophmError."""
+    if text is None:
+        return None
+    hours = quantity(text, "h")
+    if not 0 < hours <= LONGEST:
+        raise RobophmError(f"--horizon {text}: expected above zero, at most {LONGEST:g} h")
+    return hours
+
+
+def print_failures_to_come(found: FailuresToCome, *, both: bool = True) -> None:
+    """Which parts the failures to come will come from: the few that bring about most of them."""
+    some = largest(found, FEW)
+    if not some:
+        return
+    views = ("nominal", "sensor-based") if both else ("nominal",)
+    rows = [
+        [one.path + (f" ×{one.quantity}" if one.quantity > 1 else ""),
+         *(share_text(getattr(one, view.replace("-", "_"))) for view in views)]
+        for one in some
+    ]  # fmt: skip
+    title = f"What will fail it: share of the failures {horizon_text(found)}"
+    out = console()
+    out.print(f"\n{title}", style="bold", markup=False, soft_wrap=True)
+    print_table(out, table("", ("", *views), rows, figures=range(1, 1 + len(views))))
+    for note in notes(found, some):
+        out.print(note)
+    if rest := len(found.contributions) - len(some):
+        out.print(f"{rest:,} more are not listed")
 
 
 def _span(interval: Interval) -> str:

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from robophm.cli import BREACHED
+from robophm.cli.output import Horizon, horizon_of
 
 Design = Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")]
 
@@ -43,13 +44,15 @@ def report(
     output: Annotated[
         Path | None, typer.Option(help="the page; health.html, or health.pdf", show_default=False)
     ] = None,
+    horizon: Horizon = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="as a PDF; needs robophm[pdf]")] = False,
     force: Annotated[bool, typer.Option("--force", help="also where that file exists")] = False,
 ) -> None:
     """Write a robot's health on one page that needs nothing else, not even JavaScript."""
     from robophm.cli.report import run
 
-    if run(design, store, output or Path("health.pdf" if pdf else "health.html"), pdf=pdf, force=force):
+    path = output or Path("health.pdf" if pdf else "health.html")
+    if run(design, store, path, horizon_of(horizon), pdf=pdf, force=force):
         raise typer.Exit(BREACHED)
 
 

@@ -32,6 +32,7 @@ class Wishes:
     failed: tuple[str, ...]
     working: tuple[str, ...]
     draws: int
+    horizon: float | None
     parts: bool
 
 
@@ -56,8 +57,9 @@ def run(design: Path, store: Path | None, wishes: Wishes, unit: str, *, as_json:
     monitor = Monitor(robot, kept(store, robot) if store else None)
     chosen: Any = wishes.future
     report = monitor.report(
-        task=task, future=chosen, plan=tasks, knowledge=knowledge, draws=wishes.draws, parts=wishes.parts
-    )
+        task=task, future=chosen, plan=tasks, knowledge=knowledge, draws=wishes.draws, parts=wishes.parts,
+        horizon=wishes.horizon,
+    )  # fmt: skip
     if as_json:
         print_json(report.to_json())
     else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 from robophm.cli.output import console, may_write, print_json, print_report, progress_console, warn, write
@@ -19,12 +20,13 @@ from robophm.stores.store import Store
 
 
 def run(
-    design: Path, recordings: Sequence[Path], store: Path | None, report: Path | None, unit: str, *,
+    design: Path, recordings: Sequence[Path], store: Path | None, report: Path | None, unit: str,
+    horizon: float | None, *,
     skip_missing: bool, as_json: bool,
 ) -> bool:  # fmt: skip
     """Replay, keep, and print or write the report; whether a threshold is breached."""
     if as_json:
-        only("JSON, in 1/h", ("store", "report", "skip_missing"))
+        only("JSON, in 1/h", ("store", "report", "horizon", "skip_missing"))
     may_write(report, design, *recordings, *([store] if store else []))
     robot = load(design)
     for warning in robot.warnings:
@@ -39,7 +41,7 @@ def run(
             warn(f"this recording is already in {store}; it is not counted again")
         elif done:
             warn(f"{len(done)} of {len(drives)} recordings are already in {store}; they are not counted again")
-        health = replay_drives(robot, drives, store=kept, on_tick=tick)
+        health = replace(replay_drives(robot, drives, store=kept, on_tick=tick), horizon=horizon)
         past = (list(kept.history(robot.name)), kept.ledger(robot.name)) if kept and report else ()
     if report:
         write(report, health_page(robot, health, *past))

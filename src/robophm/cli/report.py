@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from robophm.cli.output import console, may_make, warn, write
+from robophm.cli.output import console, may_make, print_unknown, warn, write
 from robophm.cli.past import kept
 from robophm.design.file import load
 from robophm.monitor import Monitor
@@ -12,7 +12,7 @@ from robophm.report.health_page import health_page
 from robophm.report.pdf import Printer
 
 
-def run(design: Path, store: Path | None, output: Path, *, pdf: bool, force: bool) -> bool:
+def run(design: Path, store: Path | None, output: Path, horizon: float | None, *, pdf: bool, force: bool) -> bool:
     """Write the page; whether a threshold is breached. The same design and past give the same bytes."""
     suffix = ".pdf" if pdf else ".html"
     may_make(output, design, *([store] if store else []), force=force, suffixes=(suffix,))
@@ -28,8 +28,9 @@ def run(design: Path, store: Path | None, output: Path, *, pdf: bool, force: boo
         with SqliteStore(store) as past:
             history = list(past.history(robot.name))
     data = ledger.to_json() if ledger else None
-    health = Monitor(robot, ledger).report()
+    health = Monitor(robot, ledger).report(horizon=horizon)
     html = health_page(robot, health, history, data)
     write(output, printer.pdf(html) if printer else html)
+    print_unknown(health.system.unknown, robot)
     console().print(f"Report: {output}", markup=False, soft_wrap=True)
     return bool(health.breaches)

@@ -10,7 +10,17 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from robophm.cli.output import console, estimate_text, may_write, print_json, print_table, table, write
+from robophm.cli.output import (
+    console,
+    estimate_text,
+    may_write,
+    print_failures_to_come,
+    print_json,
+    print_table,
+    print_unknown,
+    table,
+    write,
+)
 from robophm.cli.unused import only
 from robophm.core.errors import UnitError
 from robophm.design.file import load
@@ -20,6 +30,8 @@ from robophm.groups.monte_carlo import Estimate, Wear, simulate
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.health.report import plain
+from robophm.health.to_come import failures_to_come
+from robophm.health.unknown import Unknown, marked, marks, unknown
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
 from robophm.report.diagram_text import diagram_text
@@ -40,6 +52,8 @@ class Promise:
     unreliability: float
     mean_time_to_failure: float
     """[h of calendar time]"""
+    unknown: Unknown | None = None
+    """What parts of unknown rate in it make of the figures."""
     legacy_hazard_rate: float | None = None
     """What the 2020 tool says [1/h]."""
     legacy_reliability: float | None = None
@@ -52,8 +66,9 @@ def promises(robot: Robot, hours: float, *, legacy: bool) -> list[Promise]:
     for path, module in levels(robot):
         works, failed, density = (float(values[0]) for values in new.survival_curve(module.diagram, np.array([hours])))
         old = (legacy_rate(module), legacy_reliability(module, hours)) if legacy else (None, None)
+        left_out = unknown(new, module.diagram, later=hours > 0)
         rate = density / works if works > 0 else float("inf")
-        found.append(Promise(path, rate, works, failed, new.remaining_life(module.diagram).mean, *old))
+        found.append(Promise(path, rate, works, failed, new.remaining_life(module.diagram).mean, left_out, *old))
     return found
 
 
@@ -107,8 +122,10 @@ def promises_table(robot: Robot, found: Sequence[Promise], hours: float, unit: s
     rows = []
     for one in found:
         indent = "  " * (one.path.count("/") + bool(one.path))
-        row = [indent + (one.path.rpartition("/")[2] or robot.name), rate_text(one.hazard_rate, unit)]
-        row += [percent_text(one.reliability, one.unreliability), duration_text(one.mean_time_to_failure)]
+        rate, works, ahead = marks(one.unknown)
+        row = [indent + (one.path.rpartition("/")[2] or robot.name), marked(rate, rate_text(one.hazard_rate, unit))]
+        row.append(works + percent_text(one.reliability, one.unreliability))
+        row.append(marked(ahead, duration_text(one.mean_time_to_failure)))
         if one.legacy_hazard_rate is not None and one.legacy_reliability is not None:
             row += [rate_text(one.legacy_hazard_rate, unit), percent_text(one.legacy_reliability)]
         rows.append(row)
@@ -119,7 +136,8 @@ def _labels(robot: Robot, unit: str) -> Callable[[str], Label]:
     new = as_designed(Plant(robot))
     rates = {path: new.hazard_rate(module.diagram) for path, module in levels(robot)}
     components = zip(robot.all_components(), new.component_hazard_rates(), strict=True)
-    return part_labels(robot, rates | {part.path: float(rate) for part, rate in components}, unit)
+    left_out = {path: marks(unknown(new, module.diagram))[0] for path, module in levels(robot)}
+    return part_labels(robot, rates | {part.path: float(rate) for part, rate in components}, unit, unknown=left_out)
 
 
 def estimated(design: Path, hours: float, robots: int, seed: int, *, as_json: bool) -> None:
@@ -136,20 +154,33 @@ def estimated(design: Path, hours: float, robots: int, seed: int, *, as_json: bo
     )  # fmt: skip
 
 
-def shown(design: Path, hours: float, unit: str, svg: Path | None, *, legacy: bool, as_json: bool) -> None:
+def shown(
+    design: Path, hours: float, unit: str, svg: Path | None, horizon: float | None, *, legacy: bool, as_json: bool
+) -> None:
     """Draw, and tabulate what is promised. Raises RobophmError."""
     in_words = svg or not as_json
-    only(f"a design{'' if in_words else ' as JSON, in 1/h'}", ("hours", "svg", "legacy", *["unit"] * bool(in_words)))
+    only(
+        f"a design{'' if in_words else ' as JSON, in 1/h'}",
+        ("hours", "svg", "legacy", "horizon", *["unit"] * bool(in_words)),
+    )
     robot = _asked(design, hours, svg)
     found = promises(robot, hours, legacy=legacy)
     if svg:
         write(svg, svg_diagram(robot, unit))
+    new = as_designed(Plant(robot))
+    median = new.remaining_life(robot.diagram).median
+    to_come = failures_to_come({"nominal": new, "sensor_based": new}, robot.diagram, median, horizon)
     if as_json:
-        print_json({"robot": robot.name, "hours": hours, "modules": [plain(asdict(one)) for one in found]})
+        modules = [plain(asdict(one)) for one in found]
+        print_json(
+            {"robot": robot.name, "hours": hours, "modules": modules, "failures_to_come": plain(asdict(to_come))}
+        )
         return
     out = console()
     draw(out, robot, unit)
     print_table(out, promises_table(robot, found, hours, unit))
+    print_unknown(found[0].unknown, robot)
+    print_failures_to_come(to_come, both=False)
 
 
 def _asked(design: Path, hours: float, svg: Path | None) -> Robot:

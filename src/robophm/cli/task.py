@@ -27,6 +27,7 @@ from robophm.health.prognosis import FutureName, View, outlooks
 from robophm.health.report import VIEWS
 from robophm.health.task_report import TaskReport, task_report
 from robophm.health.uncertainty import Interval
+from robophm.health.unknown import IF_NEVER, marks
 from robophm.monitor import Monitor
 from robophm.report.words import duration_text, number_text, odds_text, percent_text, probability_text
 
@@ -168,9 +169,10 @@ def _json(again: dict[View, Repeated], threshold: float | None) -> dict[str, Any
 
 def _print(report: TaskReport, again: dict[View, Repeated], threshold: float | None, question: Question) -> None:
     out = console()
+    mark = marks(report.unknown)[2]
 
     def row(name: str, task: Task, nominal: Completion, lived: Completion) -> list[str]:
-        figures = (probability_text(one.probability, one.failure) for one in (nominal, lived))
+        figures = (mark + probability_text(one.probability, one.failure) for one in (nominal, lived))
         way = [f"{number_text(task.distance)} m"] if driven else []
         return [name, *way, duration_text(task.duration), str(len(task.legs)), *figures]
 
@@ -188,6 +190,13 @@ def _print(report: TaskReport, again: dict[View, Repeated], threshold: float | N
     if len(shown) < len(report.tasks):
         out.print(
             f"Listed are the {len(shown)} likeliest to fail of {len(report.tasks):,} tasks; --json has all of them"
+        )
+    if report.unknown:
+        said = (
+            "at most what is stated" if report.unknown.ahead == "at most" else f"as {IF_NEVER}, and may be more or less"
+        )
+        out.print(
+            f"{report.unknown.words} left out: every PoTC is {said}", style="yellow", markup=False, soft_wrap=True
         )
     known = question.plan.knowledge
     for what, units in (("have failed", known.failed), ("work", known.working)):

@@ -32,7 +32,7 @@ _HALF = [
 ]
 """Nodes with their weights by the rules of Kronrod, 15 nodes, and Gauss, 7 of them. Source: QUADPACK, dqk15."""
 _CENTRE = (0.0, 0.209482141084727828012999174891714, 0.417959183673469387755102040816327)
-_NODES, _WEIGHTS, _FEWER = np.array([(-x, k, g) for x, k, g in _HALF] + [_CENTRE] + _HALF[::-1]).T
+NODES, _WEIGHTS, _FEWER = np.array([(-x, k, g) for x, k, g in _HALF] + [_CENTRE] + _HALF[::-1]).T
 
 
 def time_at(curve: Curve, fails: npt.ArrayLike, survives: npt.ArrayLike, *, tolerance: float = 4e-16) -> Array:
@@ -154,6 +154,16 @@ def _decades(curve: Curve, decades: Array) -> tuple[Array, Array]:
     return grid, np.maximum.accumulate(_of_curve(*curve(np.exp(grid))))
 
 
+def panel_areas(values: Array) -> tuple[Array, Array]:
+    """Integrals over panels from −1 to 1 of what has these values at NODES, the last axis; and about how far off."""
+    whole = values @ _WEIGHTS
+    # How far off the better rule is, from the worse one: as QUADPACK has it.
+    off, spread = np.abs(values @ (_WEIGHTS - _FEWER)), np.abs(values - whole[..., None] / 2) @ _WEIGHTS
+    with np.errstate(divide="ignore", invalid="ignore"):
+        error = np.where(off > 0, spread * np.minimum(1.0, (200 * off / spread) ** 1.5), 0.0)
+    return whole, error
+
+
 def _integral(curve: Curve, start: float, edges: Array) -> tuple[float, float]:
     """∫ P(survives) dt over panels, each halved until its two rules agree; and t·P(survives) near its end.
 
@@ -162,17 +172,11 @@ def _integral(curve: Curve, start: float, edges: Array) -> tuple[float, float]:
 
     def panels(low: Array, high: Array) -> tuple[Array, Array, float]:
         half = (high - low)[:, None] / 2
-        v = low[:, None] + half * (1 + _NODES)
+        v = low[:, None] + half * (1 + NODES)
         weight = start * np.where(v < 0, 1.0, np.exp(np.maximum(v, 0.0)))
         t = np.where(v < 0, start * (1 + v), weight)
         reached = weight * curve(t.ravel())[1].reshape(t.shape)
-        area = half * reached
-        whole = area @ _WEIGHTS
-        # How far off the better rule is, from the worse one: as QUADPACK has it.
-        off, spread = np.abs(area @ (_WEIGHTS - _FEWER)), np.abs(area - whole[:, None] / 2) @ _WEIGHTS
-        with np.errstate(divide="ignore", invalid="ignore"):
-            error = np.where(off > 0, spread * np.minimum(1.0, (200 * off / spread) ** 1.5), 0.0)
-        return whole, error, float(reached[-1, -1])
+        return *panel_areas(half * reached), float(reached[-1, -1])
 
     low, high = edges[:-1], edges[1:]
     settled, rest = 0.0, math.inf

@@ -28,6 +28,7 @@ from robophm.design.driving import Ambient, Cover, Driving, ambient_of, assumed,
 from robophm.design.fault import Fault, Path, written
 from robophm.design.robot import (
     CLOCK_UNITS,
+    UNKNOWN,
     Component,
     Evidence,
     FailureMode,
@@ -46,6 +47,7 @@ from robophm.hazard.formula import formula_model
 from robophm.hazard.handbooks import handbook_model
 from robophm.hazard.model import Model, Range
 from robophm.life import life_distribution
+from robophm.life._never import Never
 from robophm.life.distribution import LifeDistribution
 
 MOST_PARTS = 1000
@@ -122,7 +124,16 @@ class _Builder:
                 raise Fault((), f"its diagrams unfold to more than {MOST_DRAWN:,} parts")
         used = set(blocks.units(whole.diagram)).union(*(blocks.units(diagram) for diagram in functions.values()))
         expand.check_groups(used)
-        used.update(unit for group in expand.groups.values() for member in group.members for unit in member)
+        members_of = {
+            unit: name for name, group in expand.groups.items() for member in group.members for unit in member
+        }
+        for unit, name in members_of.items():
+            if self.components[path := unit.partition("[")[0]].unknown:
+                raise Fault(
+                    (*self.places[path], "rate"),
+                    f"{path} is of unknown rate, and {name} depends on how long it lives; expected a rate",
+                )
+        used.update(members_of)
         drawn = {name.partition("[")[0] for name in used}
         clocks: dict[str, MeasuredClock] = {
             name: self._measured_clock(name, ("clocks", name), b) for name, b in design.clocks.items()
@@ -244,6 +255,8 @@ class _Builder:
         clock_unit = CLOCK_UNITS[mode.clock]
         if mode.rate is not None and mode.hazard is not None:
             raise Fault((*place, "rate"), "both 'rate' and 'hazard' are given; expected one of the two")
+        if mode.rate == UNKNOWN:
+            return self._unknown_mode(path, place, mode)
         hazard = self._hazard(place, mode.hazard, part, scope, clock_unit) if mode.hazard else None
         if hazard and hazard.model.unit != f"1/{clock_unit}":
             raise Fault(
@@ -291,6 +304,19 @@ class _Builder:
             Uncertainty(failures=mode.learned.shape) if mode.learned else stated,
             evidence=Evidence(factor, stated) if mode.learned else None,
             wear=build_wear((*place, "wear"), mode.wear, part.quantity) if mode.wear else None,
+        )  # fmt: skip
+
+    @staticmethod
+    def _unknown_mode(path: Path, place: Path, mode: schema.FailureMode) -> FailureMode:
+        """One of whose rate nothing is known: it is there, and never comes."""
+        for key in ("life", "acceleration", "uncertainty", "learned", "wear", "scaling"):
+            if key in mode.model_fields_set:
+                raise Fault((*place, key), f"its rate is unknown, and '{key}' says nothing then; expected a rate")
+        initial = 0.0
+        if mode.initial_exposure is not None:
+            initial = max(written((*place, "initial_exposure"), mode.initial_exposure, CLOCK_UNITS[mode.clock]), 0.0)
+        return FailureMode(
+            "/".join(path), 0.0, Never(), mode.clock, None, mode.scaling, initial, (), mode.source or ""
         )  # fmt: skip
 
     @staticmethod

@@ -57,6 +57,8 @@ class CommonCauses:
     def _check(self, place: Path, part: Component, units: Sequence[str], first: Component) -> None:
         if part.path in self._grouped:
             raise Fault(place, f"{part.path} is in another group of common causes too; expected one for each part")
+        if part.unknown:
+            raise Fault(place, f"{part.path} is of unknown rate, of which nothing is a share; expected a rate")
         if len(units) < len(part.units):
             raise Fault(
                 place, f"{len(units)} of the {len(part.units)} equal parts of {part.path}; expected all of them"

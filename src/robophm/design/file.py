@@ -24,6 +24,9 @@ MAX_BYTES = 20_000_000
 Each value then has a line of its own, two spaces in for each level: what is kept of its place takes as much.
 """
 
+BACKUPS = 10
+"""Earlier states of a design file that are kept beside it."""
+
 SCHEMA_VERSION = 1
 """Of design files and task lists; a file that says another number is refused."""
 
@@ -98,7 +101,7 @@ class DesignFile:
         return stream.getvalue()
 
     def save(self) -> Robot:
-        """Write the file atomically, what was there kept beside it as ``<name>.bak``.
+        """Write the file atomically, what was there kept beside it as ``<name>.bak``, and what was before that.
 
         Raises DesignError, the file as it was, where the document is no valid design or cannot be written.
         """
@@ -118,10 +121,26 @@ def rewrite(path: Path, text: str) -> Robot:
 def replace_text(path: Path, text: str) -> None:
     """As ``rewrite``, of a text that has been found valid already. Raises DesignError where it cannot be written."""
     try:
-        write_atomically(path.with_name(path.name + ".bak"), path.read_bytes())
+        _keep(path, path.read_bytes())
         write_atomically(path, text)
     except OSError as error:
         raise DesignError(f"{path}: cannot be saved: {error.strerror}; the file is as it was") from None
+
+
+def _keep(path: Path, content: bytes) -> None:
+    """Put what a file holds beside it as .bak, what was there as .bak.2 and so on: the latest BACKUPS are kept.
+
+    Raises OSError, no backup then being lost.
+    """
+    names = [path.with_name(f"{path.name}.bak" + (f".{i}" if i > 1 else "")) for i in range(1, BACKUPS + 1)]
+    if names[0].exists() and names[0].read_bytes() == content:
+        return
+    made = names[0].with_name(names[0].name + ".new")
+    write_atomically(made, content)  # first: a full disk takes nothing away
+    free = next((i for i, name in enumerate(names) if not name.exists()), len(names) - 1)
+    for i in range(free, 0, -1):
+        names[i - 1].replace(names[i])
+    made.replace(names[0])
 
 
 def round_trip() -> Any:

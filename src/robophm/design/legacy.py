@@ -221,6 +221,8 @@ def legacy_rate(module: Module) -> float:
             part = parts[block.name.partition("[")[0]]
             if part.required < part.quantity or any(mode.clock not in ("operating", "calendar") for mode in part.modes):
                 raise StructureError(f"{part.path}: the 2020 tool knows neither k-of-n nor clocks other than hours")
+            if part.unknown:
+                raise StructureError(f"{part.path}: its rate is unknown, which the 2020 tool would take for zero")
             return part.quantity * math.fsum(mode.rate for mode in part.modes)
         rates_within = [rate(inner) for inner in block.blocks]
         if isinstance(block, Series):

@@ -81,6 +81,11 @@ def _odd(robot: Robot, lines: Lines) -> Iterator[Problem]:
         said, _, message = warning.partition(": ")
         place = by_name.get(said.partition("[")[0], tuple(said.split("/")))
         yield Problem("warning", place, message, _line(place, lines))
+    for part in robot.all_components():
+        if part.unknown:
+            place = by_name.get(part.path, ())
+            message = "its rate is unknown: what it is part of leaves it out, and says so"
+            yield Problem("warning", place, message, _line(place, lines))
     from robophm.blocks.diagram import units
 
     for module in (robot, *robot.all_modules()):

@@ -20,6 +20,9 @@ from robophm.life.distribution import LifeDistribution
 
 Array = npt.NDArray[np.float64]
 
+UNKNOWN = "unknown"
+"""What a design says in place of a rate that nobody knows."""
+
 CLOCK_UNITS: Mapping[str, str] = {
     "operating": "h",
     "calendar": "h",
@@ -164,7 +167,7 @@ class FailureMode:
 
     path: str
     rate: float
-    """Nominal, at design stress [1 per unit of its clock]."""
+    """Nominal, at design stress [1 per unit of its clock]; 0 of a rate that is unknown."""
     life: LifeDistribution
     clock: str
     measured_clock: MeasuredClock | None
@@ -184,6 +187,11 @@ class FailureMode:
     """Of a common cause's: path of the part's failure mode that it is a share of."""
     wear: WearSignal | None = None
     """What shows it coming."""
+
+    @property
+    def unknown(self) -> bool:
+        """Whether its rate is not known: it is carried as if it never came, and whatever is made of it says so."""
+        return self.rate == 0
 
     @property
     def origin(self) -> str:
@@ -223,6 +231,11 @@ class Component:
     def name(self) -> str:
         """The last step of its path."""
         return self.path.rpartition("/")[2]
+
+    @property
+    def unknown(self) -> bool:
+        """Whether the rate of a failure mode of it is not known."""
+        return any(mode.unknown for mode in self.modes)
 
     @property
     def multiplicity(self) -> int:

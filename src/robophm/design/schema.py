@@ -254,7 +254,9 @@ class Wear(_Strict):
 class FailureMode(_Strict):
     """One way to fail; the modes of a component are in series."""
 
-    rate: Written | None = Field(None, description="e.g. 12 FIT, 0.3 FPMH, 5.8e-6 /h, 2e-5 /km by its clock")
+    rate: Written | None = Field(
+        None, description="e.g. 12 FIT, 0.3 FPMH, 5.8e-6 /h, 2e-5 /km by its clock; or the word unknown"
+    )
     hazard: Hazard | None = None
     life: Life = Field(default_factory=lambda: Life.model_validate({}))
     clock: Clock = "operating"

@@ -43,9 +43,9 @@ class Effect:
     """[1 per unit of its clock], of one part."""
     unit: str
     probability: float
-    """That any of the equal parts fails so within the hours."""
+    """That any of the equal parts fails so within the hours; not a number where its rate is unknown."""
     ratio: float
-    """α: its share of the part's failures within the hours."""
+    """α: its share of the part's failures within the hours; not a number where a rate of the part is unknown."""
     beta: float
     """P(the robot fails within the hours | it has)."""
     detected: float
@@ -53,6 +53,8 @@ class Effect:
     severity: int
     occurrence: int
     detection: int
+    unknown: bool = False
+    """Whether its rate is not known: its occurrence then counts as 10, the highest, and its criticality as nothing."""
 
     @property
     def rpn(self) -> int:
@@ -62,6 +64,8 @@ class Effect:
     @property
     def criticality(self) -> float:
         """C_m = β·α·λ_p·t, with λ_p·t the part's cumulative hazard (MIL-STD-1629A, task 102)."""
+        if self.unknown:
+            return math.nan
         return self.beta * -float(np.log1p(-min(self.probability, 1 - 1e-16)))
 
 
@@ -89,6 +93,8 @@ def effects(
         added = outlook.gathered(drawn, advance[:, None], effective[:, None])[:, 0, 0]
         works, failed = np.exp(-added), -np.expm1(-added)
         hangs = np.asarray(drawn.structure.birnbaum(works, failed)).reshape(-1)
+        half = np.full(len(names), 0.5)
+        matters = np.asarray(drawn.structure.birnbaum(half, half)).reshape(-1) > 0  # whatever the rates are
         fails = float(drawn.structure.probability(works, failed)[1])
         for k, name in enumerate(names):
             for unit in _members(plant, name):
@@ -96,7 +102,7 @@ def effects(
                 group = unit != name  # a member of a group: the others take over
                 if alone[k] == 0 and not group:
                     lost.setdefault(unit, []).append(function)
-                elif hangs[k] > 0 or group:
+                elif matters[k] or group:
                     weakened.add(unit)
                 if not function and group:
                     one = replace(outlook, knowledge=Knowledge(frozenset((unit,))))
@@ -112,11 +118,12 @@ def effects(
         hazards = [-np.log1p(-min(chances[mode.path], 1 - 1e-16)) for mode in part.modes]
         total = float(sum(hazards))
         for mode, hazard in zip(part.modes, hazards, strict=True):
+            ratio = math.nan if part.unknown else hazard / total if total > 0 else 1 / len(part.modes)
             found.append(
-                _effect(part, mode, hazard / total if total > 0 else 1 / len(part.modes), chances[mode.path],
+                _effect(part, mode, ratio, math.nan if mode.unknown else chances[mode.path],
                         part.units[0], lost, drawn_in, weakened, betas, detected.get(mode.path, 0.0), severities)
             )  # fmt: skip
-    return sorted(found, key=lambda one: (-one.rpn, -one.criticality))
+    return sorted(found, key=lambda one: (-one.rpn, -math.inf if one.unknown else -one.criticality))
 
 
 def _effect(
@@ -131,7 +138,8 @@ def _effect(
     return Effect(
         part.path, mode.path, tuple(name for name in drawn_in.get(unit, ()) if name), gone, kind, mode.rate,
         CLOCK_UNITS[mode.clock], probability, float(ratio), betas.get(unit, 0.0), detected, severity,
-        1 + sum(probability >= limit for limit in OCCURRENCE), round(1 + 9 * (1 - detected)),
+        10 if mode.unknown else 1 + sum(probability >= limit for limit in OCCURRENCE), round(1 + 9 * (1 - detected)),
+        mode.unknown,
     )  # fmt: skip
 
 

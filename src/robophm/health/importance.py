@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ from robophm.blocks.reliability import Structure
 from robophm.core.errors import StructureError
 from robophm.health.plant import Parts, Plant
 from robophm.health.prognosis import Outlook
+from robophm.health.unknown import Unknown, unknown
 
 Array = npt.NDArray[np.float64]
 
@@ -60,6 +61,8 @@ class Importances:
     units: tuple[UnitImportance, ...]
     refused: str = ""
     """Why there are no Fussell–Vesely importances, where there are none."""
+    unknown: Unknown | None = None
+    """What parts of unknown rate are left out: theirs say what would be if they never failed."""
 
     def ranked(self, by: str = "criticality") -> list[UnitImportance]:
         """The most important first; those of which it is not known last."""
@@ -75,6 +78,10 @@ def usual_hours(outlook: Outlook, median: float) -> float:
     """Of operation ahead to ask about if nothing is said: USUAL, or half a life, of that median [h], if shorter."""
     half = median * outlook.plant.robot.usage.operating
     return min(half, USUAL) if half > 0 else USUAL
+
+
+LIFELONG = 20_000
+"""Units up to which a page states Barlow–Proschan importances too, in a second or two."""
 
 
 class Drawn(Parts):
@@ -105,7 +112,8 @@ def importances(outlook: Outlook, drawn: Drawn, hours: float, *, lifelong: bool 
     failure = float(drawn.conditional.ahead(known, more)[0])
     with decimals():
         chances = of_hazards(*_numbers(works, known, more))
-        return _stated(drawn.diagram, drawn.structure, chances, share, hours, failure, ever)
+        found = _stated(drawn.diagram, drawn.structure, chances, share, hours, failure, ever)
+    return replace(found, unknown=unknown(outlook, drawn.diagram))
 
 
 def of_tree(tree: FaultTree, occurred: Array, not_yet: Array, hours: float = math.nan) -> Importances:

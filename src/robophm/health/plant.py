@@ -63,6 +63,9 @@ class Plant:
         self.monitored = np.array([*(part.monitored for part in self.components), *(False for _ in groups)])
         self.monitored = self.monitored[self.component_of]
         """Of each unit."""
+        unknown = np.array([*(part.unknown for part in self.components), *(False for _ in groups)], dtype=bool)
+        self.unknown = unknown[self.component_of]
+        """Of each unit: whether a rate of it is not known."""
         self.share = np.array([mode.share for mode in robot.modes])
         """Of each mode: of the hazard of its life."""
         self.groups = tuple(

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, replace
+from functools import cached_property
 from typing import Any, Literal, NamedTuple, get_args, overload
 
 import numpy as np
@@ -14,7 +15,7 @@ from robophm.blocks.diagram import Block
 from robophm.core.given import number, numbers, one_of
 from robophm.core.signal import REORDERED, SECOND
 from robophm.design.asked import check_knowledge, check_plan, check_task
-from robophm.design.robot import FailureMode, Robot, Thresholds
+from robophm.design.robot import FailureMode, Limits, Robot, Thresholds
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.health.exposure import Exposure
 from robophm.health.leap import waiting
@@ -22,8 +23,10 @@ from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion, plan_future
 from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName, Outlook, RemainingLife, View, outlooks
-from robophm.health.subject import STALE, Figures, Subject, breached, figures_now, looking_ahead, silence
+from robophm.health.subject import STALE, Figures, State, Subject, breached, figures_now, looking_ahead, silence
+from robophm.health.to_come import FailuresToCome, failures_to_come
 from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, life_uncertainty
+from robophm.health.unknown import Unknown, unknown
 
 SCHEMA_VERSION = 1
 """Of a report as JSON."""
@@ -53,6 +56,8 @@ class ComponentHealth:
     """As of a subject."""
     silence: str = ""
     """As of a subject."""
+    unknown: bool = False
+    """Whether it has a rate that is not known: its hazard rates are at least, its reliabilities at most, as stated."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +79,20 @@ class HealthReport:
     outlooks: Mapping[View, Outlook] = field(repr=False, compare=False)
     uncertainty: LifeUncertainty | None = None
     """Of the robot's sensor-based remaining life; where it was asked for, and rates or load are uncertain."""
+    horizon: float | None = None
+    """How far ahead failures to come are looked for [h of calendar time]; None: to the median remaining life."""
+
+    @property
+    def looked_ahead(self) -> bool:
+        """Whether remaining lives, the slow part, are there."""
+        return self.system.sensor_based.remaining_life is not None
+
+    @cached_property
+    def failures_to_come(self) -> FailuresToCome:
+        """Which parts the robot's failures within the horizon will come from."""
+        life = self.system.sensor_based.remaining_life or self.remaining_life()
+        robot = self.outlooks["sensor_based"].plant.robot
+        return failures_to_come(self.outlooks, robot.diagram, life.median, self.horizon)
 
     @property
     def breaches(self) -> tuple[str, ...]:
@@ -90,6 +109,26 @@ class HealthReport:
             words if subject.kind == "robot" else f"{subject.path}: {words}"
             for subject in self.subjects
             for words in getattr(subject, what)
+        )
+
+    @property
+    def state(self) -> State:
+        """Of the robot and all that has thresholds in it, in one word."""
+        if self.breaches:
+            return "error"
+        if self.system.state == "stale":
+            return "stale"
+        return "warn" if self.warnings or self.system.flags else "ok"
+
+    @property
+    def limited(self) -> bool:
+        """Whether the design sets any threshold at all: without one nothing can be called too low."""
+        limits = [f.name for f in fields(Limits)]
+        return any(
+            getattr(one, name) is not None
+            for system in _systems(self.outlooks["sensor_based"].plant.robot)
+            for one in (system.thresholds, system.thresholds.warning)
+            for name in limits
         )
 
     @property
@@ -183,10 +222,15 @@ class HealthReport:
             **{name: getattr(self, name) for name in names},
             "subjects": [plain(asdict(subject)) | {"state": subject.state} for subject in self.subjects],
             "components": [plain(asdict(component)) for component in self.components],
+            "failures_to_come": plain(asdict(self.failures_to_come))
+            if self.system.sensor_based.remaining_life
+            else None,
             "task": task_to_json(self.task) if self.task else None,
             "uncertainty": plain({name: interval._asdict() for name, interval in vars(self.uncertainty).items()})
             if self.uncertainty
             else None,
+            "state": self.state,
+            "limits_set": self.limited,
             "breaches": list(self.breaches),
             "warnings": list(self.warnings),
             "notes": list(self.notes),
@@ -221,12 +265,13 @@ def health_report(
     plant: Plant, exposure: Exposure, ledger: Ledger, *,
     task: Task | None = None, remaining_life: bool = True,
     future: FutureName = "recent", plan: Plan | None = None, knowledge: Knowledge | None = None,
-    draws: int = 0, parts: bool = False,
+    draws: int = 0, parts: bool = False, horizon: float | None = None,
 ) -> HealthReport:  # fmt: skip
     """The health that a ledger tells of; ``task`` is the design's unless given. Remaining life is the slow part.
 
     Under a ``plan`` the robot does its tasks again and again for the rest of its life. ``draws`` of uncertain rates and
-    loads tell how far the remaining life may lie; ``parts``: state that of every component too.
+    loads tell how far the remaining life may lie; ``parts``: state that of every component too. ``horizon`` [h]: how
+    far ahead failures to come are looked for.
     Raises RobophmError where the robot lacks what a task, plan or knowledge names, or ``draws`` are no number of them.
     """
     draws = round(number(draws, "draws", high=MOST_DRAWS))
@@ -234,6 +279,7 @@ def health_report(
     return replace(
         now.looking_ahead(remaining_life=remaining_life, parts=parts),
         uncertainty=_uncertainty(plant, ledger, now.outlooks["sensor_based"], plan, draws),
+        horizon=horizon,
     )
 
 
@@ -254,6 +300,7 @@ def health_now(
     views = outlooks(plant, exposure, ledger, future=future, knowledge=knowledge)
     if plan:
         views = {view: replace(outlook, plan=plan_future(outlook, plan)) for view, outlook in views.items()}
+    lived = views["sensor_based"]
     silent = exposure.silent(ledger) if ledger.integrated_to is not None else {}  # else a mere look ahead
     odometers = {signal for clock in robot.clocks.values() for signal in clock.signals}
     rates = [views[view].component_hazard_rates() for view in VIEWS]
@@ -273,7 +320,7 @@ def health_now(
                     ledger,
                     silent,
                     *(odometers if system.kind == "robot" else ()),
-                ),
+                ).with_unknown(unknown(lived, system.diagram)),
                 {view: figures_now(views[view], system.diagram) for view in VIEWS},
             )
             for system in _systems(robot)
@@ -283,16 +330,22 @@ def health_now(
                 component.path,
                 component.quantity,
                 *(rate, lived_rate, works, lived_works, failed, lived_failed),
-                **_marks(component.modes, ledger, silent)._asdict(),
+                flags=(*marks.flags, *([_UNKNOWN_RATE] if component.unknown else [])),
+                silence=marks.silence,
+                unknown=component.unknown,
             )
             for component, (rate, lived_rate, works, lived_works, failed, lived_failed) in zip(
                 plant.components, numbers.tolist(), strict=True
             )
+            for marks in (_marks(component.modes, ledger, silent),)
         ),
         task or robot.task,
         _notes(ledger),
         views,
     )
+
+
+_UNKNOWN_RATE = "unknown rate"
 
 
 class _System(NamedTuple):
@@ -313,12 +366,17 @@ def _systems(robot: Robot) -> list[_System]:
 class _Marks(NamedTuple):
     flags: tuple[str, ...] = ()
     silence: str = ""
+    unknown: Unknown | None = None
+
+    def with_unknown(self, left_out: Unknown | None) -> _Marks:
+        """And what parts of unknown rate make of the figures."""
+        return _Marks((*self.flags, left_out.words), self.silence, left_out) if left_out else self
 
 
 def _subject(system: _System, marked: Subject | _Marks, of: Mapping[View, Figures]) -> Subject:
     lived, limits = of["sensor_based"], system.thresholds
     breaches, warnings = (tuple(breached(one, lived)) for one in (limits, limits.warning))
-    marks = marked.flags, breaches, warnings, marked.silence
+    marks = marked.flags, breaches, warnings, marked.silence, marked.unknown
     return Subject(system.kind, system.path, of["nominal"], lived, *marks)
 
 
@@ -331,7 +389,7 @@ def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None
 
 
 def _marks(modes: Iterable[FailureMode], ledger: Ledger, silent: Mapping[str, int | None], *signals: str) -> _Marks:
-    """What qualifies failure modes: the silent signals that they hang on, and models outside their range."""
+    """What of the past qualifies failure modes: the silent signals that they hang on, models outside their range."""
     mixed = {key.removeprefix(REORDERED) for key in ledger.counts if key.startswith(REORDERED)}
     if not silent and not mixed and not any(ledger.extrapolated.values()):
         return _Marks()

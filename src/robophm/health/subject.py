@@ -13,6 +13,7 @@ from robophm.design.robot import Limits
 from robophm.design.task import Task
 from robophm.health.mission import Completion, completion
 from robophm.health.prognosis import Outlook, RemainingLife
+from robophm.health.unknown import Unknown
 
 State = Literal["ok", "warn", "error", "stale"]
 
@@ -77,13 +78,15 @@ class Subject:
     nominal: Figures
     sensor_based: Figures
     flags: tuple[str, ...] = ()
-    """What qualifies the sensor-based figures: 'stale /topic.field', 'extrapolated'."""
+    """What qualifies the sensor-based figures: 'stale /topic.field', 'extrapolated', '3 parts of unknown rate'."""
     breaches: tuple[str, ...] = ()
     """Thresholds of the design that the sensor-based figures fail."""
     warnings: tuple[str, ...] = ()
     """Thresholds of a warning that they fail."""
     silence: str = ""
     """Where figures rest on what silent sensors may say: since when, and of which signals, in words."""
+    unknown: Unknown | None = None
+    """What parts of unknown rate in it make of the figures."""
 
     @property
     def marks(self) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName, View, outlooks
 from robophm.health.report import VIEWS, plain, task_to_json
 from robophm.health.uncertainty import DRAWS, SCENARIOS, CompletionUncertainty, completion_uncertainty, draw_loads
+from robophm.health.unknown import Unknown, unknown
 
 SCHEMA_VERSION = 1
 """Of a task report as JSON."""
@@ -43,6 +44,8 @@ class TaskReport:
     """The components that all together hang on, sensor-based, the one that decides most first."""
     threshold: float | None
     """What the design wants."""
+    unknown: Unknown | None = None
+    """What parts of unknown rate in the functions that are needed make of the probabilities."""
 
     @property
     def breached(self) -> bool:
@@ -62,6 +65,7 @@ class TaskReport:
             "uncertainty": plain(_uncertainty(self.uncertainty)) if self.uncertainty else None,
             "deciding": [asdict(one) for one in self.deciding],
             "threshold": self.threshold,
+            **({"unknown": asdict(self.unknown)} if self.unknown else {}),
         }
 
 
@@ -83,7 +87,13 @@ def task_report(
         completion_uncertainty(lived, joined, loads=loads, draws=draws, seed=seed) if unsure and draws else None,
         tuple(deciding(lived, joined)),
         plant.robot.thresholds.completion,
+        unknown(lived, *(plant.diagram(name) for name in sorted(needed(joined)))),
     )
+
+
+def needed(task: Task) -> set[str]:
+    """The functions that must work in a task; "" is the whole robot."""
+    return {name for leg in task.legs for name in (leg.functions or ("",))}
 
 
 def _uncertainty(found: CompletionUncertainty) -> dict[str, Any]:

@@ -67,7 +67,11 @@ def learn(robot: Robot, seen: Iterable[Seen], prior: str | None = None, of: str 
     names = sorted({one.robot for some in by_mode.values() for one in some})
     if of is not None and of not in names:
         raise DataError(f"no robot '{of}' in what was seen; there are {', '.join(names[:12]) or 'none'}")
-    return [_learned(mode, by_mode[mode.path], prior, of) for mode in robot.modes if mode.path in by_mode]
+    return [
+        _learned(mode, by_mode[mode.path], prior, of)
+        for mode in robot.modes
+        if mode.path in by_mode and not mode.unknown
+    ]
 
 
 def _learned(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str | None) -> LearnedRate:

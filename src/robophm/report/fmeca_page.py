@@ -37,11 +37,20 @@ def fmeca_rows(found: Sequence[Effect], coverage: Mapping[str, Mapping[str, floa
         sees = ", ".join(f"{name} {number_text(100 * p, 3)} %" for name, p in coverage.get(one.mode, {}).items())
         rows.append((
             ", ".join(one.functions) or "the robot", one.mode, *effect_text(one),
-            f"{number_text(one.rate)} /{one.unit}",
+            "unknown" if one.unknown else f"{number_text(one.rate)} /{one.unit}",
             number_text(one.probability), number_text(one.ratio), number_text(one.beta), sees or "nothing",
             str(one.severity), str(one.occurrence), str(one.detection), str(one.rpn), number_text(one.criticality),
         ))  # fmt: skip
     return rows
+
+
+def unknown_words(found: Sequence[Effect]) -> Iterable[str]:
+    """What is to be said of failure modes of unknown rate, where there are some."""
+    if count := sum(one.unknown for one in found):
+        yield (
+            f"{count:,} failure mode{'s' * (count != 1)} of unknown rate: how likely they are is not stated, their "
+            "occurrence counts as 10, the highest, until it is known, and every β is at least what is stated."
+        )
 
 
 def fmeca_csv(found: Sequence[Effect], coverage: Mapping[str, Mapping[str, float]]) -> str:
@@ -63,6 +72,7 @@ def _sections(
     found: Sequence[Effect], coverage: Mapping[str, Mapping[str, float]], hours: float
 ) -> Iterable[Html | str]:
     yield f"Failure modes, effects and criticality within {number_text(hours)} h of operation of a new robot."
+    yield from unknown_words(found)
     # What the part itself does is in its name here; a spreadsheet has it in full.
     order = [COLUMNS.index(name) for name in ("failure mode", "function", "end effect", *COLUMNS[9:], *COLUMNS[4:9])]
     rows = [tuple(row[i] for i in order) for row in fmeca_rows(found, coverage)]

@@ -12,7 +12,8 @@ import numpy as np
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.health.report import HealthReport
-from robophm.health.subject import Figures, Subject
+from robophm.health.subject import STALE, Figures, Subject
+from robophm.health.unknown import marked, marks, named
 from robophm.report.basis import made_of, sensors
 from robophm.report.curve import Line, curve_svg
 from robophm.report.dependence import dependence
@@ -24,6 +25,7 @@ from robophm.report.minimal_sets import what_it_takes_to_fail
 from robophm.report.outline import Label
 from robophm.report.page import figure, page, section, side_by_side, table_html, tile, tiles
 from robophm.report.style import Tone
+from robophm.report.to_come import contributors
 from robophm.report.words import duration_text, number_text, odds_text, percent_text, rate_text
 
 VIEWS = {"nominal": "nominal", "sensor_based": "sensor-based"}
@@ -57,7 +59,7 @@ def _sections(
     yield section("Curves", side_by_side(*_history_curves(report.robot, history), *_outlook_curves(robot, report)))
     yield section("Modules", _subject_table(report.subjects))
     yield section("What it takes to fail", *what_it_takes_to_fail(robot, report))
-    yield section("What contributes most", _contributors(report))
+    yield section("What will fail it", *contributors(report.failures_to_come, report.components))
     life = report.system.sensor_based.remaining_life
     yield section("What matters most", *matters(robot, report.outlooks, life.median if life else 0.0))
     yield section("What to replace first", *replace_first(robot, report.outlooks, report.task))
@@ -84,30 +86,46 @@ def _clock(time: int) -> str:
 def _tiles(report: HealthReport) -> Html:
     system = report.system
     both = {VIEWS[view]: getattr(system, view) for view in VIEWS}
-    tone: Tone = "error" if report.breaches else "warn" if system.state == "ok" and report.warnings else system.state
+    tone: Tone | None = report.state if report.state != "ok" or report.limited else None
+    rate, works, ahead = marks(system.unknown)
     each = [
-        tile("Hazard rate now", _each(both, lambda f: rate_text(f.hazard_rate)), "per hour of operation", tone),
+        tile(
+            "Hazard rate now",
+            _each(both, lambda f: marked(rate, rate_text(f.hazard_rate))),
+            "per hour of operation",
+            tone,
+        ),
         tile(
             "Reliability",
-            _each(both, lambda f: percent_text(f.reliability, f.unreliability)),
+            _each(both, lambda f: works + percent_text(f.reliability, f.unreliability)),
             _odds("survival since new", system.sensor_based.unreliability),
             tone,
         ),
     ]
     if system.nominal.remaining_life:
-        lives = {name: duration_text(f.remaining_life.median) for name, f in both.items() if f.remaining_life}
+        lives = {
+            name: marked(ahead, duration_text(f.remaining_life.median)) for name, f in both.items() if f.remaining_life
+        }
         late = system.sensor_based.remaining_life
         note = f"median; 90 % between {duration_text(late.early)} and {duration_text(late.late)}" if late else ""
         each.append(tile("Remaining life", lives, note, tone))
     if report.task and system.nominal.completion:
         texts = {
-            n: percent_text(f.completion.probability, f.completion.failure) for n, f in both.items() if f.completion
+            n: ahead + percent_text(f.completion.probability, f.completion.failure)
+            for n, f in both.items()
+            if f.completion
         }
         task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
         after = system.sensor_based.completion
         what = _odds(task, after.failure if after else 0.0)
         each.append(tile("Next task completed", texts, what, tone))
-    told = {"Thresholds breached": report.breaches, "Thresholds of a warning passed": report.warnings}
+    told: dict[str, tuple[str, ...]] = {
+        "Thresholds breached": report.breaches, "Thresholds of a warning passed": report.warnings
+    }  # fmt: skip
+    if system.unknown:
+        told["Parts of unknown rate"] = (
+            f"{system.unknown.sentence} ({named(report.outlooks['sensor_based'].plant.robot)}).",
+        )
     return Html(tiles(*each) + "".join(section(title, *words) for title, words in told.items() if words))
 
 
@@ -122,7 +140,10 @@ def _each(figures: Mapping[str, Figures], text: Callable[[Figures], str]) -> dic
 def _labels(robot: Robot, report: HealthReport) -> Callable[[str], Label]:
     rates = {subject.path: subject.sensor_based.hazard_rate for subject in report.subjects}
     rates |= {component.path: component.sensor_based_hazard_rate for component in report.components}
-    return part_labels(robot, rates, stale=[subject.path for subject in report.subjects if subject.flags])
+    return part_labels(
+        robot, rates, stale=[one.path for one in report.subjects if any(flag.startswith(STALE) for flag in one.flags)],
+        unknown={one.path: marks(one.unknown)[0] for one in report.subjects},
+    )  # fmt: skip
 
 
 def _history_curves(robot: str, history: list[Mapping[str, Any]]) -> Iterable[Html]:
@@ -178,35 +199,19 @@ def _subject_table(subjects: Iterable[Subject]) -> Html:
     for one in subjects:
         nominal, lived = one.nominal, one.sensor_based
         life, task = lived.remaining_life, lived.completion
+        rate, works, ahead = marks(one.unknown)
         rows.append((
-            one.path, nominal.hazard_rate, lived.hazard_rate,
-            percent_text(nominal.reliability, nominal.unreliability),
-            percent_text(lived.reliability, lived.unreliability),
-            duration_text(life.median) if life else None,
-            percent_text(task.probability, task.failure) if task else None,
+            one.path, marked(rate, number_text(nominal.hazard_rate)), marked(rate, number_text(lived.hazard_rate)),
+            works + percent_text(nominal.reliability, nominal.unreliability),
+            works + percent_text(lived.reliability, lived.unreliability),
+            marked(ahead, duration_text(life.median)) if life else None,
+            ahead + percent_text(task.probability, task.failure) if task else None,
             ", ".join(one.marks) or None,
         ))  # fmt: skip
     columns = ["", "λ nominal [1/h]", "λ sensor [1/h]", "R nominal", "R sensor", "RUL median", "PoTC", "flags"]
     shown = len(columns) if any(row[-1] for row in rows) else len(columns) - 1
     caption = "sensor: sensor-based; RUL and PoTC are, given that the module works now"
     return table_html(columns[:shown], [row[:shown] for row in rows], caption, "lrrrrrrl"[:shown])
-
-
-def _contributors(report: HealthReport) -> Html:
-    worst = sorted(report.components, key=lambda c: -c.sensor_based_hazard_rate)[:10]
-    total = sum(component.sensor_based_hazard_rate for component in report.components) or 1.0
-    rows = [
-        (
-            c.path,
-            c.quantity,
-            c.nominal_hazard_rate,
-            c.sensor_based_hazard_rate,
-            f"{100 * c.sensor_based_hazard_rate / total:.1f} %",
-        )
-        for c in worst
-    ]
-    columns = ("component", "quantity", "λ nominal [1/h]", "λ sensor-based [1/h]", "share of all parts")
-    return table_html(columns, rows, "The ten highest hazard rates, all equal parts together", "lrrrr")
 
 
 def _assumptions(robot: Robot) -> Iterable[str]:

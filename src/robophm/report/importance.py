@@ -8,9 +8,10 @@ from collections.abc import Callable, Iterable, Mapping
 from robophm.core.errors import StructureError
 from robophm.design.robot import Robot
 from robophm.design.task import Task
-from robophm.health.importance import Drawn, Importances, importances, usual_hours
+from robophm.health.importance import LIFELONG, Drawn, Importances, importances, usual_hours
 from robophm.health.prognosis import Outlook, View
 from robophm.health.replacement import Replacements, replacements
+from robophm.health.unknown import IF_NEVER
 from robophm.report.bars import bars_svg
 from robophm.report.markup import Html
 from robophm.report.page import figure, table_html
@@ -34,7 +35,7 @@ def matters(robot: Robot, outlooks: Mapping[View, Outlook], median: float) -> It
     except StructureError as error:
         yield f"Importances are not stated: {error}."
         return
-    many = len(drawn.structure.names) > MANY
+    many = len(drawn.structure.names) > LIFELONG
     hours = usual_hours(lived, median)
     found = {view: importances(outlooks[view], drawn, hours, lifelong=not many) for view in VIEWS}
     if math.isnan(found["sensor_based"].units[0].birnbaum):
@@ -62,6 +63,8 @@ def _matters(found: Mapping[View, Importances], many: bool) -> Iterable[Html | s
     rest = len(one.units) - len(most)
     caption = f"Sensor-based, within {ahead}; Barlow–Proschan: share of all failures to come that it brings about"
     yield table_html(columns, rows, caption + (f"; {rest:,} more parts are not shown" if rest else ""), "lrrrrrrr")
+    if one.unknown:
+        yield f"{one.unknown.words} left out: what is stated is as {IF_NEVER}."
     if many:
         yield "Barlow–Proschan importances are not worked out for so many parts; `robophm importance` states them."
 

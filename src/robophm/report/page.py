@@ -77,17 +77,23 @@ def section(title: str, *body: str) -> Html:
     return element("section", element("h2", title), *_body(body))
 
 
-def tile(title: str, value: str | Mapping[str, str], note: str = "", tone: Tone = "ok") -> Html:
-    """One figure to read at a glance; several beside each other as {"nominal": "…", "sensor-based": "…"}."""
-    symbol = element("svg", element("path", class_="tone", d=MARKS[tone].path), width=10, height=10)
-    state = element("span", symbol, MARKS[tone].word)
+def tile(title: str, value: str | Mapping[str, str], note: str = "", tone: Tone | None = "ok") -> Html:
+    """One figure to read at a glance; several beside each other as {"nominal": "…", "sensor-based": "…"}.
+
+    Without a tone nothing says what would be too low.
+    """
+    if tone:
+        symbol = element("svg", element("path", class_="tone", d=MARKS[tone].path), width=10, height=10)
+        state = element("span", symbol, MARKS[tone].word)
+    else:
+        state = element("span", "no limits set")
     if isinstance(value, str):
         figures = element("p", value, class_="value")
     else:
         pairs = [part for name, says in value.items() for part in (element("dt", name), element("dd", says))]
         figures = element("dl", *pairs)
     noted = [element("p", note, class_="note")] if note else []
-    return element("div", element("h3", title, state), figures, *noted, class_=f"tile {tone}")
+    return element("div", element("h3", title, state), figures, *noted, class_=f"tile {tone or ''}".rstrip())
 
 
 def tiles(*each: Html) -> Html:

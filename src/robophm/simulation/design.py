@@ -318,6 +318,8 @@ class _Reader:
             raise _Fault(("usage",), f"says nothing of '{clock}', on which {origin} ages")
         if "rate" not in mode:
             raise _Fault(place, "has no rate; what has none is not simulated")
+        if mode["rate"] == "unknown":
+            raise _Fault((*place, "rate"), "is unknown; what has no rate is not simulated")
         unit = CLOCKS[clock]
         rate = self._quantity((*place, "rate"), mode["rate"], f"1/{unit}", above=0.0)
         learned = self._mapping((*place, "learned"), mode.get("learned") or {})

@@ -24,7 +24,7 @@ from robophm.web.guard import Guard, TooLargeError
 from robophm.web.routes import analysis, data, design, library, live, tasks
 from robophm.web.service import Service, Settings
 from robophm.web.shapes import Trouble
-from robophm.web.workspace import StaleError
+from robophm.web.workspace import OutsideError, StaleError
 
 STATIC = Path(__file__).with_name("static")
 """The built page; not in git."""
@@ -98,6 +98,9 @@ async def _refused(request: Request, error: Exception) -> JSONResponse:
         current = (await run_in_threadpool(service.design_state)).model_dump(mode="json")
         yours = int((await _json(request)).get("revision", 0))  # which may have come as true or 1.0
         return JSONResponse({"message": str(error), "place": [], "yours": yours, "current": current}, 409)
+    if isinstance(error, OutsideError):
+        said = {"message": str(error), "place": [], "digest": error.digest, "changes": list(error.changes)}
+        return JSONResponse(said, 409)
     return _said(422, str(error), error.place if isinstance(error, Fault) else ())
 
 

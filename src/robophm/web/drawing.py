@@ -7,6 +7,7 @@ from itertools import chain
 
 from robophm.blocks.diagram import units
 from robophm.core.errors import DesignError, nearest
+from robophm.health.unknown import marks
 from robophm.report.dependence import dependence
 from robophm.report.labels import part_labels
 from robophm.report.layout import Measures, layout
@@ -29,7 +30,8 @@ def drawing(prepared: Prepared, path: str, width: float, unit: Unit, *, whole: b
     diagram = module.diagram if whole else module.wiring
     nodes = outline(diagram, MOST_BOXES)
     places = Counter(units(diagram)) | Counter(names(nodes))
-    say = part_labels(prepared.robot, prepared.rates, unit)
+    marked = {path: marks(one)[0] for path, one in prepared.unknown.items()}
+    say = part_labels(prepared.robot, prepared.rates, unit, unknown=marked)
     labels: dict[str, Label] = {}
     for name in names(nodes):
         try:

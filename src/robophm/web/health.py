@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from dataclasses import replace
 from typing import Literal
 
 from robophm.core.signal import SECOND
 from robophm.health.prognosis import RemainingLife
 from robophm.health.report import HealthReport
 from robophm.health.subject import Figures, Subject
+from robophm.report.to_come import FEW, notes, shown
 from robophm.web.monitoring import Run
-from robophm.web.prepared import finite
-from robophm.web.shapes import Shape
-
-WORST = 5
-"""Contributors that are shown."""
+from robophm.web.prepared import finite, unknown_of
+from robophm.web.shapes import Shape, UnknownRates
 
 
 class Life(Shape):
@@ -46,17 +44,35 @@ class SubjectHealth(Shape):
     nominal: ViewFigures
     sensor_based: ViewFigures
     flags: list[str]
+    unknown: UnknownRates | None
 
 
 class Contributor(Shape):
-    """A component that contributes most to the hazard rate."""
+    """What a part has in the failures to come."""
 
     path: str
+    """Of a component, or of a group of parts that depend on each other its name."""
     quantity: int
+    group: bool
     nominal: float | None
+    """P(its failure is the one that fails the robot within the horizon | the robot fails within it)."""
     sensor_based: float | None
-    share: float | None
-    """Of the sum of all components' sensor-based rates."""
+
+
+class ToCome(Shape):
+    """Which parts the failures within a horizon will come from, given what is known now."""
+
+    horizon: float
+    """[h of calendar time]"""
+    stated: bool
+    """Whether it was asked for; else it is the robot's median remaining life."""
+    nominal_failure: float | None
+    """P(the robot fails within it)."""
+    sensor_based_failure: float | None
+    parts: list[Contributor]
+    """The largest shares first."""
+    more: int
+    notes: list[str]
 
 
 class Freshness(Shape):
@@ -95,7 +111,10 @@ class Health(Shape):
     looks: int
     clocks: dict[str, float]
     subjects: list[SubjectHealth]
-    contributors: list[Contributor]
+    to_come: ToCome | None
+    """Null before remaining life, on which it rests, has been worked out."""
+    limits_set: bool
+    """Whether the design sets any threshold: without one nothing can be called too low."""
     sensors: list[Freshness]
     notes: list[str]
     task: TaskWords | None
@@ -103,18 +122,13 @@ class Health(Shape):
 
 def health_of(
     report: HealthReport, lives: HealthReport | None, run: Run | None, *, design_changed: bool,
-    sensors: list[Freshness],
+    sensors: list[Freshness], horizon: float | None = None,
 ) -> Health:  # fmt: skip
     """All that is known. ``lives`` may be an older report that has remaining lives."""
     latest = {subject.path: subject for subject in lives.subjects} if lives else {}
-    shown = report if lives is None or lives is report else report.beside(lives)
-    told = [*([run.error] if run and run.error else []), *shown.breaches]
-    flags = shown.system.flags
-    state: Literal["ok", "warn", "error", "stale", "idle"] = shown.system.state
-    if told:
-        state = "error"
-    elif state == "ok" and (flags or shown.warnings):
-        state = "warn"
+    seen = report if lives is None or lives is report else report.beside(lives)
+    told = [*([run.error] if run and run.error else []), *seen.breaches]
+    state: Literal["ok", "warn", "error", "stale", "idle"] = "error" if told else seen.state
     if state == "ok" and run is None:
         state = "idle"
     return Health(
@@ -122,14 +136,15 @@ def health_of(
         source=run.source if run else "",
         error=run.error if run else "",
         state=state,
-        why=[*told, *shown.warnings, *shown.system.marks],
+        why=[*told, *seen.warnings, *seen.system.marks],
         design_changed=design_changed,
         time=report.time / SECOND if report.time is not None else None,
         samples=run.samples if run else 0,
         looks=run.looks if run else 0,
         clocks=dict(report.clocks),
         subjects=[_subject(one, latest.get(one.path)) for one in report.subjects],
-        contributors=list(_worst(report)),
+        to_come=_to_come(lives, horizon) if lives else None,
+        limits_set=report.limited,
         sensors=sensors,
         notes=list(report.notes),
         task=TaskWords(distance=report.task.distance, duration=report.task.duration) if report.task else None,
@@ -144,6 +159,7 @@ def _subject(one: Subject, latest: Subject | None) -> SubjectHealth:
         nominal=_figures(one.nominal, latest.nominal if latest else None),
         sensor_based=_figures(one.sensor_based, latest.sensor_based if latest else None),
         flags=list(one.marks),
+        unknown=unknown_of(one.unknown),
     )
 
 
@@ -164,13 +180,24 @@ def life_of(life: RemainingLife) -> Life:
     return Life(mean=finite(life.mean), median=finite(life.median), early=finite(life.early), late=finite(life.late))
 
 
-def _worst(report: HealthReport) -> Iterable[Contributor]:
-    total = sum(part.sensor_based_hazard_rate for part in report.components)
-    for part in sorted(report.components, key=lambda one: -one.sensor_based_hazard_rate)[:WORST]:
-        yield Contributor(
-            path=part.path,
-            quantity=part.quantity,
-            nominal=finite(part.nominal_hazard_rate),
-            sensor_based=finite(part.sensor_based_hazard_rate),
-            share=finite(part.sensor_based_hazard_rate / total) if total else None,
-        )
+def _to_come(lives: HealthReport, horizon: float | None) -> ToCome:
+    found = (lives if horizon is None else replace(lives, horizon=horizon)).failures_to_come
+    some = shown(found, FEW)
+    return ToCome(
+        horizon=found.horizon,
+        stated=found.stated,
+        nominal_failure=finite(found.nominal_failure),
+        sensor_based_failure=finite(found.sensor_based_failure),
+        parts=[
+            Contributor(
+                path=one.path,
+                quantity=one.quantity,
+                group=one.group,
+                nominal=finite(one.nominal),
+                sensor_based=finite(one.sensor_based),
+            )
+            for one in some
+        ],
+        more=len(found.contributions) - len(some),
+        notes=list(notes(found, some)),
+    )

@@ -54,6 +54,10 @@ def _lines(service: Service) -> Iterator[str]:
         for view in ("nominal", "sensor_based"):
             value = getattr(report.system, view).completion.probability
             yield f'robophm_task_completion_ratio{{robot="{robot}",view="{view}"}} {_number(value)}'
+    yield "# HELP robophm_parts_of_unknown_rate Parts that the figures leave out"
+    yield "# TYPE robophm_parts_of_unknown_rate gauge"
+    left_out = report.system.unknown
+    yield f'robophm_parts_of_unknown_rate{{robot="{robot}"}} {left_out.parts if left_out else 0}'
     yield "# HELP robophm_clock_total How far each clock has gone: hours, kilometres, cycles, starts"
     yield "# TYPE robophm_clock_total counter"
     for clock, value in report.clocks.items():

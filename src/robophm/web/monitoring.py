@@ -218,6 +218,7 @@ class _Looking:
         report = health_report(monitor.plant, monitor.exposure, ledger, remaining_life=full)
         run.ledger, run.report = ledger, report
         if full:
+            _ = report.failures_to_come  # here, so that whoever looks does not wait for it
             run.lives = report
         run.looks += 1
         if report.time is not None:

@@ -6,13 +6,15 @@ import math
 import threading
 from collections import OrderedDict
 from collections.abc import Mapping
+from dataclasses import asdict
 from functools import cached_property
 
 from robophm.blocks.merging import single_points_of_failure
 from robophm.design.robot import Module, Robot
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, as_designed
-from robophm.web.shapes import LevelFigures
+from robophm.health.unknown import Unknown, unknown
+from robophm.web.shapes import LevelFigures, UnknownRates
 
 _KEPT = 4
 
@@ -42,6 +44,15 @@ class Prepared:
         return found | {part.path: float(rate) for part, rate in parts}
 
     @cached_property
+    def unknown(self) -> dict[str, Unknown]:
+        """What parts of unknown rate make of each level and part that has some, by path."""
+        found = {path: unknown(self.new, module.diagram) for path, module in self.modules.items()}
+        for part, alone in zip(self.plant.components, self.plant.alone, strict=True):
+            if part.unknown:
+                found[part.path] = unknown(self.new, alone)
+        return {path: one for path, one in found.items() if one}
+
+    @cached_property
     def single_points(self) -> frozenset[str]:
         """Paths of the components, and their units, whose failure alone fails the robot."""
         units = single_points_of_failure(self.robot.diagram)
@@ -51,7 +62,10 @@ class Prepared:
     def levels(self) -> dict[str, LevelFigures]:
         """What each level and part promises when new."""
         found = {
-            path: LevelFigures(kind="module" if path else "robot", hazard_rate=finite(self.rates[path]))
+            path: LevelFigures(
+                kind="module" if path else "robot",
+                hazard_rate=finite(self.rates[path]),
+            )
             for path in self.modules
         }
         for part in self.robot.all_components():
@@ -62,6 +76,16 @@ class Prepared:
                 single_point=part.path in self.single_points,
             )
         return found
+
+
+def unknown_of(found: Unknown | None) -> UnknownRates | None:
+    """As it goes over the wire."""
+    return rates_of(found) if found else None
+
+
+def rates_of(found: Unknown) -> UnknownRates:
+    """The same of what is there."""
+    return UnknownRates(**asdict(found), sentence=found.sentence)
 
 
 def finite(value: float) -> float | None:

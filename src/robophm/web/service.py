@@ -18,7 +18,7 @@ from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger
 from robophm.web.jobs import Jobs
 from robophm.web.monitoring import Monitoring
-from robophm.web.prepared import Prepared, Shelf
+from robophm.web.prepared import Prepared, Shelf, rates_of
 from robophm.web.shapes import DesignState, Problem
 from robophm.web.sources import Choice, choices
 from robophm.web.workspace import Draft, Workspace
@@ -80,6 +80,7 @@ class Service:
         draft = draft or self.workspace.draft()
         checked = self.workspace.check(draft.text)
         name = checked.document.get("name")
+        prepared = self._shelf.of(checked.robot) if checked.robot else None
         return DesignState(
             revision=draft.revision,
             state=draft.state,
@@ -91,7 +92,8 @@ class Service:
             redo=draft.redo,
             valid=checked.robot is not None,
             problems=told(checked.problems),
-            levels=self._shelf.of(checked.robot).levels if checked.robot else {},
+            levels=prepared.levels if prepared else {},
+            unknown={path: rates_of(one) for path, one in prepared.unknown.items()} if prepared else {},
         )
 
     def close(self) -> None:

@@ -52,6 +52,19 @@ class DesignState(Shape):
     problems: list[Problem]
     levels: dict[str, LevelFigures]
     """What each level and part of a valid design promises when new, by path; "" is the robot."""
+    unknown: dict[str, UnknownRates]
+    """Of those that have parts of unknown rate, what these make of it."""
+
+
+class UnknownRates(Shape):
+    """What parts of unknown rate, left out of the figures of what they are in, make of them."""
+
+    parts: int
+    hazard_rate: Literal["at least", "if they never fail"]
+    reliability: Literal["at most"]
+    ahead: Literal["at most", "if they never fail"]
+    """What remaining life and task completion are."""
+    sentence: str
 
 
 class LevelFigures(Shape):
@@ -70,6 +83,15 @@ class Stale(Trouble):
 
     yours: int
     current: DesignState
+
+
+class Outside(Trouble):
+    """The file has been changed by hand since it was read, and was not written over."""
+
+    digest: str
+    """Of what it holds now: with it, saving writes over it."""
+    changes: list[str]
+    """What was changed by hand, as lines of a unified diff; the first few hundred."""
 
 
 class Put(Shape):
@@ -167,6 +189,13 @@ class OfRevision(Shape):
     """Which revision a write is made of."""
 
     revision: int
+
+
+class SaveAsked(OfRevision):
+    """Write the file."""
+
+    over: Annotated[str, Field(max_length=64)] | None = None
+    """Digest of a file that was changed by hand, and is to be written over; what it holds is kept beside it."""
 
 
 class WholeText(OfRevision):

@@ -6,9 +6,13 @@ a backup. What is not saved yet, and all that can be undone, lies in ``<design>.
 
 from __future__ import annotations
 
+import difflib
+import hashlib
 import io
+import itertools
 import sqlite3
 import threading
+import time
 import zlib
 from collections import OrderedDict
 from collections.abc import Callable
@@ -26,6 +30,7 @@ from robophm.health.refusal import refusal
 VERSION = 1
 """Of the tables; kept in the file's user_version."""
 
+_SETTLED = 2_000_000_000  # nanoseconds: the coarsest stamps of files are of two seconds
 _KEPT = 6  # checked texts that are kept in memory
 _TABLES = """
 CREATE TABLE state (id INTEGER PRIMARY KEY, parent INTEGER, text BLOB NOT NULL, what TEXT NOT NULL) STRICT;
@@ -36,6 +41,20 @@ CREATE TABLE here (only INTEGER PRIMARY KEY CHECK (only = 1), state INTEGER NOT 
 
 class StaleError(DesignError):
     """Somebody else has changed the design since the revision that a write was made of."""
+
+
+class OutsideError(DesignError):
+    """The file is no longer as it was when it was last read or saved: somebody has edited it by hand."""
+
+    def __init__(self, message: str, digest: str, changes: tuple[str, ...]) -> None:
+        super().__init__(message)
+        self.digest = digest
+        """Of what the file holds now: who has seen that may write over it."""
+        self.changes = changes
+        """What was changed in it meanwhile, as lines of a unified diff, at most MOST_LINES."""
+
+
+MOST_LINES = 400
 
 
 @dataclass(frozen=True)
@@ -66,6 +85,7 @@ class Workspace:
         self._checked: OrderedDict[str, Checked] = OrderedDict()
         self._document: tuple[int, Any] | None = None  # of which state, as ruamel keeps it
         self._revision = 0
+        self._stamp: tuple[tuple[int, ...], bool] | None = None  # of the file when it was last looked at
         if not path.parent.is_dir():
             raise DesignError(f"{path}: no such folder")
         self.begun = not path.exists()
@@ -94,15 +114,17 @@ class Workspace:
             return
         _, _, saved = self._here()
         if saved is None or self._text(saved) != text:
-            if not self.begun:  # the file was changed by somebody else: that is one more state, and undone as any
-                with self._base:
-                    state, revision, _ = self._here()
-                    found = self._add(state, text, "changed outside")
-                    self._base.execute(
-                        "UPDATE here SET state = ?, revision = ?, saved = ?", (found, revision + 1, found)
-                    )
+            if not self.begun:
+                self._take_in(text)
             elif saved is not None:
                 self._base.execute("UPDATE here SET saved = NULL")
+
+    def _take_in(self, text: str) -> None:
+        """What somebody else made of the file is one more state, and undone as any."""
+        with self._base:
+            state, revision, _ = self._here()
+            found = self._add(state, text, "changed outside")
+            self._base.execute("UPDATE here SET state = ?, revision = ?, saved = ?", (found, revision + 1, found))
 
     @property
     def revision(self) -> int:
@@ -118,7 +140,7 @@ class Workspace:
                 "SELECT what FROM state WHERE parent = ? ORDER BY id DESC LIMIT 1", (state,)
             ).fetchone()
             text = self._text(state)
-            same = saved is not None and (saved == state or self._text(saved) == text)
+            same = saved is not None and (saved == state or self._text(saved) == text) and not self._touched(saved)
             return Draft(revision, state, text, same, what, again[0] if again else None, parent is not None)
 
     def text(self, state: int) -> str:
@@ -194,11 +216,16 @@ class Workspace:
             row = self._base.execute(query, (self._here()[0],)).fetchone()
             return self._go(row[0] if row else None)
 
-    def save(self, revision: int) -> Draft:
-        """Write the file, what was there kept beside it. Raises StaleError, and DesignError where it is no design."""
+    def save(self, revision: int, over: str | None = None) -> Draft:
+        """Write the file, what was there kept beside it.
+
+        A file that somebody has edited meanwhile is only written ``over`` in the state, by its digest, that was seen.
+        Raises StaleError, OutsideError, and DesignError where it is no design.
+        """
         with self._lock:
             self._current(revision)
             draft = self.draft()
+            self._not_over(draft, over)
             checked = self.check(draft.text)
             if checked.robot is None:
                 first = checked.problems[0]
@@ -207,6 +234,53 @@ class Workspace:
             with self._base:
                 self._base.execute("UPDATE here SET saved = ?", (draft.state,))
             return self.draft()
+
+    def take(self, revision: int) -> Draft:
+        """What the file holds in place of the design; that is undone as any edit. Raises StaleError, DesignError."""
+        with self._lock:
+            self._current(revision)
+            text = read(self.path)
+            if not check(text).document:
+                raise Fault((), check(text).problems[0].message)
+            saved = self._here()[2]
+            if saved is None or self._text(saved) != text or self.draft().text != text:
+                self._take_in(text)
+                self.begun = False
+            return self.draft()
+
+    def _not_over(self, draft: Draft, over: str | None) -> None:
+        """Raises OutsideError where the file holds neither what was last read or saved, nor what is to be written."""
+        content = self._file()
+        saved = self._here()[2]
+        known = self._text(saved) if saved is not None else None
+        if content is None or content in (known, draft.text):
+            return
+        digest = hashlib.sha256(content.encode()).hexdigest()
+        if over == digest:
+            return
+        name = self.path.name
+        before, now = (known or "").splitlines(), content.splitlines()
+        lines = difflib.unified_diff(before, now, "as it was read", f"{name} now", n=2, lineterm="")
+        said = f"{name} was changed outside since it was read, and is not written over"
+        raise OutsideError(said, digest, tuple(itertools.islice(lines, MOST_LINES)))
+
+    def _file(self) -> str | None:
+        """What the file holds now; None where there is none. Raises DesignError where it cannot be read."""
+        return read(self.path) if self.path.exists() else None
+
+    def _touched(self, saved: int) -> bool:
+        """Whether the file holds something else than that state; looked at again only where its stamp has changed."""
+        try:
+            stat = self.path.stat()
+            stamp = (saved, stat.st_mtime_ns, stat.st_size, stat.st_ino)
+            if self._stamp and self._stamp[0] == stamp:
+                return self._stamp[1]
+            touched = read(self.path) != self._text(saved)
+        except (OSError, DesignError):
+            return True
+        settled = time.time_ns() - stat.st_mtime_ns > _SETTLED  # else another write may leave the same stamp
+        self._stamp = (stamp, touched) if settled else None
+        return touched
 
     def _write(self, text: str) -> None:
         if self.path.exists():

@@ -61,7 +61,7 @@ class Visit:
     def _said(self, said: ConsoleMessage) -> None:
         """Errors, but that the service has refused something in words, or is gone: both of which the page shows."""
         if said.type == "error" and not any(
-            words in said.text for words in ("status of 422", "ERR_CONNECTION_REFUSED")
+            words in said.text for words in ("status of 422", "status of 409", "ERR_CONNECTION_REFUSED")
         ):
             self.wrong.append(said.text)
 

@@ -14,6 +14,12 @@ type With<M extends Method> = { [P in keyof paths]: paths[P] extends Record<M, i
 type Of<P extends keyof paths, M extends Method> = paths[P] extends Record<M, infer T> ? T : never;
 type Query = Record<string, string | number | boolean | string[] | null | undefined>;
 
+export interface Outside {
+  message: string;
+  digest: string;
+  changes: string[];
+}
+
 /** The service said no, and why. */
 export class Refused extends Error {
   constructor(
@@ -21,6 +27,8 @@ export class Refused extends Error {
     message: string,
     readonly place: string[] = [],
     readonly current?: DesignState,
+    /** Of a file that was changed by hand: its digest now, and the changes. */
+    readonly outside?: Outside,
   ) {
     super(message);
   }
@@ -53,8 +61,10 @@ async function answer(method: Method, path: string, query: Query, body?: unknown
     throw new Refused(0, "the service does not answer; is robophm serve still running?");
   }
   if (response.ok) return response;
-  const why = (await said(response)) as { message?: string; place?: string[]; current?: DesignState };
-  throw new Refused(response.status, why.message ?? `refused (${response.status})`, why.place, why.current);
+  const why = (await said(response)) as { message?: string; place?: string[]; current?: DesignState } & Partial<Outside>;
+  const message = why.message ?? `refused (${response.status})`;
+  const outside = why.digest ? { message, digest: why.digest, changes: why.changes ?? [] } : undefined;
+  throw new Refused(response.status, message, why.place, why.current, outside);
 }
 
 async function said(response: Response): Promise<unknown> {

@@ -1,6 +1,6 @@
 // What all pages share: the design, preferences, toasts. Each is a value with listeners.
 import { useSyncExternalStore } from "react";
-import { type DesignState, get, type Operation, post, put, Refused } from "./api";
+import { type DesignState, get, type Operation, type Outside, post, put, Refused } from "./api";
 import type { RateUnit } from "./words";
 
 export class Shared<T> {
@@ -109,6 +109,9 @@ export function refresh(): Promise<void> {
   return asking;
 }
 
+/** The file was changed by hand while it was open here; null where it was not, or what is to be done has been said. */
+export const outside = new Shared<Outside | null>(null);
+
 function write(ask: (revision: number) => Promise<DesignState>, retry: () => void): Promise<boolean> {
   return inTurn(async () => {
     const now = design.get();
@@ -123,7 +126,8 @@ function write(ask: (revision: number) => Promise<DesignState>, retry: () => voi
           label: "Make mine too",
           run: retry,
         });
-      } else sayError(error);
+      } else if (error instanceof Refused && error.outside) outside.set(error.outside);
+      else sayError(error);
       return false;
     }
   });
@@ -155,8 +159,15 @@ export const undo = (): Promise<boolean> =>
 export const redo = (): Promise<boolean> =>
   write((revision) => post("/api/design/redo", { revision }), () => void redo());
 
-export async function save(): Promise<void> {
-  if (await write((revision) => post("/api/design/save", { revision }), () => void save())) say(`Saved ${design.get()?.file}`);
+/** ``over``: the digest of what was changed by hand and is to be written over. */
+export async function save(over: string | null = null): Promise<void> {
+  if (await write((revision) => post("/api/design/save", { revision, over }), () => void save())) say(`Saved ${design.get()?.file}`);
+}
+
+/** What the file holds now, in place of what is here. */
+export async function take(): Promise<void> {
+  if (await write((revision) => post("/api/design/take", { revision }), () => void take()))
+    say(`${design.get()?.file} as it is now`, "plain", { label: "Undo", run: () => void undo() });
 }
 
 export const useDesign = (): DesignState | null => useShared(design);

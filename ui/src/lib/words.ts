@@ -30,6 +30,16 @@ export function rateText(rate: Value, unit: RateUnit): string {
   return `${numberText(rate * factor)} ${name}`;
 }
 
+type Unknown = { hazard_rate: string; reliability: string; ahead: string } | null | undefined;
+
+const MARKS: Record<string, string> = { "at least": "≥ ", "at most": "≤ ", "if they never fail": "? " };
+
+/** A figure of what has parts of unknown rate in it: "≥ 3e-6 /h"; "unknown" where that would say nothing. */
+export function marked(unknown: Unknown, which: "hazard_rate" | "reliability" | "ahead", text: string): string {
+  if (!unknown || text === "–" || text === "…") return text;
+  return text.startsWith("0 ") || text === "for ever" ? "unknown" : `${MARKS[unknown[which]] ?? ""}${text}`;
+}
+
 export function percentText(p: Value, failure?: Value): string {
   if (p == null) return "–";
   const q = failure ?? 1 - p;

@@ -22,6 +22,7 @@ export function Live(): ReactNode {
   const [log, setLog] = useState(false);
   const [paused, setPaused] = useState(false);
 
+  const leftOut = health?.subjects.find((one) => one.path === path)?.unknown;
   const modules = (health?.subjects ?? []).map((one) => one.path);
   const signals = useMemo(() => health?.sensors.map((one) => one.signal) ?? [], [health?.sensors.map((one) => one.signal).join()]);
   const names = useMemo(
@@ -92,6 +93,7 @@ export function Live(): ReactNode {
         <Check label="show 1 − R, logarithmic" value={log} set={setLog} />
         <span className="quiet small">Drag across a plot to zoom. Solid: nominal; dashed: sensor-based; shaded: a sensor was silent.</span>
       </div>
+      {leftOut && <p className="small">{leftOut.sentence}.</p>}
       <div className="two">
         <Plot title="Hazard rate" curves={rates} xLabel="time of the samples, UTC" yLabel={`λ [${unit}] of operation`} time empty={empty} />
         <Plot title={log ? "Probability of having failed since new" : "Reliability"} curves={survival} xLabel="time of the samples, UTC" yLabel={log ? "1 − R(t)" : "R(t), survival since new"} time log={log} empty={empty} />

@@ -1,11 +1,11 @@
 import { type ReactNode, useEffect, useState } from "react";
 import { get, type Health, type Shapes } from "../lib/api";
-import { useHealth } from "../lib/health";
-import { go, replaceText, sayError, useDesign, useUnit } from "../lib/store";
+import { horizon, useHealth } from "../lib/health";
+import { go, replaceText, sayError, useDesign, useShared, useUnit } from "../lib/store";
 import { everyPart, treeOf } from "../lib/tree";
-import { durationText, lastStep, momentText, numberText, oddsText, percentText, rateText, secondsText } from "../lib/words";
+import { durationText, marked, momentText, numberText, oddsText, percentText, rateText, secondsText } from "../lib/words";
 import { Bars } from "../parts/Bars";
-import { FileButton } from "../parts/Field";
+import { FileButton, Select } from "../parts/Field";
 import { State } from "../parts/Icon";
 import { ProblemList } from "../parts/Problems";
 import { Watching } from "../parts/Watching";
@@ -20,7 +20,8 @@ export function Overview(): ReactNode {
     <>
       <div className="head">
         <h1>{design.name}</h1>
-        {health && <State of={health.state} />}
+        {health && <State of={health.state} limited={health.limits_set} />}
+        {health && !health.limits_set && <span className="quiet small">no thresholds are set: nothing is called too low</span>}
         <span className="quiet small">{health?.time != null && `up to ${momentText(health.time)}`}</span>
         <span className="grow" />
         <Watching />
@@ -44,6 +45,7 @@ function Figures({ health }: { health: Health }): ReactNode {
   const [nominal, lived] = [robot.nominal, robot.sensor_based];
   const tone = health.state === "idle" ? "" : health.state;
   const life = lived.remaining_life;
+  const left = robot.unknown;
   return (
     <>
       {health.why.length > 0 && (
@@ -53,39 +55,31 @@ function Figures({ health }: { health: Health }): ReactNode {
           ))}
         </div>
       )}
+      {left && <p className="small">{left.sentence}.</p>}
       {health.design_changed && <p className="quiet">The design has been changed since watching began: stop and start to use it.</p>}
       <div className="cards">
-        <Figure tone={tone} name="Reliability R(t)" value={percentText(lived.reliability, lived.unreliability)} rows={[
-          ["nominal", percentText(nominal.reliability, nominal.unreliability)],
+        <Figure tone={tone} name="Reliability R(t)" value={marked(left, "reliability", percentText(lived.reliability, lived.unreliability))} rows={[
+          ["nominal", marked(left, "reliability", percentText(nominal.reliability, nominal.unreliability))],
           ["failed since new", lived.unreliability === 0 ? "no exposure yet" : oddsText(lived.unreliability) || percentText(lived.unreliability, lived.reliability)],
         ]} />
-        <Figure tone={tone} name="Hazard rate λ now" value={rateText(lived.hazard_rate, unit)} rows={[
-          ["nominal", rateText(nominal.hazard_rate, unit)],
+        <Figure tone={tone} name="Hazard rate λ now" value={marked(left, "hazard_rate", rateText(lived.hazard_rate, unit))} rows={[
+          ["nominal", marked(left, "hazard_rate", rateText(nominal.hazard_rate, unit))],
           ["", "per hour of operation, given that it works"],
         ]} />
-        <Figure tone={tone} name="Remaining life, median" value={life ? durationText(life.median) : "…"} rows={[
-          ["nominal", nominal.remaining_life ? durationText(nominal.remaining_life.median) : "…"],
-          ["90 % between", life ? `${durationText(life.early)} and ${durationText(life.late)}` : "…"],
+        <Figure tone={tone} name="Remaining life, median" value={life ? marked(left, "ahead", durationText(life.median)) : "…"} rows={[
+          ["nominal", nominal.remaining_life ? marked(left, "ahead", durationText(nominal.remaining_life.median)) : "…"],
+          ["90 % between", life ? marked(left, "ahead", `${durationText(life.early)} and ${durationText(life.late)}`) : "…"],
         ]} />
         {health.task && (
-          <Figure tone={tone} name={`Task of ${numberText(health.task.distance)} m in ${durationText(health.task.duration)}, completed`} value={percentText(lived.completion, lived.completion_failure)} rows={[
-            ["nominal", percentText(nominal.completion, nominal.completion_failure)],
-            ["fails", oddsText(lived.completion_failure) || "–"],
+          <Figure tone={tone} name={`Task of ${numberText(health.task.distance)} m in ${durationText(health.task.duration)}, completed`} value={marked(left, "ahead", percentText(lived.completion, lived.completion_failure))} rows={[
+            ["nominal", marked(left, "ahead", percentText(nominal.completion, nominal.completion_failure))],
+            [left?.ahead === "at most" ? "fails at least" : "fails", oddsText(lived.completion_failure) || "–"],
           ]} />
         )}
       </div>
       <div className="two">
         <section className="card">
-          <h2>The five worst contributors</h2>
-          <Bars
-            title="Hazard rates"
-            names={["nominal", "sensor-based"]}
-            bars={health.contributors.map((one) => ({
-              name: `${lastStep(one.path)}${one.quantity > 1 ? ` ×${one.quantity}` : ""}`,
-              values: [one.nominal, one.sensor_based],
-              words: `${rateText(one.sensor_based, unit)}, ${one.share == null ? "–" : `${numberText(100 * one.share, 3)} %`}`,
-            }))}
-          />
+          <ToCome found={health.to_come} />
         </section>
         <section className="card">
           <h2>Sensors</h2>
@@ -105,6 +99,45 @@ function Figures({ health }: { health: Health }): ReactNode {
             <p key={note}>{note}</p>
           ))}
         </section>
+      )}
+    </>
+  );
+}
+
+const HORIZONS: [string, string][] = [
+  ["", "the median remaining life"], ["24", "1 day"], ["168", "1 week"], ["730.5", "1 month"], ["8766", "1 year"], ["87660", "10 years"],
+];
+
+/** Which parts the failures to come will come from, within a horizon that the user chooses. */
+function ToCome({ found }: { found: Health["to_come"] }): ReactNode {
+  const ahead = useShared(horizon);
+  return (
+    <>
+      <div className="row">
+        <h2>The five worst contributors</h2>
+        <span className="grow" />
+        <Select label="within" value={ahead == null ? "" : String(ahead)} options={HORIZONS} set={(value) => horizon.set(value ? Number(value) : null)} />
+      </div>
+      {!found && <p className="quiet">…</p>}
+      {found && !found.parts.length && <p>As far as is known nothing is left to fail.</p>}
+      {found && found.parts.length > 0 && (
+        <>
+          <p className="small quiet">
+            Share of the failures within {durationText(found.horizon)}
+            {!found.stated && ", the median remaining life,"} that a part brings about; it fails within that time with {percentText(found.sensor_based_failure)}.
+          </p>
+          <Bars
+            title={`Share of the failures within ${durationText(found.horizon)}`}
+            names={["nominal", "sensor-based"]}
+            bars={found.parts.map((one) => ({
+              name: `${one.path}${one.quantity > 1 ? ` ×${one.quantity}` : ""}`,
+              values: [one.nominal, one.sensor_based],
+              words: one.sensor_based == null ? "–" : `${numberText(100 * one.sensor_based, 3)} %`,
+              href: one.group ? undefined : `#/design/${encodeURI(one.path)}`,
+            }))}
+          />
+          <p className="small quiet">{[...found.notes, ...(found.more ? [`${found.more.toLocaleString("en-US")} more parts are not shown.`] : [])].join(" ")}</p>
+        </>
       )}
     </>
   );
@@ -177,11 +210,11 @@ function Modules({ subjects }: { subjects: Shapes["SubjectHealth"][] }): ReactNo
             <th scope="row" style={{ paddingLeft: 10 + 16 * one.path.split("/").length - 16 }}>
               {one.kind === "module" ? <a href={`#/design/${encodeURI(one.path)}`}>{one.name}</a> : `${one.name} (function)`}
             </th>
-            <td className="number">{rateText(one.nominal.hazard_rate, unit)}</td>
-            <td className="number">{rateText(one.sensor_based.hazard_rate, unit)}</td>
-            <td className="number">{percentText(one.nominal.reliability, one.nominal.unreliability)}</td>
-            <td className="number">{percentText(one.sensor_based.reliability, one.sensor_based.unreliability)}</td>
-            <td className="number">{one.sensor_based.remaining_life ? durationText(one.sensor_based.remaining_life.median) : "–"}</td>
+            <td className="number">{marked(one.unknown, "hazard_rate", rateText(one.nominal.hazard_rate, unit))}</td>
+            <td className="number">{marked(one.unknown, "hazard_rate", rateText(one.sensor_based.hazard_rate, unit))}</td>
+            <td className="number">{marked(one.unknown, "reliability", percentText(one.nominal.reliability, one.nominal.unreliability))}</td>
+            <td className="number">{marked(one.unknown, "reliability", percentText(one.sensor_based.reliability, one.sensor_based.unreliability))}</td>
+            <td className="number">{one.sensor_based.remaining_life ? marked(one.unknown, "ahead", durationText(one.sensor_based.remaining_life.median)) : "–"}</td>
             <td>{one.flags.join(", ")}</td>
           </tr>
         ))}

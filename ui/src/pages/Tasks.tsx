@@ -158,6 +158,12 @@ function Chance({ of }: { of: Shapes["Chance"] }): ReactNode {
 function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
   return (
     <div style={{ marginTop: 12 }} aria-live="polite">
+      {answer.unknown && (
+        <p className="small">
+          {answer.unknown.parts} of the parts needed are of unknown rate and left out: every probability is{" "}
+          {answer.unknown.ahead === "at most" ? "at most what is stated" : "as if they never failed, and may be more or less"}.
+        </p>
+      )}
       {answer.breached && <p className="state error">Less likely than the design wants: {percentText(answer.threshold)}</p>}
       <Table label="Answer" columns={["Task", ["Distance", "number"], ["Time", "number"], ["PoTC nominal", "number"], ["PoTC sensor-based", "number"]]}>
         {answer.tasks.slice(0, 50).map((one, i) => (

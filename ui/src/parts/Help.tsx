@@ -2,7 +2,7 @@ import type { ReactNode } from "react";
 import { Dialog } from "./Dialog";
 
 const KEYS: [string, string][] = [
-  ["Ctrl+S", "save the design file, what was there kept as .bak"],
+  ["Ctrl+S", "save the design file, what was there kept as .bak, what was before as .bak.2 and so on"],
   ["Ctrl+Z, Ctrl+Y", "undo, redo: without limit, also after a reload"],
   ["Ctrl+K or /", "find a page, a part or a command"],
   ["F2", "rename the chosen part (Design)"],

@@ -30,11 +30,13 @@ export function Icon({ name }: { name: keyof typeof ICONS }): ReactNode {
 
 const WORDS = { ok: "OK", warn: "WARN", error: "ERROR", stale: "STALE", idle: "NOT WATCHED" } as const;
 
-export function State({ of }: { of: keyof typeof WORDS }): ReactNode {
+/** In one word; where no limit is set nothing can be called well. */
+export function State({ of, limited = true, title }: { of: keyof typeof WORDS; limited?: boolean; title?: string }): ReactNode {
+  const shown = of === "ok" && !limited ? "idle" : of;
   return (
-    <span className={`state ${of}`}>
-      <Icon name={of} />
-      {WORDS[of]}
+    <span className={`state ${shown}`} title={title}>
+      <Icon name={shown} />
+      {shown === of ? WORDS[of] : "NO LIMITS SET"}
     </span>
   );
 }

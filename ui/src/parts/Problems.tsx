@@ -15,9 +15,9 @@ export function ProblemsButton(): ReactNode {
   return (
     <>
       <button onClick={() => setOpen(true)} aria-label={`Problems of the design: ${words}`}>
-        <span className={`state ${errors ? "error" : warnings ? "warn" : "ok"}`}>
-          <Icon name={errors ? "error" : warnings ? "warn" : "ok"} />
-          {words}
+        <span className={`state ${errors ? "error" : warnings ? "warn" : "idle"}`}>
+          {errors + warnings > 0 && <Icon name={errors ? "error" : "warn"} />}
+          Design: {words}
         </span>
       </button>
       {open && (

@@ -1,7 +1,7 @@
 """A parts list becomes a design, or part of one: every row a component, rated by what the list says of it.
 
 What a model asks for and the list does not say is assumed, and said beside it; a part without a model, or of which too
-little is known for one, is said and left to be rated by hand. Nothing is dropped or guessed in silence.
+little is known for one, is said and becomes a part of unknown rate. Nothing is dropped or guessed in silence.
 """
 
 from __future__ import annotations

@@ -13,6 +13,7 @@ from robophm.design.bom.kinds import GUESS
 from robophm.design.bom.models import Rating
 from robophm.design.bom.references import ReferencesError, compressed, expand
 from robophm.design.naming import printable, quoted
+from robophm.design.robot import UNKNOWN
 
 LONGEST_NAME = 80
 LONGEST_DESCRIPTION = 300
@@ -50,13 +51,14 @@ class Origin:
 
 
 def content(part: Wanted, file: str) -> Content:
-    """A rated part as a component."""
+    """A part as a component: with its model, or of unknown rate."""
+    made: Content = {"description": part.description, "quantity": part.quantity}
     if part.rating is None:
-        raise ValueError(f"{part.name} has no rate")
-    hazard = {"model": part.rating.model, "inputs": dict(part.rating.inputs)}
-    made: Content = {"description": part.description, "quantity": part.quantity, "hazard": hazard}
-    assumed = f"; assumed {', '.join(part.rating.assumed)}" if part.rating.assumed else ""
-    guess = f"; {GUESS}" if GUESS in part.rating.assumed.get("model", "") else ""
+        made["rate"] = UNKNOWN
+    else:
+        made["hazard"] = {"model": part.rating.model, "inputs": dict(part.rating.inputs)}
+    assumed = f"; assumed {', '.join(part.rating.assumed)}" if part.rating and part.rating.assumed else ""
+    guess = f"; {GUESS}" if part.rating and GUESS in part.rating.assumed.get("model", "") else ""
     return made | {"source": f"{_source(part, file)}{guess}{assumed} [import {stamp(made)}]"}
 
 
@@ -92,16 +94,18 @@ def _source(part: Wanted, file: str) -> str:
 
 
 def lines(name: str, part: Wanted, file: str, pad: str) -> Iterator[str]:
-    """A component, rated or waiting for a rate, as lines of a design."""
+    """A component, rated or of unknown rate, as lines of a design."""
+    yield f"{pad}{quoted(name)}:\n"
+    for key, value in content(part, file).items():
+        text = rate_text(part, f"{pad}  ") if key in ("hazard", "rate") else line(key, value)
+        yield f"{pad}  {text}\n"
+
+
+def rate_text(part: Wanted, pad: str) -> str:
+    """Where its rate is from, or that it is unknown and why; the first line without its indentation."""
     if part.rating:
-        yield f"{pad}{quoted(name)}:\n"
-        for key, value in content(part, file).items():
-            text = hazard_text(part.rating, f"{pad}  ") if key == "hazard" else line(key, value)
-            yield f"{pad}  {text}\n"
-        return
-    said = f"description: {quoted(part.description)}, quantity: {part.quantity}, source: {quoted(_source(part, file))}"
-    why = printable(part.needs)
-    yield f'{pad}# {quoted(name)}: {{rate: "? FIT", {said}}}{NEEDS}{why}\n'
+        return hazard_text(part.rating, pad)
+    return f"{line('rate', UNKNOWN)}{NEEDS}{printable(part.needs)}"
 
 
 def line(key: str, value: object) -> str:

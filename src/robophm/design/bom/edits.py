@@ -60,6 +60,11 @@ class EditedText:
                 end = self.line_end(end) - 1
             self.edits.append((found[0].start_mark.index, end, text))
 
+    def remarked(self, node: Any, key: str, remark: str) -> bool:
+        """Whether the remark behind the value of a key begins so."""
+        found = self.child(node, key)
+        return found is not None and self.text.startswith(remark, self.end(found[1]))
+
     def delete(self, key: Any, node: Any) -> None:
         """Take out the lines of a key and its value."""
         self.edits.append((self.line_start(key.start_mark.index), self.line_end(self.end(node)), ""))

@@ -24,6 +24,7 @@ from robophm.design.bom.component import (
     line,
     lines,
     origin,
+    rate_text,
     short,
     stamp,
 )
@@ -107,18 +108,16 @@ class Level:
         matches = _matches(parts, there)
         result = Merged("", [])
         added: list[tuple[str, Wanted]] = []
-        needing: list[tuple[str, Wanted]] = []
         gone: set[str] = set()
         for part, old in zip(parts, matches, strict=True):
             if old is None:
                 name = _free(part, taken)
                 taken.add(name)
-                (added if part.rating else needing).append((name, part))
+                added.append((name, part))
                 result.outcomes.append(Outcome("added", name) if part.rating else _needs(name, part))
-            elif part.rating is None and not old.edited and old.name not in drawn:
-                gone.add(old.name)
-                needing.append((old.name, part))
-                result.outcomes.append(_needs(old.name, part))
+            elif part.rating is None and not old.edited and "hazard" in old.said and old.name in drawn:
+                text = f"stays as it was, for it stands in a diagram, but {part.needs}"
+                result.outcomes.append(Outcome("kept", old.name, text))
             else:
                 result.outcomes.append(self._update(old, part, file))
         matched = {old.name for old in matches if old}
@@ -137,16 +136,17 @@ class Level:
                     result.removed.append(Outcome("kept", old.name, f"is not in the list, and stays: it {reason}"))
         for name in gone:
             self.design.delete(there[name].key, there[name].node)
-        if not added and not any(name not in gone for name in there):
-            why = f", e.g. {needing[0][0]}: {needing[0][1].needs}" if needing else ""
+        others = set(there) - gone - {one.name for one in result.outcomes if one.state == "needs a rate"}
+        if not others and not any(part.rating for _, part in added):
+            needing = [one for one in result.outcomes if one.state == "needs a rate"]
+            why = f", e.g. {needing[0].name}: {needing[0].text}" if needing else ""
             raise DesignError(f"{self.design.label}: no part of {file} has a rate{why}; and no other part is there")
         head = [f"environment: {quoted(environment)}"] if self.environment is None else []
         head += [_REMARK + remark for remark in remarks]
-        body = [(name, part) for part_list in (added, needing) for name, part in part_list]
         if entry and (entry[1].value or not entry[1].flow_style):
-            self._into(entry, head, body, file)
+            self._into(entry, head, added, file)
         else:
-            self._make(entry, head, body, file)
+            self._make(entry, head, added, file)
         result.text = self.design.applied()
         return result
 
@@ -184,9 +184,7 @@ class Level:
 
     def _update(self, old: _There, part: Wanted, file: str) -> Outcome:
         """Bring an imported part up to the list, or leave one that somebody edited."""
-        if part.rating is None or old.edited:
-            if not old.edited:
-                return Outcome("kept", old.name, f"stays as it was, for it stands in a diagram, but {part.needs}")
+        if old.edited:
             new: Content = content(part, file) if part.rating else {"quantity": part.quantity}
             differing = [
                 f"{key} {short(old.said.get(key, 1))}, the list says {short(value)}"
@@ -198,10 +196,17 @@ class Level:
         for key, value in new.items():
             found = self.design.child(old.node, key)
             if found and differ(old.said[key], value):
-                if key == "hazard":
+                if key == "hazard" and part.rating:
                     self._update_hazard(old, found, part.rating)
                 else:
                     self.design.replace(old.node, key, line(key, value), ASSUMED)
+        before = "hazard" if "hazard" in old.said else "rate"
+        if before not in new or (part.rating is None and self.design.remarked(old.node, before, NEEDS)):
+            there = self.design.child(old.node, before)
+            pad = " " * there[0].start_mark.column if there else ""
+            self.design.replace(old.node, before, rate_text(part, pad), NEEDS if before == "rate" else ASSUMED)
+        if part.rating is None:
+            return _needs(old.name, part)
         if stamp(old.said) == stamp(new):
             return Outcome("unchanged", old.name)
         changed = [key for key, value in new.items() if key != "source" and differ(old.said.get(key), value)]

@@ -13,15 +13,16 @@ from robophm.blocks.cut_sets import MinimalSets
 from robophm.blocks.diagram import Block
 from robophm.blocks.fault_tree import FaultTree
 from robophm.core.errors import DesignError, nearest
-from robophm.health.importance import Drawn, importances, usual_hours
+from robophm.health.importance import LIFELONG, Drawn, importances, usual_hours
 from robophm.health.prognosis import Outlook, outlooks
 from robophm.health.report import VIEWS
+from robophm.health.unknown import IF_NEVER, unknown
 from robophm.report.minimal_sets import MOST_PARTS, STEPS, Listed, failed_of
 from robophm.web.health import Life, life_of
-from robophm.web.prepared import Prepared, finite
+from robophm.web.prepared import Prepared, finite, unknown_of
 from robophm.web.routes.design import REFUSED, apply
 from robophm.web.service import Served, Service
-from robophm.web.shapes import Operation, Shape
+from robophm.web.shapes import Operation, Shape, UnknownRates
 
 router = APIRouter(prefix="/api/analysis", tags=["analysis"])
 
@@ -51,6 +52,16 @@ class Curves(Shape):
     """Of operation from now on."""
     nominal: CurveOf
     sensor_based: CurveOf
+    unknown: UnknownRates | None
+    """Of its figures now and ahead; of survivors since new the hazard rate is then as if they never failed."""
+
+
+class LifeOf(Shape):
+    """Of a new level, part or function, nominal."""
+
+    path: str
+    life: Life
+    unknown: UnknownRates | None
 
 
 class Importance(Shape):
@@ -74,6 +85,7 @@ class ImportanceList(Shape):
     parts: list[Importance]
     more: int
     refused: str
+    unknown: UnknownRates | None
 
 
 class CutSet(Shape):
@@ -89,6 +101,8 @@ class CutSets(Shape):
     counted: str
     sets: list[CutSet]
     left_out: str
+    unknown: str
+    """What is to be said of parts of unknown rate; "" where there are none."""
 
 
 class WhatIfAsked(Shape):
@@ -136,6 +150,7 @@ def curves(service: Service, prepared: Prepared, path: str, horizon: float | Non
         hours=hours.tolist(),
         nominal=_curve(views["nominal"], diagram, hours, life_of(lives["nominal"])),
         sensor_based=_curve(views["sensor_based"], diagram, hours, life_of(lives["sensor_based"])),
+        unknown=unknown_of(unknown(views["sensor_based"], diagram)),
     )
 
 
@@ -170,6 +185,15 @@ def get_curves(
     return curves(service, prepared, path, horizon, points, state or service.workspace.draft().state)
 
 
+@router.get("/life", responses=REFUSED)
+def get_life(service: Served, path: Annotated[str, Query(max_length=5000)] = "") -> LifeOf:
+    """How long the robot (empty path), a level, a part or a function lives when new, nominal [h of calendar time]."""
+    prepared = service.prepared()
+    diagram = _system(prepared, path)
+    life = life_of(prepared.new.remaining_life(diagram))
+    return LifeOf(path=path, life=life, unknown=unknown_of(unknown(prepared.new, diagram)))
+
+
 @router.post("/what-if", responses=REFUSED)
 def what_if(asked: WhatIfAsked, service: Served) -> WhatIf:
     """The design now beside what it would be with some edits; nothing is changed."""
@@ -199,7 +223,7 @@ def get_importance(
     diagram = _system(prepared, path)
     drawn = Drawn(prepared.plant, diagram)
     ahead = hours or usual_hours(lived, lived.remaining_life(diagram).median)
-    found = importances(lived, drawn, ahead, lifelong=len(drawn.structure.names) <= 2000)
+    found = importances(lived, drawn, ahead, lifelong=len(drawn.structure.names) <= LIFELONG)
     measures = (
         "birnbaum",
         "criticality",
@@ -214,7 +238,7 @@ def get_importance(
         Importance(part=one.unit, **{name: finite(getattr(one, name)) for name in measures}) for one in ranked[:most]
     ]
     return ImportanceList(hours=ahead, failure=finite(found.failure), parts=parts, more=len(ranked) - len(parts),
-                          refused=found.refused)  # fmt: skip
+                          refused=found.refused, unknown=unknown_of(found.unknown))  # fmt: skip
 
 
 @router.get("/cut-sets", responses=REFUSED)
@@ -230,4 +254,6 @@ def get_cut_sets(service: Served, most: Annotated[int, Query(ge=1, le=1000)] = 2
     sets = MinimalSets(FaultTree.of(prepared.robot.diagram, STEPS))
     listed = Listed(sets, np.array([failed[name] for name in sets.names]), most)
     found = [CutSet(parts=list(one.names), probability=finite(one.probability)) for one in listed.sets]
-    return CutSets(counted=listed.counted("cut"), sets=found, left_out=listed.left_out())
+    rates = prepared.unknown.get("")
+    says = f"{rates.words} in them: probabilities are {IF_NEVER}." if rates else ""
+    return CutSets(counted=listed.counted("cut"), sets=found, left_out=listed.left_out(), unknown=says)

@@ -24,11 +24,13 @@ from robophm.web.shapes import (
     Move,
     OfRevision,
     Operation,
+    Outside,
     PastState,
     PlaceParts,
     Put,
     PutText,
     Rename,
+    SaveAsked,
     Stale,
     Trouble,
     Ungroup,
@@ -40,6 +42,9 @@ from robophm.web.shapes import (
 REFUSED: dict[int | str, dict[str, Any]] = {422: {"model": Trouble, "description": "Refused, and why"}}
 WRITES: dict[int | str, dict[str, Any]] = {
     **REFUSED, 409: {"model": Stale, "description": "The design has changed since that revision"}
+}  # fmt: skip
+SAVES: dict[int | str, dict[str, Any]] = {
+    **REFUSED, 409: {"model": Stale | Outside, "description": "The design, or its file, has changed since"}
 }  # fmt: skip
 MOST_STATES = 500
 
@@ -76,10 +81,16 @@ def redo(asked: OfRevision, service: Served) -> DesignState:
     return service.design_state(service.workspace.redo(asked.revision))
 
 
-@router.post("/save", responses=WRITES)
-def save(asked: OfRevision, service: Served) -> DesignState:
-    """Write the design file, what was there kept beside it."""
-    return service.design_state(service.workspace.save(asked.revision))
+@router.post("/save", responses=SAVES)
+def save(asked: SaveAsked, service: Served) -> DesignState:
+    """Write the design file, what was there kept beside it; not over what somebody has changed in it by hand."""
+    return service.design_state(service.workspace.save(asked.revision, asked.over))
+
+
+@router.post("/take", responses=WRITES)
+def take(asked: OfRevision, service: Served) -> DesignState:
+    """What the file holds now in place of the design; that is undone as any edit."""
+    return service.design_state(service.workspace.take(asked.revision))
 
 
 @router.get("/text")

@@ -7,7 +7,7 @@ import json
 from contextlib import suppress
 from typing import Annotated
 
-from fastapi import APIRouter, WebSocket
+from fastapi import APIRouter, Query, WebSocket
 from pydantic import Field
 from starlette.websockets import WebSocketDisconnect, WebSocketState
 
@@ -15,6 +15,7 @@ from robophm.core.signal import SECOND, signal_name, split_signal
 from robophm.core.units import conversion
 from robophm.design.robot import Robot
 from robophm.health.report import health_report
+from robophm.health.to_come import LONGEST
 from robophm.transports.message_units import field_unit
 from robophm.web.health import Freshness, Health, health_of
 from robophm.web.routes.design import REFUSED
@@ -135,8 +136,13 @@ def stop(service: Served) -> MonitoringState:
 
 
 @router.get("/api/health", responses=REFUSED)
-def get_health(service: Served) -> Health:
-    """The robot's health now: as watched, else as it is by design and what a store has of its past."""
+def get_health(
+    service: Served, horizon: Annotated[float, Query(gt=0, le=LONGEST)] | None = None
+) -> Health:  # fmt: skip
+    """The robot's health now: as watched, else as it is by design and what a store has of its past.
+
+    What will fail it is looked for within a ``horizon`` [h of calendar time], else within the median remaining life.
+    """
     run = service.monitoring.run
     changed = False
     if run:
@@ -145,12 +151,12 @@ def get_health(service: Served) -> Health:
         changed = checked.robot is None or checked.robot.design_hash != run.robot.design_hash
     if run and run.report:
         sensors = freshness(run.robot, service)
-        return health_of(run.report, run.lives, run, design_changed=changed, sensors=sensors)
+        return health_of(run.report, run.lives, run, design_changed=changed, sensors=sensors, horizon=horizon)
     prepared = service.prepared()
     exposure, ledger = service.past(prepared)
     report = health_report(prepared.plant, exposure, ledger)
     sensors = freshness(prepared.robot, service)
-    return health_of(report, report, run, design_changed=changed, sensors=sensors)
+    return health_of(report, report, run, design_changed=changed, sensors=sensors, horizon=horizon)
 
 
 def freshness(robot: Robot, service: Service) -> list[Freshness]:

@@ -22,10 +22,10 @@ from robophm.health.task_report import task_report
 from robophm.task_history import TaskRecord
 from robophm.transports.sink import JudgedTask
 from robophm.web.jobs import Job
-from robophm.web.prepared import finite
+from robophm.web.prepared import finite, unknown_of
 from robophm.web.routes.design import REFUSED
 from robophm.web.service import Served, Service
-from robophm.web.shapes import Shape, Trouble
+from robophm.web.shapes import Shape, Trouble, UnknownRates
 
 router = APIRouter(prefix="/api", tags=["tasks"])
 
@@ -128,6 +128,8 @@ class Answer(Shape):
     deciding: list[Decides]
     threshold: float | None
     breached: bool
+    unknown: UnknownRates | None
+    """In the functions that are needed."""
 
 
 class JobState(Shape):
@@ -215,6 +217,7 @@ def predict(asked: Asked, service: Served) -> Answer:
         deciding=[Decides(path=one.path, share=finite(one.share)) for one in found.deciding[:20]],
         threshold=found.threshold,
         breached=found.breached,
+        unknown=unknown_of(found.unknown),
     )  # fmt: skip
 
 

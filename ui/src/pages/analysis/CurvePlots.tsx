@@ -1,13 +1,14 @@
 import { type ReactNode, useMemo } from "react";
 import type { Shapes } from "../../lib/api";
 import { useUnit } from "../../lib/store";
-import { durationText, oddsText, percentText, RATE_UNITS, rateText } from "../../lib/words";
+import { durationText, marked, oddsText, percentText, RATE_UNITS, rateText } from "../../lib/words";
 import { type Curve, Plot } from "../../parts/Plot";
 
 export type Curves = Shapes["Curves"];
 
 export function CurvePlots({ found, other, otherName, log }: { found: Curves; other: Curves | null; otherName: string; log: boolean }): ReactNode {
   const unit = useUnit();
+  const left = found.unknown ?? other?.unknown;
   const factor = RATE_UNITS[unit].factor;
   const of = (key: "reliability" | "unreliability" | "hazard_rate" | "density", scale = 1): Curve[] => {
     const pick = (one: Curves, more: string, color: number): Curve[] =>
@@ -28,6 +29,7 @@ export function CurvePlots({ found, other, otherName, log }: { found: Curves; ot
     <div className="stack">
       <div className="card scroll" tabIndex={0} role="region" aria-label="In figures">
         <table>
+          {left && <caption>{left.sentence}.</caption>}
           <thead>
             <tr>
               <th scope="col">In figures</th>
@@ -42,12 +44,13 @@ export function CurvePlots({ found, other, otherName, log }: { found: Curves; ot
             {views.map(([name, one]) => (
               <tr key={name}>
                 <th scope="row">{name}</th>
-                <td className="number">{rateText(one.hazard_rate_now, unit)}</td>
+                <td className="number">{marked(left, "hazard_rate", rateText(one.hazard_rate_now, unit))}</td>
                 <td className="number">
+                  {left && "≤ "}
                   {percentText(one.reliability.at(-1), one.unreliability.at(-1))} {oddsText(one.unreliability.at(-1)) && `(fails ${oddsText(one.unreliability.at(-1))})`}
                 </td>
-                <td className="number">{durationText(one.remaining_life.median)}</td>
-                <td className="number">{durationText(one.remaining_life.mean)}</td>
+                <td className="number">{marked(left, "ahead", durationText(one.remaining_life.median))}</td>
+                <td className="number">{marked(left, "ahead", durationText(one.remaining_life.mean))}</td>
                 <td className="number">
                   {durationText(one.remaining_life.early)} and {durationText(one.remaining_life.late)}
                 </td>

@@ -31,7 +31,7 @@ export function CutSets(): ReactNode {
         <section className="card scroll" tabIndex={0} role="region" aria-label="Minimal cut sets">
           <table>
             <caption>
-              {found.counted}. Probability that all of one have failed since new. {found.left_out}
+              {found.counted}. Probability that all of one have failed since new. {found.left_out} {found.unknown}
               {!found.sets.length && " A new robot has lived nothing yet: watch it or give it a past, and the likeliest sets stand here."}
             </caption>
             <thead>

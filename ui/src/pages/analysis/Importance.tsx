@@ -46,6 +46,7 @@ export function Importance(): ReactNode {
               <caption>
                 It fails within that time with {percent(found.failure)}. Causes: share of all failures to come that its own failure brings about (Barlow–Proschan).
                 {found.more > 0 && ` ${found.more} more parts are not shown.`} {found.refused}
+                {found.unknown && ` ${found.unknown.parts} parts of unknown rate left out: what is stated is as if they never fail.`}
               </caption>
               <thead>
                 <tr>

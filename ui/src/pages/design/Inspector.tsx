@@ -1,8 +1,8 @@
-import type { ReactNode } from "react";
-import type { DesignState, Operation } from "../../lib/api";
+import { type ReactNode, useEffect, useState } from "react";
+import { type DesignState, get, type Operation, type Shapes } from "../../lib/api";
 import { edit, go, useUnit } from "../../lib/store";
 import { change, isValues, type Part } from "../../lib/tree";
-import { durationText, rateText } from "../../lib/words";
+import { durationText, marked, rateText } from "../../lib/words";
 import { Check, Entry, Select } from "../../parts/Field";
 import { ProblemList } from "../../parts/Problems";
 import { AsText } from "./AsText";
@@ -30,11 +30,11 @@ export function Inspector({ part, several, design }: { part: Part; several: numb
       </p>
       {figures && (
         <p>
-          <strong>{rateText(figures.hazard_rate, unit)}</strong>{" "}
+          <strong>{marked(design.unknown[part.path], "hazard_rate", rateText(figures.hazard_rate, unit))}</strong>{" "}
           <span className="quiet small">
-            when new{figures.hazard_rate ? `, one failure in ${durationText(1 / figures.hazard_rate)} of operation` : ""}
-            {figures.quantity > 1 ? `, all ${figures.quantity} together` : ""}
+            when new{figures.quantity > 1 ? `, all ${figures.quantity} together` : ""}
           </span>
+          <HowLong path={part.path} state={design.state} />
           {figures.single_point && (
             <span className="badge warning" style={{ marginLeft: 6 }}>
               single point of failure
@@ -49,6 +49,27 @@ export function Inspector({ part, several, design }: { part: Part; several: numb
       <Bound part={part} />
       <AsText part={part} />
     </>
+  );
+}
+
+/** Mean and median life when new, through redundancy and ageing: a hazard rate alone does not say them. */
+function HowLong({ path, state }: { path: string; state: number }): ReactNode {
+  const [found, setFound] = useState<Shapes["LifeOf"] | null>(null);
+  useEffect(() => {
+    const asked = new AbortController();
+    get("/api/analysis/life", { path }, asked.signal)
+      .then(setFound)
+      .catch(() => !asked.signal.aborted && setFound(null));
+    return () => asked.abort();
+  }, [path, state]);
+  if (!found || found.path !== path) return null;
+  const text = (hours: number | null): string => marked(found.unknown, "ahead", durationText(hours));
+  return (
+    <span className="small" style={{ display: "block" }}>
+      mean life {text(found.life.mean)}, median {text(found.life.median)}
+      <span className="quiet"> of calendar time when new</span>
+      {found.unknown && <span className="quiet"> ({found.unknown.parts === 1 ? "a rate in it is" : `${found.unknown.parts} rates in it are`} unknown)</span>}
+    </span>
   );
 }
 

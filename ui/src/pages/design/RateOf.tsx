@@ -30,7 +30,7 @@ export function RateOf({ part }: { part: Part }): ReactNode {
       {!modes.length && (
         <Entry
           label="Stated rate of one"
-          hint={hazard ? `now by ${hazard.model ? String(hazard.model) : "a formula"}; a stated rate takes its place` : `with its unit, e.g. 12 FIT, 0.3 FPMH, 5.8e-6 /h (shown in ${unit})`}
+          hint={hazard ? `now by ${hazard.model ? String(hazard.model) : "a formula"}; a stated rate takes its place` : `with its unit, e.g. 12 FIT, 0.3 FPMH, 5.8e-6 /h (shown in ${unit}); or the word unknown`}
           value={String(part.values.rate ?? "")}
           set={(value) => value && set({ rate: value }, `Rate of ${part.name}`)}
         />

@@ -2,7 +2,7 @@ import { type ReactNode, type RefObject, useEffect, useMemo, useRef, useState } 
 import type { DesignState } from "../../lib/api";
 import { useUnit } from "../../lib/store";
 import { everyPart, levelOf, type Part, partOfPlace } from "../../lib/tree";
-import { rateText } from "../../lib/words";
+import { marked, rateText } from "../../lib/words";
 
 interface Row {
   part: Part;
@@ -161,7 +161,7 @@ export function Tree({ root, chosen, choose, open, design }: { root: Part; chose
               <span className={`name ${part.kind}`}>{words ? part.path : part.name}</span>
               {problem && <span className={`badge ${problem.level}`}>{problem.level === "error" ? "mend" : "odd"}</span>}
               {figures && figures.quantity > 1 && <span className="small quiet">×{figures.quantity}</span>}
-              <span className="small quiet rate">{figures ? rateText(figures.hazard_rate, unit) : ""}</span>
+              <span className="small quiet rate">{figures ? marked(design.unknown[part.path], "hazard_rate", rateText(figures.hazard_rate, unit)) : ""}</span>
             </li>
           );
         })}

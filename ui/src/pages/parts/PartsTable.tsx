@@ -3,7 +3,7 @@ import type { Operation } from "../../lib/api";
 import { offer } from "../../lib/exports";
 import { edit, go, useDesign, useUnit } from "../../lib/store";
 import { everyPart, findPart, freeName, isValues, type Part, treeOf } from "../../lib/tree";
-import { rateText } from "../../lib/words";
+import { marked, rateText } from "../../lib/words";
 import { Dialog } from "../../parts/Dialog";
 import { Area } from "../../parts/Field";
 import { Table } from "../../parts/Table";
@@ -27,7 +27,7 @@ export function PartsTable(): ReactNode {
       <div className="row" style={{ marginBottom: 10 }}>
         <input type="search" aria-label="Find a part" placeholder="Find a part" value={text} onChange={(event) => setText(event.target.value)} />
         <button onClick={() => setPaste(true)}>Paste from a spreadsheet…</button>
-        <button onClick={() => offer(`${design.name} parts.csv`, "text/csv", csv(parts, design.levels))}>Parts as CSV</button>
+        <button onClick={() => offer(`${design.name} parts.csv`, "text/csv", csv(parts, design.levels, design.unknown))}>Parts as CSV</button>
         <span className="quiet small">
           {shown.length} of {parts.length}
         </span>
@@ -46,7 +46,7 @@ export function PartsTable(): ReactNode {
                 <Cell label={`Quantity of ${part.path}`} value={String(part.values.quantity ?? 1)} set={(value) => set(part, "quantity", number(value))} />
               </td>
               <td>{stated(part) ?? <Cell label={`Rate of ${part.path}`} value={String(part.values.rate ?? "")} set={(value) => set(part, "rate", value)} />}</td>
-              <td className="number">{rateText(design.levels[part.path]?.hazard_rate, unit)}</td>
+              <td className="number">{marked(design.unknown[part.path], "hazard_rate", rateText(design.levels[part.path]?.hazard_rate, unit))}</td>
               <td>{isValues(part.values.life) ? String(part.values.life.distribution) : "exponential"}</td>
               <td>{source(part)}</td>
             </tr>
@@ -83,9 +83,9 @@ function source(part: Part): string {
   return String(part.values.source ?? (isValues(hazard) ? (hazard.source ?? (hazard.model ? "handbook" : "")) : ""));
 }
 
-function csv(parts: Part[], levels: Record<string, { hazard_rate: number | null }>): string {
+function csv(parts: Part[], levels: Record<string, { hazard_rate: number | null }>, unknown: Record<string, unknown>): string {
   const cell = (text: string): string => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-  const rows = parts.map((part) => [part.path, String(part.values.quantity ?? 1), String(part.values.rate ?? stated(part) ?? ""), String(levels[part.path]?.hazard_rate ?? ""), source(part)]);
+  const rows = parts.map((part) => [part.path, String(part.values.quantity ?? 1), String(part.values.rate ?? stated(part) ?? ""), unknown[part.path] ? "unknown" : String(levels[part.path]?.hazard_rate ?? ""), source(part)]);
   return [["part", "quantity", "rate of one", "hazard rate of all when new [1/h]", "source"], ...rows].map((row) => row.map(cell).join(",")).join("\n") + "\n";
 }
 

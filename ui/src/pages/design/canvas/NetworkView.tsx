@@ -6,7 +6,7 @@ import { type ReactNode, useEffect, useMemo, useState } from "react";
 import { course, HIGH, type Join, joinsOf, layout, type Network, nodesOf, type Point, WIDE, withLink, withNode, withOther, withoutLink, withoutNode } from "../../../lib/network";
 import { editWithUndo, say, useDesign, useUnit } from "../../../lib/store";
 import { isValues, type Part } from "../../../lib/tree";
-import { rateText } from "../../../lib/words";
+import { marked, rateText } from "../../../lib/words";
 import { Asking } from "../../../parts/Dialog";
 import { Select, Text } from "../../../parts/Field";
 
@@ -92,7 +92,7 @@ export function NetworkView({ level, place, network, chosen, choose }: Props): R
         const part = parts.get(name.replace(/\[\d+\]$/, ""));
         const kind: Kind = part ? "part" : name === network.from || name === network.to ? "end" : "junction";
         const role = name === network.from ? "begins here" : name === network.to ? "ends here" : "";
-        const detail = part ? [rateText(design?.levels[part.path]?.hazard_rate, unit), role].filter(Boolean).join(" · ") : role || "junction";
+        const detail = part ? [marked(design?.unknown[part.path], "hazard_rate", rateText(design?.levels[part.path]?.hazard_rate, unit)), role].filter(Boolean).join(" · ") : role || "junction";
         const { x, y } = at.get(name)!;
         return {
           id: name, type: "place", position: { x: x - WIDE / 2, y: y - HIGH / 2 }, width: WIDE, height: HIGH,

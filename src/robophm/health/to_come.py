@@ -1,0 +1,127 @@
+"""Which parts the failures to come will come from, within a stated horizon."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.blocks.diagram import Block
+from robophm.blocks.importance import barlow_proschan
+from robophm.core.errors import RobophmError
+from robophm.health.prognosis import Outlook, View
+from robophm.health.unknown import Unknown, unknown
+
+Array = npt.NDArray[np.float64]
+
+LONGEST = 1e9
+"""Hours of calendar time that a horizon may be; where the median remaining life is longer, it is this."""
+
+_TOLERANCE = 1e-6  # of a share
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """What a component, or a group of parts that depend on each other, has in the failures to come."""
+
+    path: str
+    """Of the component with all of its equal parts; of a group its name."""
+    quantity: int
+    group: bool
+    """Whether it is a group, which fails as one unit: its members have no share of their own."""
+    nominal: float
+    """P(its failure is the one that fails the robot within the horizon | the robot fails within it); not a number where
+    the robot has failed or cannot fail."""
+    sensor_based: float
+
+
+@dataclass(frozen=True)
+class FailuresToCome:
+    """Of a robot, given what is known now; the shares of each view add up to 1."""
+
+    horizon: float
+    """[h of calendar time] from now on."""
+    stated: bool
+    """Whether it was asked for; else it is the robot's sensor-based median remaining life."""
+    operating: float
+    """Hours of operation within it."""
+    nominal_failure: float
+    """P(the robot fails within the horizon)."""
+    sensor_based_failure: float
+    contributions: tuple[Contribution, ...]
+    """The largest sensor-based share first; of parts of unknown rate, whose failures are not counted, none."""
+    unknown: Unknown | None = None
+    """What parts are left out."""
+
+
+def failures_to_come(
+    outlooks: Mapping[View, Outlook], diagram: Block, median: float, horizon: float | None = None
+) -> FailuresToCome:
+    """Within a horizon [h], or else the ``median`` remaining life; of a robot that has failed nothing is to come.
+
+    Exact through redundancy, shared parts, ageing and what is known: ∫ P(the robot hangs on a part) dP(it fails). Along
+    a future that changes, at its mean pace. Raises RobophmError for what is no time ahead.
+    """
+    if horizon is not None and not 0 < horizon <= LONGEST:
+        raise RobophmError(f"horizon {horizon:g} h; expected above zero, at most {LONGEST:g} h")
+    lived = outlooks["sensor_based"]
+    ahead = min(median if horizon is None else horizon, LONGEST)
+    course = lived.course
+    share = float(course.operating[-1] / course.hours[-1])
+    each = {view: _caused(outlook, diagram, ahead * share) for view, outlook in outlooks.items()}
+    plant = lived.plant
+    parts = [*((part.quantity, False) for part in plant.components), *((1, True) for _ in plant.groups)]
+    shares = {view: caused / fails if fails > 0 else np.full(len(caused), math.nan)
+              for view, (caused, fails) in each.items()}  # fmt: skip
+    rated = [not all(mode.unknown for mode in part.modes) for part in plant.components] + [True] * len(plant.groups)
+    drawn = [i for i in np.unique(plant.component_of[plant.system(diagram).units]).tolist() if rated[i]]
+    order = sorted(drawn, key=lambda i: -np.nan_to_num(shares["sensor_based"][i]))
+    return FailuresToCome(
+        ahead, horizon is not None, ahead * share, each["nominal"][1], each["sensor_based"][1],
+        tuple(Contribution(plant.paths[i], *parts[i], *(float(shares[view][i]) for view in ("nominal", "sensor_based")))
+              for i in order),
+        unknown(lived, diagram),
+    )  # fmt: skip
+
+
+def _caused(outlook: Outlook, diagram: Block, hours: float) -> tuple[Array, float]:
+    """P(a component's failure is the one that fails the system within operating hours | what is known), and their sum.
+
+    Components and groups in the plant's order. Parts in series are folded to one unit first, since each of them has of
+    its failures what it has of its hazard: the work grows with the parts, not with their square.
+    """
+    if outlook.plan:
+        outlook = replace(outlook, future=outlook.plan, plan=None)
+    plant = outlook.plant
+    system = plant.system(diagram)
+    components = plant.component_of[system.units]
+    known = system.of_groups(outlook.known(system, system.needed))[:, None]
+    before = -np.expm1(-known)
+    now = system.structure.transition(before, np.zeros_like(known), np.exp(-known))
+    works = float(now.survives[0])
+    if not works > 0:
+        return np.full(len(plant.paths), math.nan), 1.0
+
+    def added(times: Array) -> tuple[Array, Array, Array]:
+        advance, effective = outlook.paced(times)
+        more = outlook.gathered(system, advance[:, None], effective[:, None])[:, 0]
+        return system.of_groups(more), advance, effective
+
+    def rates(times: Array) -> Array:
+        more, advance, effective = added(times)
+        total = known + more
+        survive = np.exp(-total)
+        hangs = system.structure.birnbaum(survive, -np.expm1(-total)) * survive
+        return np.asarray(outlook.hazard_then(system, advance, effective) * hangs[system.group_of])
+
+    def curve(times: Array) -> tuple[Array, Array]:
+        more = added(times)[0]
+        here = np.exp(-known)
+        return system.structure.transition(before, here * -np.expm1(-more), here * np.exp(-more)).given_works()
+
+    of_units = barlow_proschan(rates, curve, hours, _TOLERANCE) / works
+    caused = np.bincount(components, of_units, len(plant.paths)).astype(float)
+    return caused, float(caused.sum())

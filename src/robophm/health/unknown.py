@@ -1,0 +1,88 @@
+"""Parts of unknown rate: how many there are in what is asked about, and what they make of its figures.
+
+Such a part is carried as if it never failed. In a coherent structure that bounds survival since new from above. Hazard
+rate, remaining life and task completion are of a system that works now: which of its redundant parts that leaves alive
+depends on the unknown rate too, and may turn a figure either way. It cannot where the system hangs on each such part by
+itself, nor where all else is known to work: then all figures are bounds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from robophm.blocks.diagram import Block
+from robophm.design.robot import UNKNOWN, Robot
+from robophm.health.prognosis import Outlook
+
+IF_NEVER: Literal["if they never fail"] = "if they never fail"
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """What parts of unknown rate make of the figures of a system that they are in."""
+
+    parts: int
+    hazard_rate: Literal["at least", "if they never fail"]
+    """What the stated hazard rate is."""
+    reliability: Literal["at most"]
+    """What survival since new is."""
+    ahead: Literal["at most", "if they never fail"]
+    """What remaining life and task completion are."""
+
+    @property
+    def words(self) -> str:
+        """How many there are: "3 parts of unknown rate"."""
+        return f"{self.parts:,} part{'s' * (self.parts != 1)} of {UNKNOWN} rate"
+
+    def said_ahead(self, text: str) -> str:
+        """A remaining life or probability of completion in words: "at most …", or "…, if they never fail"."""
+        return f"at most {text}" if self.ahead == "at most" else f"{text}, {IF_NEVER}"
+
+    @property
+    def sentence(self) -> str:
+        """What they make of the figures."""
+        left = f"{self.words} {'is' if self.parts == 1 else 'are'} left out of the totals"
+        bounded = "R, remaining life and PoTC are" if self.ahead == "at most" else "R is"
+        if self.hazard_rate == "at least":
+            return f"{left}: λ is at least, {bounded} at most what is stated"
+        free = "λ is" if self.ahead == "at most" else "λ, remaining life and PoTC are"
+        return f"{left}: {bounded} at most what is stated; {free} as {IF_NEVER}, and may be more or less"
+
+
+def unknown(outlook: Outlook, *diagrams: Block, later: bool = False) -> Unknown | None:
+    """Of one system, or of several that must work together; None where every rate in it is known.
+
+    ``later``: the hazard rate is of survivors at another time than now.
+    """
+    plant = outlook.plant
+    systems = [outlook.plant.system(diagram) for diagram in diagrams]
+    units = {int(unit) for system in systems for unit in system.units[plant.unknown[system.units]]}
+    if not units:
+        return None
+    needed = all(system.needed[plant.unknown[system.units]].all() for system in systems)
+    working = needed or all(not outlook.known(system, system.needed).any() for system in systems)
+    count = sum(int(plant.multiplicity[plant.component_of[unit]]) for unit in units)
+    rate: Literal["at least", "if they never fail"] = "at least" if needed or (working and not later) else IF_NEVER
+    return Unknown(count, rate, "at most", "at most" if working else IF_NEVER)
+
+
+def named(robot: Robot, most: int = 5) -> str:
+    """The components of unknown rate, the first few by name."""
+    found = [part.path for part in robot.all_components() if part.unknown]
+    return ", ".join(found[:most]) + (f" and {len(found) - most:,} more" if len(found) > most else "")
+
+
+def marked(mark: str, text: str) -> str:
+    """A figure behind its mark; "unknown" where that would say nothing: at least 0, at most for ever."""
+    return "unknown" if mark and (text in ("∞", "0") or text.startswith("0 ")) else mark + text
+
+
+def marks(left_out: Unknown | None) -> tuple[str, str, str]:
+    """What stands before a hazard rate, a survival, and what lies ahead: "≥ ", "≤ ", or "? " if they never fail."""
+    if left_out is None:
+        return "", "", ""
+    return tuple(_MARKS[word] for word in (left_out.hazard_rate, left_out.reliability, left_out.ahead))  # type: ignore[return-value]
+
+
+_MARKS = {"at least": "≥ ", "at most": "≤ ", IF_NEVER: "? "}

@@ -1,0 +1,125 @@
+"""What the header and the overview say of health, what will fail the robot, and saving over a file changed by hand."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from ..conftest import ROOT, SMALL, serving
+
+HORN = {"op": "put", "path": ["components", "horn"], "value": {"rate": "1 FPMH"}}
+
+
+@pytest.fixture
+def served(tmp_path):
+    """A service of any text."""
+
+    def begin(text, **settings):
+        design = tmp_path / "courier.yaml"
+        design.write_text(text)
+        return serving(design, seed=1, **settings)
+
+    return begin
+
+
+def test_a_breached_threshold_is_never_beside_a_green_word(served, visit):
+    with served(f"{SMALL}thresholds: {{hazard_rate: 1e-9 /h}}\n") as courier:
+        assert courier.get("/api/health")["state"] == "error"
+        look = visit(courier)
+        page = look.open("design")
+        page.get_by_role("link", name="Health: error").wait_for()
+        assert page.locator("header .state.ok").count() == 0
+        page.get_by_role("button", name="Problems of the design: No problems").wait_for()
+        page.get_by_role("link", name="Health: error").click()
+        page.get_by_text("hazard rate 1.8e-05 /h is above 1e-09 /h").wait_for()
+        assert look.serious() == []
+
+
+def test_where_no_limit_is_set_nothing_is_called_well(served, visit):
+    with served(SMALL) as courier:
+        assert courier.get("/api/health")["limits_set"] is False
+        page = visit(courier).open("overview")
+        page.get_by_text("no thresholds are set: nothing is called too low").wait_for()
+        assert page.locator("header .state.ok, main .state.ok").count() == 0
+    with served(f"{SMALL}thresholds: {{warning: {{reliability: 0.5}}}}\n") as courier:
+        assert courier.get("/api/health")["limits_set"] is True
+
+
+def test_the_worst_contributors_are_those_of_the_failures_to_come(visit, tmp_path):
+    """The arm's encoders have the highest rates, and one of each two is enough; its controller fails it."""
+    design = tmp_path / "robot.yaml"
+    design.write_bytes((ROOT / "examples" / "arm" / "robot.yaml").read_bytes())
+    with serving(design, seed=1) as arm:
+        found = arm.get("/api/health")["to_come"]
+        assert found["parts"][0]["path"] == "Control/Controller"
+        assert not any("Encoder" in part["path"] for part in found["parts"])
+        soon = arm.get("/api/health", horizon=24)["to_come"]
+        assert (soon["horizon"], soon["stated"]) == (24, True)
+        page = visit(arm).open("overview")
+        bars = page.locator("svg.bars")
+        bars.get_by_role("link").first.wait_for()
+        assert bars.get_by_role("link").first.text_content().startswith("Control/Controller")
+        page.get_by_text("the median remaining life, that a part brings about").wait_for()
+        page.get_by_label("within", exact=True).select_option("24")
+        page.get_by_text("Share of the failures within 24 h that a part brings about").wait_for()
+        bars.get_by_role("link").first.click()
+        page.get_by_role("heading", name="Controller").wait_for()
+        page.get_by_text(re.compile(r"mean life .* years, median .* years")).wait_for()
+
+
+def test_parts_of_unknown_rate_mark_what_they_are_in_and_nothing_else(served, visit):
+    text = SMALL.replace("encoder: {rate: 2 FPMH}", "encoder: {rate: unknown}")
+    with served(text) as courier:
+        said = courier.get("/api/health")
+        assert [(one["path"], one["unknown"] is not None) for one in said["subjects"]] == [
+            ("", True), ("drive", True), ("see", False),
+        ]  # fmt: skip
+        assert said["state"] == "warn"
+        look = visit(courier)
+        page = look.open("overview")
+        page.get_by_text("1 part of unknown rate is left out of the totals").wait_for()
+        page.get_by_role("row", name="drive").get_by_text("≥ 1.6e-5 /h").first.wait_for()
+        assert "≥" not in page.get_by_role("row", name="see").text_content()
+        page.get_by_role("button", name="Problems of the design: 1 odd").wait_for()
+        page = look.open("design/drive/encoder")
+        page.get_by_text("mean life unknown, median unknown").wait_for()
+        page = look.open("analysis")
+        page.get_by_text("1 part of unknown rate is left out of the totals").first.wait_for()
+
+
+def test_saving_does_not_write_over_a_hand_edit(served, visit):
+    with served(SMALL) as courier:
+        look = visit(courier)
+        page = look.open("design")
+        courier.edit(HORN)
+        page.get_by_text("courier.yaml, not saved").wait_for()
+        by_hand = SMALL.replace("quantity: 2", "quantity: 4")
+        courier.design.write_text(by_hand)
+        page.keyboard.press("Control+s")
+        dialog = page.get_by_role("dialog")
+        dialog.get_by_text("courier.yaml was changed outside since it was read").wait_for()
+        dialog.get_by_text("+      motor: {quantity: 4, rate: 8 FPMH}").wait_for()
+        assert look.serious() == []
+        dialog.get_by_role("button", name="Leave it").click()
+        assert courier.design.read_text() == by_hand
+        page.keyboard.press("Control+s")
+        dialog.get_by_role("button", name="Save what is here over it").click()
+        page.get_by_text("courier.yaml, saved").wait_for()
+        assert "horn" in courier.design.read_text()
+        assert courier.design.with_name("courier.yaml.bak").read_text() == by_hand
+
+
+def test_a_hand_edit_is_taken_and_undone(served, visit):
+    with served(SMALL) as courier:
+        page = visit(courier).open("design")
+        courier.edit(HORN)
+        page.get_by_text("courier.yaml, not saved").wait_for()
+        courier.design.write_text(SMALL.replace("name: courier", "name: express"))
+        page.keyboard.press("Control+s")
+        page.get_by_role("button", name="Take the file as it is now").click()
+        page.get_by_text("courier.yaml, saved").wait_for()
+        assert courier.get("/api/design")["name"] == "express"
+        page.get_by_role("button", name="Undo").last.click()
+        page.get_by_text("courier.yaml, not saved").wait_for()
+        assert "horn" in courier.get("/api/design")["document"]["components"]
