@@ -74,7 +74,9 @@ def path(value: Any, what: str, error: Wrong) -> Path:
         raise error(f"{what} {shown(value)}: expected the path of a file")
     try:
         Path(value).exists()
-    except (OSError, ValueError):  # too long, or with a character that no path has; what is not allowed is told later
+    except OSError as why:  # too long; what is not allowed is told later
+        raise error(f"{what} {shown(value)}: {why.strerror}") from None
+    except ValueError:  # with a character that no path has
         raise error(f"{what} {shown(value)}: expected the path of a file") from None
     return Path(value)
 
