@@ -35,10 +35,10 @@ def test_models_are_scored_for_themselves():
     assert len(half["lives"]["histogram"]) == 10
 
 
-def test_what_is_infinite_becomes_null():
+def test_what_is_infinite_is_said_to_be():
     found = score(Predictions({"m": Tasks(np.zeros(2), np.ones(2), np.array([True, False]))}))
     entry = found.to_json()["models"][0]
-    assert entry["tasks"]["logarithmic_score"] is None
+    assert entry["tasks"]["logarithmic_score"] == "Infinity"
     assert entry["tasks"]["impossible"] == 1
 
 

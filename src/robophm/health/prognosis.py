@@ -446,8 +446,10 @@ def as_lived(
     now = exposure.current_factor(ledger)
     recent = exposure.recent_factor(ledger)
     usage = exposure.recent_usage(ledger)
+    # Of a clock that stood while the robot was on, what is known now; a robot that rested begins as designed.
+    late = np.where(np.isnan(recent), np.where(np.isnan(usage), 1.0, now), recent)
     usage = np.where(np.isnan(usage) | plant.calendar, plant.usage, usage)  # an hour of operation is an hour
-    factor = {"nominal": np.ones(len(now)), "last": now, "recent": np.where(np.isnan(recent), now, recent)}[future]
+    factor = {"nominal": np.ones(len(now)), "last": now, "recent": late}[future]
     ahead = plant.usage if future == "nominal" else np.where(usage > 0, usage, plant.usage)  # it will drive again
 
     known, then = _seen(ledger)
