@@ -262,3 +262,16 @@ def test_what_has_failed_has_failed() -> None:
     dead: Outlook = as_designed(outlook.plant, Knowledge(failed=frozenset("b")))
     assert (completion(dead, Task.plain(0, 1.0)).probability, dead.remaining_life(design.diagram).mean) == (0.0, 0.0)
     assert dead.hazard_rate(design.diagram) == math.inf
+
+
+@pytest.mark.parametrize("rate", [1.0, 100.0])
+def test_the_hazard_rate_of_those_that_still_work_is_a_number_however_few_they_are(rate: float) -> None:
+    """Of a pair of Weibull parts: f/R = 2 h q/(1 + q), with q = 1 − exp(−H); at H = 10⁸ nothing is left of R."""
+    shape, hours = 4.0, np.array([0.0, 1.0, 100.0])
+    worn = {"rate": f"{rate} /h", "quantity": 2, "required": 1, "life": {"distribution": "weibull", "shape": shape}}
+    design = parse(json.dumps({"schema_version": 1, "name": "R", "components": {"a": worn}}))
+    found = as_designed(Plant(design)).hazard_curve(design.diagram, hours)
+    eta = 1 / (rate * mp.gamma(1 + 1 / mpf(shape)))
+    for at, value in zip(hours.tolist(), found.tolist(), strict=True):
+        h, q = shape / eta * (at / eta) ** (shape - 1), -mp.expm1(-((at / eta) ** shape))
+        assert value == pytest.approx(float(2 * h * q / (1 + q)), rel=1e-11)

@@ -64,10 +64,10 @@ def promises(robot: Robot, hours: float, *, legacy: bool) -> list[Promise]:
     new = as_designed(Plant(robot))
     found = []
     for path, module in levels(robot):
-        works, failed, density = (float(values[0]) for values in new.survival_curve(module.diagram, np.array([hours])))
+        works, failed, _ = (float(values[0]) for values in new.survival_curve(module.diagram, np.array([hours])))
+        rate = float(new.hazard_curve(module.diagram, np.array([hours]))[0])
         old = (legacy_rate(module), legacy_reliability(module, hours)) if legacy else (None, None)
         left_out = unknown(new, module.diagram, later=hours > 0)
-        rate = density / works if works > 0 else float("inf")
         found.append(Promise(path, rate, works, failed, new.remaining_life(module.diagram).mean, left_out, *old))
     return found
 

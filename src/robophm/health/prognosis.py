@@ -23,7 +23,7 @@ from robophm.health.dependent import Held, Standing
 from robophm.health.exposure import Exposure
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger
-from robophm.health.plant import Modes, Parts, Plant, column, finite, infinite
+from robophm.health.plant import Modes, Parts, Plant, System, column, finite, infinite
 
 Array = npt.NDArray[np.float64]
 View = Literal["nominal", "sensor_based"]
@@ -362,16 +362,26 @@ class Outlook:
 
     def survival_curve(self, diagram: Block, hours: Array) -> State:
         """Survival since new after so many more operating hours at the mean pace of the future; shape of ``hours``."""
+        system, lived, hazard = self._since_new_then(diagram, hours)
+        works = np.exp(-lived)
+        state = system.structure.state(works, -np.expm1(-lived), hazard * works)
+        return state._replace(density=infinite(state.density))
+
+    def hazard_curve(self, diagram: Block, hours: Array) -> Array:
+        """The hazard rate then of those that still work, however few they are [1/h of operation]; as survival_curve."""
+        system, lived, hazard = self._since_new_then(diagram, hours)
+        return infinite(system.conditional.rate(lived, hazard))
+
+    def _since_new_then(self, diagram: Block, hours: Array) -> tuple[System, Array, Array]:
+        """A system, and its groups' cumulative hazard and hazard rate after so many more operating hours."""
         system = self.plant.system(diagram)
         advance, effective = self.paced(hours)
         more = self._increments(system, advance[:, None], effective[:, None])[:, 0]
         for i in system.groups:
             more = np.vstack((more, self._since_new[i].to(effective[self.plant.groups[i].modes])))
         lived = system.of_groups(self._lived(system))[:, None] + system.of_groups(system.of_units(more))
-        works = np.exp(-lived)
         hazard = self._hazard_then(system, advance, effective, self._since_new)
-        state = system.structure.state(works, -np.expm1(-lived), finite(system.of_groups(hazard)) * works)
-        return state._replace(density=infinite(state.density))
+        return system, lived, finite(system.of_groups(hazard))
 
     def paced(self, hours: Array) -> tuple[Array, Array]:
         """Advance and effective advance of every mode in operating hours at the future's mean pace; (modes, hours)."""

@@ -181,8 +181,8 @@ def _outlook_curves(robot: Robot, report: HealthReport) -> Iterable[Html]:
         curve_svg(lines, title="Reliability ahead", x_label="operating hours from now", y_label="R"),
         "Survival since new, if use goes on as in the last ten minutes (sensor-based) or as designed (nominal)",
     )
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rates = [Line(VIEWS[v], hours, s.density / s.works, dashed=v == "sensor_based") for v, s in states.items()]
+    ahead = ((view, outlook.hazard_curve(robot.diagram, hours)) for view, outlook in report.outlooks.items())
+    rates = [Line(VIEWS[v], hours, rate, dashed=v == "sensor_based") for v, rate in ahead]
     yield figure(
         curve_svg(
             rates,

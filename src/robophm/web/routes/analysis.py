@@ -156,12 +156,10 @@ def curves(service: Service, prepared: Prepared, path: str, horizon: float | Non
 
 def _curve(outlook: Outlook, diagram: Block, hours: Any, life: Life) -> CurveOf:
     state = outlook.survival_curve(diagram, hours)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        rate = state.density / state.works
     return CurveOf(
         reliability=_numbers(state.works),
         unreliability=_numbers(state.failed),
-        hazard_rate=_numbers(rate),
+        hazard_rate=_numbers(outlook.hazard_curve(diagram, hours)),
         density=_numbers(state.density),
         remaining_life=life,
         hazard_rate_now=finite(outlook.hazard_rate(diagram)),
