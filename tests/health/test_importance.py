@@ -11,7 +11,6 @@ import pytest
 
 from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.graph import ALL, NOT, UNIT, Gate
-from robophm.blocks.importance import intensity
 from robophm.core.errors import StructureError
 from robophm.design.file import parse
 from robophm.design.robot import Robot
@@ -131,7 +130,7 @@ def test_intensities_add_up_to_the_hazard_rate_given_what_is_known(hours: float)
     total = view.known(drawn, drawn.needed)[:, None] + view.gathered(drawn, advance[:, None], effective[:, None])[:, 0]
     works = np.exp(-total)
     rates = view.hazard_then(drawn, advance, effective)
-    ours = intensity(drawn.structure, works, -np.expm1(-total), rates * works).sum()
+    ours = (drawn.structure.birnbaum(works, -np.expm1(-total)) * rates * works).sum()
     # The hazard rate is −d ln R/dt: R itself a moment before and after, given what is known now.
     step = 1e-4 * hours
     around = []

@@ -26,6 +26,7 @@ from robophm.health.mission import completion, deciding, following, repetitions
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, as_designed
 from robophm.health.replacement import replacements
+from robophm.health.to_come import failures_to_come
 from robophm.health.uncertainty import completion_uncertainty, life_uncertainty
 
 RATES = {"a": 0.5, "b": 2.0, "c": 0.25, "d": 1.0, "x": 0.125}
@@ -194,6 +195,11 @@ def test_which_of_an_old_pair_will_fail_it() -> None:
     a, b = importances(outlook, Drawn(outlook.plant, design.diagram), 1.0).units
     assert a.barlow_proschan == exact(1 / (1 + mp.exp(-2)), 1e-9)
     assert b.barlow_proschan == exact(mp.exp(-2) / (1 + mp.exp(-2)), 1e-9)
+    to_come = failures_to_come({"nominal": outlook, "sensor_based": outlook}, design.diagram, 1.0, 1.0)
+    fails = {"a": -mp.expm1(-0.5) / (1 + mp.exp(-2)), "b": -mp.expm1(-2) * mp.exp(-2) / (1 + mp.exp(-2))}
+    assert to_come.sensor_based_failure == exact(sum(fails.values()), 1e-5)
+    found = {one.path: one.sensor_based for one in to_come.contributions}
+    assert found == {name: exact(chance / sum(fails.values()), 1e-5) for name, chance in fails.items()}
 
 
 def test_tasks_in_a_row_and_again_and_again() -> None:

@@ -8,6 +8,7 @@ whose exponents have room for cumulative hazards up to 10¹⁷. An infinite one 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
@@ -125,6 +126,20 @@ class Conditional:
 
         self._repair(rate[None], state.works, anew, known, hazard)
         return rate
+
+    def hangs(self, known: Array, more: Array) -> Array:
+        """P(each unit works then, and the system with it alone | it works now), shape (units, ...); of one diagram.
+
+        ``more``: what is added to the cumulative hazard of each unit, shape (units, ...). Times the unit's hazard rate
+        it is how often its failure fails the system: Iᵢ·fᵢ/P(it works now).
+        """
+        exactly = bool(np.any(self.log_works(known) <= math.log(FAINTEST)))
+        with decimals():
+            if exactly:
+                known, more = as_decimals(known), as_decimals(more)
+            alive, _ = self.structure.probability(survival(known), likely_failed(known))
+            left, then = survival(known + more), likely_failed(known + more)
+            return np.asarray(self.structure.birnbaum(left, then) * left / alive, dtype=float)
 
     def log_works(self, known: Array) -> Array:
         """ln P(works now), shape (...): how much speaks for what is known."""

@@ -85,15 +85,6 @@ def _without(structure: Structure, units: tuple[Array, ...], system: Transition,
     return found
 
 
-def intensity(structure: Structure, works: ArrayLike, failed: ArrayLike, density: ArrayLike) -> Array:
-    """Iᵢ·fᵢ [1/h]: how often each unit's failure is the one that fails the system, shape (units, ...).
-
-    Arguments as of ``Structure.state``. Over all units it adds up to the system's failure density.
-    """
-    result: Array = structure.birnbaum(works, failed) * numbers(density)
-    return result
-
-
 def barlow_proschan(
     intensity: Callable[[Array], Array], curve: Curve, until: float = math.inf, tolerance: float = TOLERANCE
 ) -> Array:

@@ -38,6 +38,8 @@ def load_plug(package: str, name: str, kind: str) -> ModuleType:
     ``kind`` is what errors call it ("life distribution").
     Raises PlugError where there is no plug of that name or it cannot be imported.
     """
+    if not isinstance(name, str):
+        raise PlugError(f"no {kind} {name!r:.60}{nearest('', plugs(package))}")
     try:
         if name in _files(package):
             return import_module(f"{package}.{name}")

@@ -55,7 +55,8 @@ class InOrder(Solved):
     def scale(self) -> float:
         """A time by which the first member has lived for a while."""
         s: Array = np.exp2(np.arange(-900.0, 900.0))
-        lived = working_hazard(self._members[0], self._path, np.zeros_like(s), s, self._dormancy)
+        with np.errstate(over="ignore"):  # where the clock is faster than time, as long as that is for ever
+            lived = working_hazard(self._members[0], self._path, np.zeros_like(s), s, self._dormancy)
         return float(s[min(int(np.argmax(lived > 1)), len(s) - 1)])
 
     def over(self, s: Array, length: Array) -> npt.NDArray[np.bool_]:

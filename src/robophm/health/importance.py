@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from robophm.blocks.conditional import FAINTEST, Conditional, as_decimals, decimals, likely_failed, survival
+from robophm.blocks.conditional import FAINTEST, Conditional, as_decimals, decimals
 from robophm.blocks.conditional import chances as of_hazards
 from robophm.blocks.diagram import Block
 from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.fussell_vesely import fussell_vesely
-from robophm.blocks.importance import barlow_proschan, importance, intensity
+from robophm.blocks.importance import barlow_proschan, importance
 from robophm.blocks.merging import single_points_of_failure
 from robophm.blocks.reliability import Structure
 from robophm.core.errors import StructureError
@@ -106,7 +106,7 @@ def importances(outlook: Outlook, drawn: Drawn, hours: float, *, lifelong: bool 
     works = float(drawn.conditional.log_works(known))
     caused = np.full(len(known), math.nan)
     if works > -math.inf and lifelong:
-        caused = _caused(outlook, drawn, known, works)
+        caused = _caused(outlook, drawn, known)
     ever = float(caused.sum()) if works > -math.inf else 1.0
     share = caused / ever if ever > 0 else caused
     failure = float(drawn.conditional.ahead(known, more)[0])
@@ -154,17 +154,12 @@ def _numbers(works: float, *of_units: Array) -> Sequence[Array]:
     return of_units if works > math.log(FAINTEST) else [as_decimals(one) for one in of_units]
 
 
-def _caused(outlook: Outlook, drawn: Drawn, known: Array, works: float) -> Array:
-    """P(it is this unit that fails the system, ever), given that it works now; ``works`` is ln P(that)."""
+def _caused(outlook: Outlook, drawn: Drawn, known: Array) -> Array:
+    """P(it is this unit that fails the system, ever), given that it works now."""
 
     def rates(hours: Array) -> Array:
         hazard = outlook.hazard_then(drawn, *outlook.paced(hours))
-        with decimals():
-            past, more, rate = _numbers(works, known[:, None], _added(outlook, drawn, hours), hazard)
-            alive, _ = drawn.structure.probability(survival(past), likely_failed(past))
-            left = survival(past + more)
-            found = intensity(drawn.structure, left, likely_failed(past + more), rate * left)
-            return np.asarray(found / alive, dtype=float)
+        return hazard * drawn.conditional.hangs(known[:, None], _added(outlook, drawn, hours))
 
     def curve(hours: Array) -> tuple[Array, Array]:
         return drawn.conditional.ahead(known[:, None], _added(outlook, drawn, hours))

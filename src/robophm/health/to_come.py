@@ -99,10 +99,7 @@ def _caused(outlook: Outlook, diagram: Block, hours: float) -> tuple[Array, floa
     system = plant.system(diagram)
     components = plant.component_of[system.units]
     known = system.of_groups(outlook.known(system, system.needed))[:, None]
-    before = -np.expm1(-known)
-    now = system.structure.transition(before, np.zeros_like(known), np.exp(-known))
-    works = float(now.survives[0])
-    if not works > 0:
+    if np.isneginf(system.conditional.log_works(known)).any():
         return np.full(len(plant.paths), math.nan), 1.0
 
     def added(times: Array) -> tuple[Array, Array, Array]:
@@ -112,16 +109,12 @@ def _caused(outlook: Outlook, diagram: Block, hours: float) -> tuple[Array, floa
 
     def rates(times: Array) -> Array:
         more, advance, effective = added(times)
-        total = known + more
-        survive = np.exp(-total)
-        hangs = system.structure.birnbaum(survive, -np.expm1(-total)) * survive
+        hangs = system.conditional.hangs(known, more)
         return np.asarray(outlook.hazard_then(system, advance, effective) * hangs[system.group_of])
 
     def curve(times: Array) -> tuple[Array, Array]:
-        more = added(times)[0]
-        here = np.exp(-known)
-        return system.structure.transition(before, here * -np.expm1(-more), here * np.exp(-more)).given_works()
+        return system.conditional.ahead(known, added(times)[0])
 
-    of_units = barlow_proschan(rates, curve, hours, _TOLERANCE) / works
+    of_units = barlow_proschan(rates, curve, hours, _TOLERANCE)
     caused = np.bincount(components, of_units, len(plant.paths)).astype(float)
     return caused, float(caused.sum())
