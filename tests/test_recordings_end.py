@@ -105,8 +105,8 @@ def test_a_split_recording_has_no_seam(ota: Robot, tmp_path: Path, gap: int) -> 
 
 
 @pytest.mark.parametrize("order", list(itertools.permutations(range(3)))[1:4])
-def test_overlaps_and_any_order(design: Robot, tmp_path: Path, order: tuple[int, ...]) -> None:
-    """0 to 100 s, 90 to 190 s and 600 to 700 s: on for 190 s and 100 s."""
+def test_a_seam_a_night_and_any_order(design: Robot, tmp_path: Path, order: tuple[int, ...]) -> None:
+    """0 to 100 s, within max_gap 110 to 210 s, and 600 to 700 s on its own: on for 210 s and 100 s."""
     paths = [csv(tmp_path / f"{i}.csv", begin, 100) for i, begin in enumerate((0, 110, 600))]
     report = replay(design, [paths[i] for i in order])
     assert report.clocks["operating"] * 3600 == pytest.approx(210 + 100, rel=1e-9)

@@ -8,6 +8,7 @@ import re
 import shutil
 import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -181,14 +182,14 @@ def test_one_bit_of_an_index_hides_nothing(command: str, folder: Path, ask: Any,
     expected = ask(command, split)
     part = folder / "part_0.db3"
     content = bytearray(part.read_bytes())
-    with sqlite3.connect(part) as database:
+    with closing(sqlite3.connect(part)) as database, database:
         (root,) = database.execute("SELECT rootpage FROM sqlite_master WHERE name = 'timestamp_idx'").fetchone()
         (page,) = database.execute("PRAGMA page_size").fetchone()
         (messages,) = database.execute("SELECT count(*) FROM messages NOT INDEXED").fetchone()
     database.close()
     content[(root - 1) * page + 4] ^= 1  # how many cells its first page has
     part.write_bytes(content)
-    with sqlite3.connect(part) as database:
+    with closing(sqlite3.connect(part)) as database, database:
         try:
             (seen,) = database.execute("SELECT count(*) FROM messages INDEXED BY timestamp_idx").fetchone()
         except sqlite3.DatabaseError:
@@ -202,15 +203,18 @@ def test_one_bit_of_an_index_hides_nothing(command: str, folder: Path, ask: Any,
         assert printed == expected[1]
 
 
-@pytest.mark.parametrize("suffix", [".bag", ".mcap"])
+@pytest.mark.parametrize("suffix", [".bag", ".mcap", ".db3"])
 @pytest.mark.parametrize("kept", [0.3, 0.9])
 def test_of_two_that_overlap_a_cut_one_takes_nothing_from_the_other(kept: float, suffix: str, tmp_path: Path) -> None:
     """Both begin and end within each other; that one is cut may cost its own samples alone."""
     robot = robophm.load(Path(__file__).parents[2] / "examples" / "ota" / "robot.yaml")
     one = SyntheticOta(seed=5, start=T0, duration=1800 * SECOND).record(tmp_path / f"one{suffix}")
     other = SyntheticOta(seed=6, start=T0 + 60 * SECOND, duration=1800 * SECOND).record(tmp_path / f"other{suffix}")
-    content = one.read_bytes()
-    one.write_bytes(content[: int(len(content) * kept)])
+    cut = one / f"one{suffix}" if one.is_dir() else one
+    content = cut.read_bytes()
+    cut.write_bytes(content[: int(len(content) * kept)])
+    if one.is_dir():  # each file named by itself
+        one, other = cut, other / f"other{suffix}"
     for given in ([one, other], [other, one]):
         report = robophm.replay(robot, given, skip_missing=True)
         assert not [note for note in report.notes if "late" in note]

@@ -6,6 +6,7 @@ import signal
 import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -116,7 +117,7 @@ def test_a_store_is_not_changed_by_a_bad_recording(run, design, recording, tmp_p
 
 def test_a_store_that_is_none(inside, design, recording, tmp_path):
     (tmp_path / "text.db").write_text("hello " * 1000)
-    with sqlite3.connect(tmp_path / "other.db") as other:
+    with closing(sqlite3.connect(tmp_path / "other.db")) as other, other:
         other.execute("CREATE TABLE theirs (x)")
     other.close()
     for name, says in (
@@ -192,7 +193,7 @@ def test_an_interrupted_replay_goes_on_where_it_was(run, design, tmp_path):
     assert child.returncode == INTERRUPTED
     assert said == "interrupted\n"
     assert "{" not in rest
-    with sqlite3.connect(tmp_path / "past.db") as store:
+    with closing(sqlite3.connect(tmp_path / "past.db")) as store, store:
         assert store.execute("PRAGMA integrity_check").fetchone() == ("ok",)
         position, complete = store.execute("SELECT position, complete FROM progress").fetchone()
     store.close()

@@ -5,6 +5,7 @@ import json
 import re
 import sqlite3
 import sys
+from contextlib import closing
 from importlib.metadata import version
 
 import pytest
@@ -40,7 +41,7 @@ def test_it_says_which_design_and_which_data_it_is_made_of(inside, run, design, 
     for options in (("--output", "design.html"), ("--store", "past.db", "--output", "lived.html")):
         assert inside("report", design, *options).returncode in (0, 1)
     replayed, alone, lived = (hashes(tmp_path / f"{name}.html") for name in ("replayed", "design", "lived"))
-    with sqlite3.connect(tmp_path / "past.db") as store:
+    with closing(sqlite3.connect(tmp_path / "past.db")) as store, store:
         ledger = json.loads(store.execute("SELECT state FROM ledger").fetchone()[0])
         reports = [json.loads(body) for (body,) in store.execute("SELECT body FROM report ORDER BY time")]
     content = json.dumps([ledger, reports], sort_keys=True, separators=(",", ":"))

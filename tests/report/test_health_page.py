@@ -7,6 +7,7 @@ import pytest
 
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.file import parse
+from robophm.monitor import Monitor
 from robophm.replaying import replay
 from robophm.report.health_page import health_page
 from robophm.stores.memory import MemoryStore
@@ -103,6 +104,20 @@ def test_it_says_what_the_report_says(page):
     )
     assert "".join(cells) in bound.replace("\n", "")
     assert len(history) > 20
+
+
+def test_what_is_breached_passed_and_left_out_stands_in_sections_of_its_own():
+    robot = parse("""
+schema_version: 1
+name: watched
+thresholds: {hazard_rate: 1e-4 /h, warning: {hazard_rate: 1e-5 /h}}
+components: {motor: {rate: 1e-3 /h}, horn: {rate: unknown}}
+""")
+    html = health_page(robot, Monitor(robot).report(), [])
+    assert "&lt;" not in html
+    for title in ("Thresholds breached", "Thresholds of a warning passed", "Parts of unknown rate"):
+        assert f"<h2>{title}</h2>" in html
+    assert "hazard rate 0.001 /h is above 0.0001 /h" in outline(html).text
 
 
 def test_the_same_inputs_give_the_same_bytes(page):

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -107,14 +108,14 @@ def test_a_reader_beside_the_writer_sees_all_of_a_save_or_nothing(tmp_path: Path
 
 
 def other_tables(path: Path) -> None:
-    with sqlite3.connect(path) as base:
+    with closing(sqlite3.connect(path)) as base, base:
         base.execute("CREATE TABLE music (title)")
     base.close()
 
 
 def later_version(path: Path) -> None:
     SqliteStore(path).close()
-    with sqlite3.connect(path) as base:
+    with closing(sqlite3.connect(path)) as base, base:
         base.execute("PRAGMA user_version = 3")
     base.close()
 
@@ -122,7 +123,7 @@ def later_version(path: Path) -> None:
 def torn_state(path: Path) -> None:
     with SqliteStore(path) as store:
         store.save("R", STATE)
-    with sqlite3.connect(path) as base:
+    with closing(sqlite3.connect(path)) as base, base:
         base.execute("""UPDATE ledger SET state = '{"sum": [0.1'""")
     base.close()
 

@@ -8,6 +8,7 @@ import sqlite3
 import struct
 import subprocess
 import sys
+from contextlib import closing
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -137,7 +138,7 @@ def test_messages_of_a_database(whole: dict[str, Path], tmp_path: Path) -> None:
     text = (folder / "metadata.yaml").read_text()
     (folder / "metadata.yaml").write_text(text.replace("compression_mode: ''", "compression_mode: MESSAGE"))
     pack = zstandard.ZstdCompressor().compress
-    with sqlite3.connect(folder / "drive.db3") as database:
+    with closing(sqlite3.connect(folder / "drive.db3")) as database, database:
         database.create_function("pack", 1, pack)
         database.execute("UPDATE messages SET data = pack(data)")
         database.execute("UPDATE messages SET data = ? WHERE id IN (7, 30)", (packed_zeros("zstd"),))

@@ -108,7 +108,7 @@ def test_the_drawing_has_every_part_once_and_the_gate(shared_small):
     assert [gate["text"] for gate in drawing["gates"]] == ["1/2"]
     refused = shared_small.client.get("/api/design/drawing", params={"path": "sea"})
     assert refused.status_code == 422
-    assert "known: , drive, see" in refused.json()["message"]
+    assert "known: drive, see" in refused.json()["message"]
 
 
 def test_every_model_is_a_form_and_answers_as_the_command_line(shared_small):

@@ -11,8 +11,8 @@ from typing import TextIO
 
 OK, BREACHED, USAGE, INVALID, DEFECT, INTERRUPTED = 0, 1, 2, 3, 70, 130
 EXIT_CODES = (
-    "Exit codes: 0 ok, 1 a threshold of the design is breached, 2 usage, 3 invalid input, 70 a defect of robophm, "
-    "130 interrupted."
+    "Exit codes: 0 ok, 1 a threshold of the design is breached or predictions are not calibrated, 2 usage, "
+    "3 invalid input, 70 a defect of robophm, 130 interrupted."
 )
 TRACEBACK = "ROBOPHM_TRACEBACK"
 """The environment variable that shows where a defect came from."""

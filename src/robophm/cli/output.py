@@ -18,6 +18,7 @@ from rich.table import Table
 from rich.text import Text
 
 from robophm.core.errors import RobophmError
+from robophm.core.given import number
 from robophm.core.units import quantity
 from robophm.design.robot import Robot
 from robophm.health.report import ComponentHealth, HealthReport, plain
@@ -214,10 +215,7 @@ def horizon_of(text: str | None) -> float | None:
     """How far ahead failures to come are looked for [h]; None: the usual. Raises RobophmError."""
     if text is None:
         return None
-    hours = quantity(text, "h")
-    if not 0 < hours <= LONGEST:
-        raise RobophmError(f"--horizon {text}: expected above zero, at most {LONGEST:g} h")
-    return hours
+    return number(quantity(text, "h"), "--horizon [h]", above=True, high=LONGEST)
 
 
 def print_failures_to_come(found: FailuresToCome, *, both: bool = True) -> None:

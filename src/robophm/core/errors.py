@@ -79,7 +79,7 @@ def nearest(name: str, known: Iterable[str], listed: Iterable[str] | None = None
     Returns "; did you mean 'x'?", "; known: a, b, c", of many "; 20 of 70 known: a, b …", or "" where nothing is
     known. ``listed`` is what there is, where that is not all that may be meant.
     """
-    names = list(known)
+    names = [one for one in known if one]
     if meant := _meant(name, names):
         return f"; did you mean {' or '.join(map(repr, meant))}?"
     names = sorted(set(names if listed is None else listed))

@@ -24,7 +24,7 @@ from robophm.health.mission import Completion, completion, plan_future
 from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName, Outlook, RemainingLife, View, outlooks
 from robophm.health.subject import STALE, Figures, State, Subject, breached, figures_now, looking_ahead, silence
-from robophm.health.to_come import FailuresToCome, failures_to_come
+from robophm.health.to_come import LONGEST, FailuresToCome, failures_to_come
 from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, life_uncertainty
 from robophm.health.unknown import Unknown, unknown
 
@@ -170,7 +170,7 @@ class HealthReport:
     def beside(self, earlier: HealthReport) -> HealthReport:
         """The same with the remaining lives and completions of an earlier look, which takes longer to have."""
         robot = self.outlooks["sensor_based"].plant.robot
-        return replace(
+        found = replace(
             self,
             subjects=tuple(
                 _subject(system, one, {view: getattr(one, view).beside(getattr(before, view)) for view in VIEWS})
@@ -181,6 +181,9 @@ class HealthReport:
                 for one, before in zip(self.components, earlier.components, strict=True)
             ),
         )
+        if "failures_to_come" in vars(earlier):
+            vars(found)["failures_to_come"] = earlier.failures_to_come
+        return found
 
     @overload
     def reliability(self, hours: float, view: View = "sensor_based") -> float: ...
@@ -275,6 +278,8 @@ def health_report(
     Raises RobophmError where the robot lacks what a task, plan or knowledge names, or ``draws`` are no number of them.
     """
     draws = round(number(draws, "draws", high=MOST_DRAWS))
+    if horizon is not None:
+        horizon = number(horizon, "horizon [h]", above=True, high=LONGEST)
     now = health_now(plant, exposure, ledger, task=task, future=future, plan=plan, knowledge=knowledge)
     return replace(
         now.looking_ahead(remaining_life=remaining_life, parts=parts),

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
 from robophm.blocks.importance import barlow_proschan
-from robophm.core.errors import RobophmError
+from robophm.core.given import number
 from robophm.health.prognosis import Outlook, View
 from robophm.health.unknown import Unknown, unknown
 
@@ -65,8 +65,8 @@ def failures_to_come(
     Exact through redundancy, shared parts, ageing and what is known: ∫ P(the robot hangs on a part) dP(it fails). Along
     a future that changes, at its mean pace. Raises RobophmError for what is no time ahead.
     """
-    if horizon is not None and not 0 < horizon <= LONGEST:
-        raise RobophmError(f"horizon {horizon:g} h; expected above zero, at most {LONGEST:g} h")
+    if horizon is not None:
+        horizon = number(horizon, "horizon [h]", above=True, high=LONGEST)
     lived = outlooks["sensor_based"]
     ahead = min(median if horizon is None else horizon, LONGEST)
     course = lived.course

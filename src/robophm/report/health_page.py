@@ -126,7 +126,7 @@ def _tiles(report: HealthReport) -> Html:
         told["Parts of unknown rate"] = (
             f"{system.unknown.sentence} ({named(report.outlooks['sensor_based'].plant.robot)}).",
         )
-    return Html(tiles(*each) + "".join(section(title, *words) for title, words in told.items() if words))
+    return Html("".join((tiles(*each), *(section(title, *words) for title, words in told.items() if words))))
 
 
 def _odds(what: str, failure: float) -> str:

@@ -47,7 +47,10 @@ class LookAhead(threading.Thread):
                 continue
             self._begun = time.thread_time()
             try:
-                self.latest = self._given.looking_ahead(parts=self._parts, pause=self._pause)
+                seen = self._given.looking_ahead(parts=self._parts, pause=self._pause)
+                _ = seen.failures_to_come  # here, so that whoever shows it does not wait for it
+                self._pause()
+                self.latest = seen
             except _ClosedError:
                 return
             except Exception as error:

@@ -13,6 +13,7 @@ import itertools
 import sqlite3
 import threading
 import time
+import weakref
 import zlib
 from collections import OrderedDict
 from collections.abc import Callable
@@ -94,6 +95,7 @@ class Workspace:
         edits = path.with_name(path.name + ".edits")
         try:
             self._base = sqlite3.connect(edits, timeout=10.0, isolation_level=None, check_same_thread=False)
+            weakref.finalize(self, self._base.close)  # who does not close, lets go of it with the workspace
             self._open(text)
         except sqlite3.Error as error:
             raise StoreError(f"{edits}: {error}; expected the edits of {path.name}, or no such file") from None

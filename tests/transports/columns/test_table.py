@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +54,7 @@ def test_rows_are_those_that_sqlite_selects(page: int, count: int, tmp_path: Pat
     path = tmp_path / "x.db3"
     root = database(path, page, random_rows(random.Random(page + count), count, min(300, page - 90)))
     table, found = table_of(np.fromfile(path, np.uint8), root)
-    with sqlite3.connect(path) as connection:
+    with closing(sqlite3.connect(path)) as connection, connection:
         expected = connection.execute("SELECT id, topic_id, timestamp, data FROM messages ORDER BY id").fetchall()
     connection.close()
     assert found == expected
@@ -84,7 +85,7 @@ def test_rows_on_several_pages_are_those_that_sqlite_selects(page: int, tmp_path
     ]
     root = database(path, page, rows)
     table, found = table_of(np.fromfile(path, np.uint8), root)
-    with sqlite3.connect(path) as connection:
+    with closing(sqlite3.connect(path)) as connection, connection:
         assert found == connection.execute("SELECT id, topic_id, timestamp, data FROM messages ORDER BY id").fetchall()
     connection.close()
     assert not table.lost
@@ -124,7 +125,7 @@ def test_whatever_byte_of_the_tree_is_damaged_the_rows_of_sound_leaves_are_found
 def test_pages_that_are_free_hold_no_rows(tmp_path: Path) -> None:
     path = tmp_path / "x.db3"
     root = database(path, 512, [(1, T0 + n, bytes(40)) for n in range(3000)])
-    with sqlite3.connect(path, isolation_level=None) as connection:
+    with closing(sqlite3.connect(path, isolation_level=None)) as connection, connection:
         connection.execute("DELETE FROM messages WHERE id > 1500")
         connection.execute("DROP INDEX timestamp_idx")
         assert connection.execute("PRAGMA freelist_count").fetchone()[0] > 100

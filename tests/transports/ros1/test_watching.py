@@ -9,6 +9,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -210,7 +211,7 @@ def test_a_ledger_ahead_of_the_clock_is_refused(ros: System, robot: Robot, tmp_p
     (tmp_path / "ahead.csv").write_text(f"time,/motor.temperature\n{ahead // 10**9},30\n{ahead // 10**9 + 100},30\n")
     with SqliteStore(tmp_path / "past.db") as store:
         replay(robot, tmp_path / "ahead.csv", store=store)
-    with sqlite3.connect(tmp_path / "past.db") as base:
+    with closing(sqlite3.connect(tmp_path / "past.db")) as base, base:
         before = base.execute("SELECT state FROM ledger").fetchone()
     base.close()
     ros.talk(TALKER)
@@ -218,6 +219,6 @@ def test_a_ledger_ahead_of_the_clock_is_refused(ros: System, robot: Robot, tmp_p
     _, warned = process.communicate(timeout=60)
     assert process.returncode != 0
     assert "ahead of what is heard" in warned
-    with sqlite3.connect(tmp_path / "past.db") as base:
+    with closing(sqlite3.connect(tmp_path / "past.db")) as base, base:
         assert base.execute("SELECT state FROM ledger").fetchone() == before
     base.close()

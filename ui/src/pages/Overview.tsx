@@ -114,7 +114,7 @@ function ToCome({ found }: { found: Health["to_come"] }): ReactNode {
   return (
     <>
       <div className="row">
-        <h2>The five worst contributors</h2>
+        <h2>What will fail it</h2>
         <span className="grow" />
         <Select label="within" value={ahead == null ? "" : String(ahead)} options={HORIZONS} set={(value) => horizon.set(value ? Number(value) : null)} />
       </div>

@@ -191,13 +191,27 @@ def _open(path: Path, packs: bool, notes: Counter[str], stack: ExitStack) -> Pie
 
         unpacked = Unpacked(path, notes)
         stack.callback(unpacked.close)
-        path = unpacked.path
-    file = _plain(path, notes)
+        file = _unpacked(unpacked.path, path, notes)
+    else:
+        file = _plain(path, notes)
     stack.callback(file.close)
     if packs:
         from robophm.transports.columns.folder import PackedMessages, packs_messages
 
         return PackedMessages(file) if packs_messages(file) else file
+    return file
+
+
+def _unpacked(temporary: Path, path: Path, notes: Counter[str]) -> PiecedFile:
+    """A file that was unpacked, under the name by which its user knows it."""
+    said: Counter[str] = Counter()
+    try:
+        file = _plain(temporary, said)
+    except SourceError as error:
+        raise type(error)(str(error).replace(str(temporary), str(path))) from None
+    for what, count in said.items():
+        notes[what.replace(str(temporary), str(path)).replace(f"{temporary.name}: ", f"{path.name}: ")] += count
+    file.path, file.notes = path, notes
     return file
 
 

@@ -52,6 +52,7 @@ class Db3File(RowsFile):
             notes[f"lost: {error}"] += 1
         try:
             self._database = sqlite3.connect(f"{path.resolve().as_uri()}?immutable=1", uri=True)
+            self._database.execute("PRAGMA writable_schema = ON")  # else a file that was cut is refused, not read
             self._limit()
             self.connections = self._connections()
         except (sqlite3.Error, UnicodeDecodeError) as error:

@@ -84,7 +84,7 @@ def _information(metadata: Path) -> tuple[dict[str, Any], str]:
 
 
 class Unpacked:
-    """A file that was compressed as a whole, unpacked beside; a context manager.
+    """A file that was compressed as a whole, unpacked into a temporary folder until it is closed.
 
     Raises SourceError where it is damaged before anything of it is unpacked, or would fill the disk: how large it is,
     nothing in it is asked.
