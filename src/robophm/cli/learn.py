@@ -129,10 +129,9 @@ def _print(robot: Robot, learned: Sequence[LearnedRate], unrated: Sequence[Unsta
             f"{number_text(one.stated * one.low, 3)} … {number_text(one.stated * one.high, 3)}",
             number_text(one.factor, 3),
         ])  # fmt: skip
-    for one in unrated:
-        unit = CLOCK_UNITS[one.mode.clock]
-        rows.append([one.mode.path, number_text(one.failures), "–", f"{number_text(one.exposure)} {unit}", UNKNOWN,
-                     "–", "–", "–"])  # fmt: skip
+    for other in unrated:
+        exposure = f"{number_text(other.exposure)} {CLOCK_UNITS[other.mode.clock]}"
+        rows.append([other.mode.path, number_text(other.failures), "–", exposure, UNKNOWN, "–", "–", "–"])
     robots = {name for one in learned for name in one.robots}
     fleet = f", {len(robots)} robots" if len(robots) > 1 else ""
     print_table(
@@ -153,8 +152,8 @@ def _print(robot: Robot, learned: Sequence[LearnedRate], unrated: Sequence[Unsta
                 f"(p = {number_text(one.of_fleet.p_value, 2)}); what is stated is of any robot, --robot says of one",
                 markup=False,
             )
-    for one in unrated:
-        out.print(_unstated_text(one), style="yellow", markup=False, soft_wrap=True)
+    for other in unrated:
+        out.print(_unstated_text(other), style="yellow", markup=False, soft_wrap=True)
     out.print("expected: failures by the stated rate; times: learned over stated. --to NEW.YAML writes the design.")
 
 

@@ -48,6 +48,12 @@ class Unknown:
         return f"at most {text}" if self.ahead == "at most" else f"{text}, {IF_NEVER}"
 
     @property
+    def of_tasks(self) -> str:
+        """What they make of the probabilities that tasks are completed."""
+        said = "at most what is stated" if self.ahead == "at most" else f"as {IF_NEVER}, and may be more or less"
+        return f"{self.words} left out: every PoTC is {said}"
+
+    @property
     def sentence(self) -> str:
         """What they make of the figures."""
         left = f"{self.words} {'is' if self.parts == 1 else 'are'} left out of the totals"
@@ -99,7 +105,8 @@ def few(names: Sequence[str], most: int = 5) -> str:
 
 def marked(mark: str, text: str) -> str:
     """A figure behind its mark; "unknown" where that would say nothing: at least 0, at most for ever."""
-    return "unknown" if mark and (text in ("∞", "0") or text.startswith("0 ")) else mark + text
+    number = text.partition(" ")[0].partition("/")[0]
+    return UNKNOWN if mark and number in ("∞", "0") else mark + text
 
 
 def marks(left_out: Unknown | None) -> tuple[str, str, str]:

@@ -106,7 +106,7 @@ def suspects(chances: Mapping[str, float], sensors: Sequence[Sensor], on: Collec
     with np.errstate(divide="ignore", invalid="ignore"):
         odds, now = there / absent, np.minimum(stated * there / evidence, 1.0)
     no_fault = float(start[-1] * np.prod(1 - prior)) / evidence if evidence > 0 else 0.0
-    order = sorted(range(len(faults)), key=lambda i: (not unknown[i], -_or_0(odds[i] if unknown[i] else now[i])))
+    order = sorted(range(len(faults)), key=lambda i: (not unknown[i], -_or_0(float(odds[i] if unknown[i] else now[i]))))
     found = tuple(Suspect(faults[i], float(stated[i]), float(now[i]), float(odds[i])) for i in order)
     return Diagnosis(found, no_fault, evidence, bool((sees[unknown] > 0).any()))
 

@@ -7,9 +7,11 @@ from itertools import count
 from typing import Any
 
 from robophm.core.signal import SECOND
+from robophm.design.robot import UNKNOWN
 from robophm.health.prognosis import RemainingLife
 from robophm.health.report import VIEWS, ComponentHealth, HealthReport
 from robophm.health.subject import STALE, State, Subject
+from robophm.health.unknown import marked, marks
 from robophm.transports.sink import JudgedTask
 
 Fields = Mapping[str, Any]
@@ -103,7 +105,8 @@ def health(report: HealthReport, of: Subject | ComponentHealth) -> Fields:
         failed = {view: getattr(of, f"{view}_unreliability") for view in VIEWS}
         lives = {"nominal": None, "sensor_based": of.remaining_life}
         completions = dict.fromkeys(VIEWS)
-        state = "stale" if any(flag.startswith(STALE) for flag in of.flags) else "ok"
+        silent = any(flag.startswith(STALE) for flag in of.flags)
+        state = "stale" if silent else "warn" if of.unknown else "ok"
     fields: dict[str, Any] = {
         "header": {"stamp": stamp(report.time)},
         "path": of.path,
@@ -142,7 +145,10 @@ def diagnostics(report: HealthReport, node: str) -> Fields:
                 "name": f"{node}: {one.path}",
                 "message": _words(one),
                 "hardware_id": report.robot,
-                "values": [{"key": key, "value": repr(value)} for key, value in _values(one).items()],
+                "values": [
+                    {"key": key, "value": value if isinstance(value, str) else repr(value)}
+                    for key, value in _values(one).items()
+                ],
             }
             for one in told
         ],
@@ -150,11 +156,13 @@ def diagnostics(report: HealthReport, node: str) -> Fields:
 
 
 def _words(one: Subject) -> str:
-    return "; ".join((*one.breaches, *one.warnings, *one.marks)) or "OK"
+    """All that is to be said, what parts of unknown rate make of the values in full."""
+    marks = [one.unknown.sentence if one.unknown and mark == one.unknown.words else mark for mark in one.marks]
+    return "; ".join((*one.breaches, *one.warnings, *marks)) or "OK"
 
 
-def _values(one: Subject) -> dict[str, float]:
-    values: dict[str, float] = {}
+def _values(one: Subject) -> dict[str, float | str]:
+    values: dict[str, float | str] = {}
     for view in VIEWS:
         figures, name = getattr(one, view), view.replace("_", "-")
         values |= {
@@ -166,6 +174,13 @@ def _values(one: Subject) -> dict[str, float]:
             values[f"remaining life, 5 %, {name} [h]"] = life.early
         if done := figures.completion:
             values[f"completion of the task, {name}"] = done.probability
+    if left_out := one.unknown:
+        values |= {
+            f"parts of {UNKNOWN} rate": left_out.parts,
+            "hazard rates are": left_out.hazard_rate,
+            "reliabilities are": left_out.reliability,
+            "remaining lives and completions are": left_out.ahead,
+        }
     return values
 
 
@@ -176,9 +191,10 @@ def markers(report: HealthReport, frame: str) -> Fields:
     found = []
     for row, one in enumerate(reversed(told)):
         red, green, blue = COLOURS[one.state]
+        rate = marked(marks(one.unknown)[0], f"{one.sensor_based.hazard_rate:.3g}/h")
         depth = 0 if one.kind == "robot" else one.path.count("/") + 1
         common = {"header": {"stamp": stamp(report.time), "frame_id": frame}, "frame_locked": True}
-        text = f"{one.path.rpartition('/')[2]}: {one.state.upper()}, λ {one.sensor_based.hazard_rate:.3g}/h"
+        text = f"{one.path.rpartition('/')[2]}: {one.state.upper()}, λ {rate}"
         left = 0.3 * depth
         beside = left + 0.15 + len(text) * _LETTER * _HEIGHT / 2  # a text is centred where it stands
         for type_, across, scale, words in ((_BOX, left, 0.15, ""), (_TEXT, beside, _HEIGHT, text)):
