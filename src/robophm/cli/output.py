@@ -163,11 +163,12 @@ def print_report(report: HealthReport, unit: str) -> None:
         out.print(f"Remaining life (calendar time): {left_out.said_ahead(said) if left_out else said}", markup=False)
         wanted = robot.thresholds.survival
         if life.threshold is not None and wanted is not None:
-            out.print(f"Works on for {duration_text(life.threshold)} with {percent_text(wanted)}", markup=False)
+            said = f"{duration_text(life.threshold)} with {percent_text(wanted)}"
+            out.print(f"Works on for {left_out.said_ahead(said) if left_out else said}", markup=False)
     if sure := report.uncertainty:
         of_rates, of_load = sure.rates_known != sure.all_sources, sure.load_known != sure.all_sources
         unsure = [name for name, is_it in (("rates", of_rates), ("the load (drawn from its past)", of_load)) if is_it]
-        spans = [(f"with {' and '.join(unsure)} unsure", sure.all_sources)]
+        spans = [(f"with {' and '.join(unsure)} unsure", sure.all_sources)] if unsure else []
         if of_rates and of_load:
             spans.append(("if rates were known exactly", sure.rates_known))
             spans.append(("if the load went on as of late", sure.load_known))

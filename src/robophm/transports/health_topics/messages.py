@@ -8,10 +8,10 @@ from typing import Any
 
 from robophm.core.signal import SECOND
 from robophm.design.robot import UNKNOWN
-from robophm.health.prognosis import RemainingLife
+from robophm.health.prognosis import RemainingLife, View
 from robophm.health.report import VIEWS, ComponentHealth, HealthReport
 from robophm.health.subject import STALE, State, Subject
-from robophm.health.unknown import marked, marks
+from robophm.health.unknown import Unknown, marked, marks
 from robophm.transports.sink import JudgedTask
 
 Fields = Mapping[str, Any]
@@ -49,15 +49,28 @@ def reliabilities(report: HealthReport) -> Fields:
     return _of_modules(report, "reliability")
 
 
+_SAYS_NOTHING = {"hazard_rate": 0.0, "reliability": 1.0, "unreliability": 0.0, "completion": 1.0, "failure": 0.0,
+                 "remaining_life": float("inf")}  # fmt: skip
+"""Where parts of unknown rate are left out: a rate of at least 0, a life of at most for ever."""
+
+
+def _said(name: str, value: float, left_out: Unknown | bool | None) -> float:
+    """A figure as it is, NaN where parts of unknown rate leave of it a bound that says nothing."""
+    return _NAN if left_out and value == _SAYS_NOTHING[name] else value
+
+
 def _of_modules(report: HealthReport, figure: str) -> Fields:
+    def said(one: Subject, view: View) -> float:
+        return _said(figure, getattr(getattr(one, view), figure), one.unknown)
+
     modules = [one for one in report.subjects if one.kind == "module" and "/" not in one.path]
     return {
         "stamp": stamp(report.time),
-        "system_value": getattr(report.system.nominal, figure),
-        "system_sensor_based_value": getattr(report.system.sensor_based, figure),
+        "system_value": said(report.system, "nominal"),
+        "system_sensor_based_value": said(report.system, "sensor_based"),
         "module_names": [one.path for one in modules],
-        "module_values": [getattr(one.nominal, figure) for one in modules],
-        "module_sensor_based_values": [getattr(one.sensor_based, figure) for one in modules],
+        "module_values": [said(one, "nominal") for one in modules],
+        "module_sensor_based_values": [said(one, "sensor_based") for one in modules],
     }
 
 
@@ -70,8 +83,9 @@ def _potc(task: JudgedTask | None) -> Fields:
     if task is None:
         return {}
     return {
-        "potc_nominal_value": task.completion["nominal"].probability,
-        "potc_sensor_based_value": task.completion["sensor_based"].probability,
+        **{
+            f"potc_{view}_value": _said("completion", task.completion[view].probability, task.unknown) for view in VIEWS
+        },
         "potc_time": task.duration,
         "potc_distance": task.distance,
     }
@@ -84,8 +98,10 @@ def task_completion(task: JudgedTask) -> Fields:
         "topic": task.topic,
         "duration": task.duration,
         "distance": task.distance,
-        **{f"completion_{view}": task.completion[view].probability for view in VIEWS},
-        **{f"failure_{view}": task.completion[view].failure for view in VIEWS},
+        **{
+            f"completion_{view}": _said("completion", task.completion[view].probability, task.unknown) for view in VIEWS
+        },
+        **{f"failure_{view}": _said("failure", task.completion[view].failure, task.unknown) for view in VIEWS},
     }
 
 
@@ -117,12 +133,15 @@ def health(report: HealthReport, of: Subject | ComponentHealth) -> Fields:
     for view in VIEWS:
         done, life = completions[view], lives[view]
         fields |= {
-            f"hazard_rate_{view}": rates[view],
-            f"reliability_{view}": survival[view],
-            f"unreliability_{view}": failed[view],
-            f"completion_{view}": done.probability if done else _NAN,
-            f"failure_{view}": done.failure if done else _NAN,
-            **{f"remaining_life_{name}_{view}": value for name, value in _quantiles(life).items()},
+            f"hazard_rate_{view}": _said("hazard_rate", rates[view], of.unknown),
+            f"reliability_{view}": _said("reliability", survival[view], of.unknown),
+            f"unreliability_{view}": _said("unreliability", failed[view], of.unknown),
+            f"completion_{view}": _said("completion", done.probability, of.unknown) if done else _NAN,
+            f"failure_{view}": _said("failure", done.failure, of.unknown) if done else _NAN,
+            **{
+                f"remaining_life_{name}_{view}": _said("remaining_life", value, of.unknown)
+                for name, value in _quantiles(life).items()
+            },
         }
     return fields
 
