@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
+from contextlib import redirect_stdout
 from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
+from robophm.cli.live_table import LiveTable
+from robophm.cli.task_recording import _print_records
+from robophm.cli.watch import Watched, _Lines
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import load
+from robophm.health.mission import Completion
 from robophm.monitor import Monitor
 from robophm.stores.sqlite import SqliteStore
+from robophm.task_history import judge_on_the_way
+from robophm.transports.sink import JudgedTask
+from robophm.transports.tasks import PlannedTask
+from robophm.transports.tasks.told import PlannedLeg
 
 from .conftest import Run
 
@@ -152,3 +163,37 @@ def test_the_notebook_table(wired: str, tmp_path: Path) -> None:
     assert "(board)" in table
     row = re.findall(r"<td>(.*?)</td>", table)
     assert all(cell[:2] in ("≥ ", "≤ ", "? ") or cell == "unknown" for cell in row)
+
+
+def test_what_watch_says_while_the_robot_runs(wired: str, tmp_path: Path) -> None:
+    report = Monitor(load(tmp_path / "robot.yaml")).report()
+    out = Console(file=io.StringIO(), width=200)
+    asked = Watched("auto", None, None, 1.0, 0.0, "/", False, "base_link", (), None, (), "1/h", False)
+    shown = _Lines(out, asked)
+    shown.publish(report)
+    task = {"nominal": Completion(0.75, 0.25), "sensor_based": Completion(0.5, 0.5)}
+    shown.judged(JudgedTask(False, 0, "/plan", 1.0, 2.0, task, report.system.unknown))
+    out.print(LiveTable().draw(report))
+    said = out.file.getvalue()
+    assert re.search(r"0\.000 h  λ (≥ 0\.0001 /h|unknown)  \(1 part of unknown rate\)", said), said
+    half = "at most 50 %" if wired == "single" else "50 %, if they never fail"
+    assert f"completed with {half} (1 part of unknown rate left out)" in said, said
+    assert re.search(r"Rover \* +(≥|unknown)", said)
+
+
+def test_tasks_of_a_recording_say_what_they_leave_out(wired: str, tmp_path: Path) -> None:
+    monitor = Monitor(load(tmp_path / "robot.yaml"))
+    begun = 1_700_000_000 * SECOND
+    leg = PlannedLeg(10.0, 1.0)
+    tasks = judge_on_the_way(monitor, [PlannedTask(begun + 20 * SECOND, "/plan", (leg,))])
+    for i in range(60):
+        monitor.observe(Sample(begun + i * SECOND, "/odom", 1.0))
+    monitor.reach_marks()
+    (found,) = tasks()
+    assert found.predicted
+    assert found.unknown == Monitor(load(tmp_path / "robot.yaml")).report(remaining_life=False).system.unknown
+    out = io.StringIO()
+    with redirect_stdout(out):
+        _print_records(monitor.plant.robot, [found])
+    assert "1 part of unknown rate left out: every PoTC is" in out.getvalue()
+    assert re.search(r"[≥?] |unknown", out.getvalue().splitlines()[2])
