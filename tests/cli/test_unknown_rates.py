@@ -175,7 +175,7 @@ def test_what_watch_says_while_the_robot_runs(wired: str, tmp_path: Path) -> Non
     shown.judged(JudgedTask(False, 0, "/plan", 1.0, 2.0, task, report.system.unknown))
     out.print(LiveTable().draw(report))
     said = out.file.getvalue()
-    assert re.search(r"0\.000 h  λ (≥ 0\.0001 /h|unknown)  \(1 part of unknown rate\)", said), said
+    assert re.search(r"0\.000 h  λ (≥ 1e-4 /h|unknown)  \(1 part of unknown rate\)", said), said
     half = "at most 50 %" if wired == "single" else "50 %, if they never fail"
     assert f"completed with {half} (1 part of unknown rate left out)" in said, said
     assert re.search(r"Rover \* +(≥|unknown)", said)
