@@ -197,3 +197,9 @@ def test_tasks_of_a_recording_say_what_they_leave_out(wired: str, tmp_path: Path
         _print_records(monitor.plant.robot, [found])
     assert "1 part of unknown rate left out: every PoTC is" in out.getvalue()
     assert re.search(r"[≥?] |unknown", out.getvalue().splitlines()[2])
+
+
+def test_the_page_says_it_of_the_span_too(inside: Run, wired: str, tmp_path: Path) -> None:
+    assert inside("report", "robot.yaml", "--store", "past.db", "--output", "health.html").returncode == 0
+    said = r"median; at most 90 % between" if wired == "single" else r"median; 90 % between [^<]*, if they never fail"
+    assert re.search(said, (tmp_path / "health.html").read_text())
