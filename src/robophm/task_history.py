@@ -22,6 +22,8 @@ from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion
 from robophm.health.prognosis import Outlook, View, outlooks
 from robophm.health.report import VIEWS
+from robophm.health.task_report import unknown_in
+from robophm.health.unknown import Unknown
 from robophm.judging import completion_as_done, task_as_done, task_as_planned
 from robophm.monitor import Monitor
 from robophm.transports.source import SignalSource
@@ -44,6 +46,8 @@ class TaskRecord:
     """None where nothing says how long it would take."""
     done: Task | None
     actual: Mapping[View, Completion] | None
+    unknown: Unknown | None = None
+    """What parts of unknown rate make of both."""
 
 
 def judge_tasks(
@@ -102,6 +106,7 @@ class _Draft:
         self.driven = task_as_done(done, functions) if done else None
         self.predicted: dict[View, Completion] | None = None
         self.actual: dict[View, Completion] | None = None
+        self.unknown: Unknown | None = None
         self.begun: tuple[Mapping[View, Outlook], Ledger] | None = None
 
     def marks(self) -> Iterator[tuple[int, Callable[[Ledger], None]]]:
@@ -115,6 +120,7 @@ class _Draft:
     def _predict(self, ledger: Ledger) -> None:
         if asked := self.planned if self.plan else self.driven:
             views = outlooks(self.monitor.plant, self.monitor.exposure, ledger, knowledge=self.knowledge)
+            self.unknown = unknown_in(views["sensor_based"], asked)
             self.predicted = {view: completion(views[view], asked) for view in VIEWS}
 
     def _begin(self, ledger: Ledger) -> None:
@@ -126,6 +132,7 @@ class _Draft:
     def _end(self, ledger: Ledger) -> None:
         if self.begun and self.driven:
             views, begun = self.begun
+            self.unknown = unknown_in(views["sensor_based"], self.driven)
             self.actual = completion_as_done(self.monitor.plant, views, self.driven, begun, ledger)
             self.begun = None
 
@@ -133,7 +140,8 @@ class _Draft:
         """What became of it."""
         begin, end = (self.done.start, self.done.end) if self.done else (None, None)
         arrived = self.plan.time if self.plan else None
-        return TaskRecord(arrived, begin, end, self.planned, self.predicted, self.driven, self.actual)
+        return TaskRecord(arrived, begin, end, self.planned, self.predicted, self.driven, self.actual,
+                          self.unknown)  # fmt: skip
 
 
 def _pairs(told: Sequence[PlannedTask | DoneTask]) -> list[tuple[PlannedTask | None, DoneTask | None]]:

@@ -1,5 +1,6 @@
 """Which fault it is: against sums over all combinations of faults, and a stated rate of being right."""
 
+import math
 from itertools import product
 
 import numpy as np
@@ -90,3 +91,43 @@ def test_refusals():
     many = [Sensor(f"s{i}", {"f": 0.5}, 0.1) for i in range(15)]
     with pytest.raises(DataError, match="15 alarms are on; expected at most 14"):
         suspects({"f": 0.1}, many, [s.name for s in many])
+
+
+def test_a_fault_of_unknown_chance_may_be_the_one():
+    """Its odds rise by as much whatever its chance turns out to be, and the others are as if it were not there."""
+    rng = np.random.default_rng(11)
+    rivals = set()
+    for _ in range(40):
+        chances, sensors = case(rng)
+        on = [s.name for s in sensors if s.fitted and rng.random() < 0.5]
+        found = suspects({**chances, "f0": math.nan}, sensors, on)
+        each, none, evidence = by_enumeration({**chances, "f0": 0.0}, sensors, on)
+        first, *others = found.suspects
+        assert first.fault == "f0"
+        assert math.isnan(first.before)
+        assert math.isnan(first.probability)
+        assert {one.fault: one.probability for one in others} == pytest.approx(
+            {name: p for name, p in each.items() if name != "f0"}, rel=1e-10
+        )
+        assert (found.no_fault, found.evidence) == pytest.approx((none, evidence), rel=1e-10)
+        rivals.add(found.rivals)
+        for chance in (1e-6, 0.01, 0.5, 0.99):
+            true, nothing, _ = by_enumeration({**chances, "f0": chance}, sensors, on)
+            raised = true["f0"] / (1 - true["f0"]) / (chance / (1 - chance))
+            assert first.odds == pytest.approx(raised, rel=1e-6)
+            assert nothing <= none * (1 + 1e-12)
+            same = {name: p for name, p in true.items() if name != "f0"} == pytest.approx(
+                {one.fault: one.probability for one in others}, rel=1e-9
+            )
+            assert same or found.rivals
+    assert rivals == {True, False}
+
+
+def test_where_only_faults_of_unknown_chance_explain_the_alarms_that_is_no_refusal():
+    sensors = [Sensor("a", {"u": 0.5}), Sensor("b", {"v": 0.5, "f": 0.5})]
+    found = suspects({"f": 0.1, "u": math.nan, "v": math.nan}, sensors, ["a"])
+    odds = {one.fault: one.odds for one in found.suspects}
+    assert (odds["u"], found.no_fault, found.evidence) == (math.inf, 0.0, 0.0)
+    assert all(math.isnan(one.probability) for one in found.suspects)
+    with pytest.raises(DataError, match="nothing that is known can have set off these alarms"):
+        suspects({"u": math.nan}, sensors, ["b"])

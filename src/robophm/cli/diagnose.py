@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,12 +19,16 @@ from robophm.health.effects import SEVERITY, Effect, SilentStates, alarm_chances
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, as_designed, nominal_outlook
 from robophm.health.report import plain
+from robophm.health.unknown import Unknown, alone, marks, named, unknown
 from robophm.learning.sensor_choice import Choice, choose, explained
 from robophm.learning.sensors import coverage, read_sensors, seen
 from robophm.learning.suspects import Diagnosis, Sensor, suspects
 from robophm.monitor import Monitor
 from robophm.report.fmeca_page import effect_text, fmeca_csv, fmeca_page, unknown_words
 from robophm.report.words import number_text, percent_text
+
+MOST_SUSPECTS = 15
+"""That are listed, of those whose rate is known, and of those whose rate is unknown."""
 
 
 def fmeca(
@@ -107,11 +111,11 @@ def diagnose(path: Path, table_of_sensors: Path, wishes: Wishes) -> None:
     found = None
     if wishes.alarms is not None:
         found = suspects(fault_chances(outlook, wishes.hours), sensors, wishes.alarms)
-    added: tuple[SilentStates, Choice, float, float] | None = None
+    added: _Added | None = None
     if wishes.add:
         added = _added(robot, outlook, sensors, wishes)
     if wishes.as_json:
-        print_json(_json(robot, sensors, unseen, found, added))
+        print_json(plain(_json(robot, sensors, unseen, found, added)))
     else:
         _print(robot, sensors, unseen, found, added, wishes)
 
@@ -137,14 +141,24 @@ def _outlook(robot: Robot, plant: Plant, wishes: Wishes) -> Outlook:
     return nominal_outlook(plant, plant.initial + plant.pace * wishes.after / robot.usage.operating)
 
 
-def _added(
-    robot: Robot, outlook: Outlook, sensors: list[Sensor], wishes: Wishes
-) -> tuple[SilentStates, Choice, float, float]:
+class _Added(NamedTuple):
+    """Sensors to add."""
+
+    states: SilentStates
+    choice: Choice
+    now: float
+    """What is fitted takes away."""
+    spread: float
+    unknown: Unknown | None
+
+
+def _added(robot: Robot, outlook: Outlook, sensors: list[Sensor], wishes: Wishes) -> _Added:
     if wishes.function is not None and wishes.function not in robot.functions:
         raise RobophmError(f"no function '{wishes.function}'{nearest(wishes.function, robot.functions)}")
     if all(sensor.fitted for sensor in sensors):
         raise DataError("every sensor is fitted already; expected some with fitted: no, to choose from")
-    states = silent_states(outlook, outlook.plant.diagram(wishes.function or ""), wishes.hours)
+    diagram = outlook.plant.diagram(wishes.function or "")
+    states = silent_states(outlook, diagram, wishes.hours)
     units = {mode.path: part.units for part in robot.all_components() for mode in part.modes}
     share = _mode_shares(outlook)
     columns = []
@@ -159,7 +173,7 @@ def _added(
     choice = choose(states.weights, states.outcome, alarms, wishes.add, base=base)
     now = explained(states.weights, states.outcome, alarms, (), base)
     spread = float(states.weights @ (states.outcome - states.weights @ states.outcome) ** 2)
-    return states, choice, now, spread
+    return _Added(states, choice, now, spread, unknown(outlook, diagram))
 
 
 def _mode_shares(outlook: Outlook) -> dict[str, float]:
@@ -176,7 +190,7 @@ def _mode_shares(outlook: Outlook) -> dict[str, float]:
 
 def _print(
     robot: Robot, sensors: list[Sensor], unseen: list[str], found: Diagnosis | None,
-    added: tuple[SilentStates, Choice, float, float] | None, wishes: Wishes,
+    added: _Added | None, wishes: Wishes,
 ) -> None:  # fmt: skip
     out = console()
     names = [sensor.name for sensor in sensors]
@@ -193,19 +207,44 @@ def _print(
         some = ", ".join(unseen[:10]) + (" …" if len(unseen) > 10 else "")
         out.print(f"Nothing fitted sees: {some}", style="yellow", markup=False, soft_wrap=True)
     if found:
-        on = ", ".join(wishes.alarms or ()) or "no alarm"
-        rows = [[one.fault, percent_text(one.probability), number_text(one.before, 3)] for one in found.suspects[:15]]
-        out.print()
-        title = f"Suspects, {on} being on and all others off"
-        print_table(out, table(title, ["", "now", f"before, in {number_text(wishes.hours)} h"], rows, figures=(1, 2)))
-        out.print(f"Nothing has failed, and it is a false alarm: {percent_text(found.no_fault)}" if wishes.alarms
-                  else f"Nothing has failed: {percent_text(found.no_fault)}", markup=False)  # fmt: skip
+        _print_suspects(robot, found, wishes)
     if added:
         _print_choice(sensors, added, wishes)
 
 
-def _print_choice(sensors: list[Sensor], added: tuple[SilentStates, Choice, float, float], wishes: Wishes) -> None:
-    states, choice, now, spread = added
+def _print_suspects(robot: Robot, found: Diagnosis, wishes: Wishes) -> None:
+    """The likeliest, and all that may be it though how likely is not known."""
+    out = console()
+    left_out = alone(robot.all_components())
+    mark = marks(left_out if found.rivals else None)[2]
+    shown = [one for one in found.suspects if math.isnan(one.before)][:MOST_SUSPECTS]
+    unrated = len(shown)
+    shown += [one for one in found.suspects if not math.isnan(one.before)][:MOST_SUSPECTS]
+    rows = [
+        [one.fault,
+         "unknown" if math.isnan(one.probability) else mark + percent_text(one.probability),
+         "unknown" if math.isnan(one.before) else number_text(one.before, 3),
+         "–" if math.isnan(one.odds) else number_text(one.odds, 3)]
+        for one in shown
+    ]  # fmt: skip
+    on = ", ".join(wishes.alarms or ()) or "no alarm"
+    columns = ["", "now", f"before, in {number_text(wishes.hours)} h", "odds, times"]
+    out.print()
+    title = f"Suspects, {on} being on and all others off"
+    print_table(out, table(title, columns, rows, figures=(1, 2, 3)))
+    nothing = f"Nothing has failed{', and it is a false alarm' if wishes.alarms else ''}"
+    most = marks(left_out)[1] if found.no_fault else ""
+    out.print(f"{nothing}: {most}{percent_text(found.no_fault)}", markup=False)
+    out.print("odds, times: how many times as large the alarms make the odds that it is there", markup=False)
+    if left_out:
+        says = left_out.aside if found.rivals else f"{left_out.words} may have failed as well: how likely is not known"
+        out.print(f"{says} ({named(robot)})", style="yellow", markup=False, soft_wrap=True)
+        if more := sum(math.isnan(one.before) for one in found.suspects) - unrated:
+            out.print(f"{more:,} more whose rates are unknown are not listed", style="yellow", markup=False)
+
+
+def _print_choice(sensors: list[Sensor], added: _Added, wishes: Wishes) -> None:
+    states, choice, now, spread, left_out = added
     out = console()
     rows = []
 
@@ -230,6 +269,8 @@ def _print_choice(sensors: list[Sensor], added: tuple[SilentStates, Choice, floa
         f"{percent_text(share(choice.most))}.",
         markup=False, soft_wrap=True,
     )  # fmt: skip
+    if left_out:
+        out.print(left_out.aside, style="yellow", markup=False, soft_wrap=True)
     if states.missed > 1e-6:
         out.print(f"Combinations of failures with a chance of {number_text(states.missed, 2)} were not looked at",
                   style="yellow", markup=False)  # fmt: skip
@@ -237,18 +278,21 @@ def _print_choice(sensors: list[Sensor], added: tuple[SilentStates, Choice, floa
 
 def _json(
     robot: Robot, sensors: list[Sensor], unseen: list[str], found: Diagnosis | None,
-    added: tuple[SilentStates, Choice, float, float] | None,
+    added: _Added | None,
 ) -> dict[str, Any]:  # fmt: skip
     document: dict[str, Any] = {"robot": robot.name, "coverage": coverage(robot, sensors), "unseen": unseen}
     if found:
         document["suspects"] = [one._asdict() for one in found.suspects]
         document["no_fault"], document["evidence"] = found.no_fault, found.evidence
+        if left_out := alone(robot.all_components()):
+            document["unknown"] = {**asdict(left_out), "rivals": found.rivals}
     if added:
-        states, choice, now, spread = added
+        states, choice, now, spread, unrated = added
         document["sensors"] = {
             "chosen": [sensors[i].name for i in choice.chosen], "gains": list(choice.gains), "variance": spread,
             "fitted": now, "all_candidates": choice.most, "bound": choice.bound,
             "exhaustive": choice.exhaustive, "at_least": choice.at_least,
             "missed": states.missed,
+            **({"unknown": asdict(unrated)} if unrated else {}),
         }  # fmt: skip
     return document

@@ -21,7 +21,6 @@ from robophm.health.ledger import Ledger
 from robophm.health.prognosis import FutureName, View, outlooks
 from robophm.health.replacement import Replacements, replacements
 from robophm.health.report import VIEWS, plain
-from robophm.health.unknown import IF_NEVER
 from robophm.monitor import Monitor
 from robophm.report.words import duration_text, number_text, percent_text, probability_text
 
@@ -125,10 +124,9 @@ def _show(title: str, found: Importances, question: Question, nominal: Importanc
     least = ""
     if left_out := found.unknown:
         least = "at least " if left_out.ahead == "at most" else ""
-        says = f"{left_out.words} left out: what is stated is as {IF_NEVER}"
     out.print(f"{title}: fails {ahead}with {least}{number_text(100 * found.failure)} %", markup=False, soft_wrap=True)
     if left_out:
-        out.print(says, style="yellow", markup=False, soft_wrap=True)
+        out.print(left_out.aside, style="yellow", markup=False, soft_wrap=True)
     columns = ["most important first", "Birnbaum", "criticality", "F–V", "RAW", "RRW", "improvement"]
     lifelong = not math.isnan(found.ever)
     columns += [*(["causes"] if lifelong else []), *(["crit. nominal"] if nominal else [])]
@@ -162,6 +160,8 @@ def _show_gains(found: Replacements, question: Question) -> None:
             f"; the task is completed with {probability_text(1 - found.completion_failure, found.completion_failure)}"
         )
     out.print(f"\nWhat to replace first. As it is: {life}{task}", markup=False, soft_wrap=True)
+    if found.unknown:
+        out.print(f"{found.unknown.aside}; what they would gain is unknown", style="yellow", markup=False)
     some = [one for one in found.parts if one.completion or one.median or one.mean]
     if not some:
         out.print("Nothing gains by being replaced: no part has aged, and no redundancy is lost.")

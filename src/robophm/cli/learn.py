@@ -11,11 +11,12 @@ from robophm.cli.past import kept
 from robophm.cli.unused import only
 from robophm.core.errors import DataError
 from robophm.design.file import load, parse, read, replace_text
-from robophm.design.robot import CLOCK_UNITS, Robot
+from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Robot
 from robophm.health.service import stretches
+from robophm.health.unknown import few
 from robophm.learning.evidence import with_evidence
 from robophm.learning.failure_log import Seen, read_failure_log
-from robophm.learning.learn import LearnedRate, learn
+from robophm.learning.learn import LearnedRate, UnstatedRate, learn, unstated
 from robophm.learning.scale import Lived
 from robophm.report.words import number_text
 
@@ -46,18 +47,26 @@ def run(
             found = read_failure_log(log, robot)
             seen += found.seen
             notes += found.notes
-    learned = learn(robot, _together(seen), prior, of)
+    together = _together(seen)
+    learned, unrated = learn(robot, together, prior, of), unstated(robot, together)
+    if to and not learned:
+        raise DataError(
+            f"nothing can be learned beside a rate: all that was seen is of unknown rate ({_paths(unrated)}); expected "
+            "rates in the design"
+        )
     text = with_evidence(read(design), str(design), learned) if to else ""
     for note in notes:
         warn(note)
     if as_json:
-        print_json({"robot": robot.name, "rates": [_json(one) for one in learned], "notes": notes})
+        print_json({"robot": robot.name, "rates": [_json(one) for one in learned],
+                    "unknown": [_unstated_json(one) for one in unrated], "notes": notes})  # fmt: skip
     else:
-        _print(robot, learned)
+        _print(robot, learned, unrated)
     if to:
         put(to, text)
         if not as_json:
-            console().print(f"Written to {to}, the evidence beside each rate", markup=False, soft_wrap=True)
+            but = f"; not of what is of unknown rate ({_paths(unrated)})" if unrated else ""
+            console().print(f"Written to {to}, the evidence beside each rate{but}", markup=False, soft_wrap=True)
 
 
 def put(to: Path, text: str) -> None:
@@ -77,7 +86,7 @@ def _of_store(path: Path, robot: Robot) -> list[Seen]:
         seen.failures += one.failed
         seen.expected += one.parts * one.hazard
         seen.exposure += one.parts * one.hours
-        if one.mode.life.degree is None and one.end > one.start:
+        if one.mode.life.degree is None and one.end > one.start and not one.mode.unknown:
             if one.mode.scaling == "hazard":
                 kind = type(one.mode.life).__name__.lower()
                 raise DataError(
@@ -103,7 +112,11 @@ def _together(seen: Sequence[Seen]) -> list[Seen]:
     return list(found.values())
 
 
-def _print(robot: Robot, learned: Sequence[LearnedRate]) -> None:
+def _paths(unrated: Sequence[UnstatedRate]) -> str:
+    return few([one.mode.path for one in unrated])
+
+
+def _print(robot: Robot, learned: Sequence[LearnedRate], unrated: Sequence[UnstatedRate]) -> None:
     out = console()
     columns = ["", "failures", "expected", "exposure", "stated rate", "learned rate", "90 %", "times"]
     rows = []
@@ -116,6 +129,9 @@ def _print(robot: Robot, learned: Sequence[LearnedRate]) -> None:
             f"{number_text(one.stated * one.low, 3)} … {number_text(one.stated * one.high, 3)}",
             number_text(one.factor, 3),
         ])  # fmt: skip
+    for other in unrated:
+        exposure = f"{number_text(other.exposure)} {CLOCK_UNITS[other.mode.clock]}"
+        rows.append([other.mode.path, number_text(other.failures), "–", exposure, UNKNOWN, "–", "–", "–"])
     robots = {name for one in learned for name in one.robots}
     fleet = f", {len(robots)} robots" if len(robots) > 1 else ""
     print_table(
@@ -136,7 +152,31 @@ def _print(robot: Robot, learned: Sequence[LearnedRate]) -> None:
                 f"(p = {number_text(one.of_fleet.p_value, 2)}); what is stated is of any robot, --robot says of one",
                 markup=False,
             )
+    for other in unrated:
+        out.print(_unstated_text(other), style="yellow", markup=False, soft_wrap=True)
     out.print("expected: failures by the stated rate; times: learned over stated. --to NEW.YAML writes the design.")
+
+
+def _unstated_text(one: UnstatedRate) -> str:
+    unit, (low, high) = CLOCK_UNITS[one.mode.clock], one.interval
+    said = f"{one.mode.path}: its rate is {UNKNOWN}, there is none to learn beside"
+    if not one.exposure > 0:
+        return f"{said}; nor does the field say more, which is of no exposure"
+    if not one.failures:
+        return f"{said}. By the field alone, if it is constant: below {number_text(high, 3)} /{unit} with 95 %"
+    return (
+        f"{said}. By the field alone, if it is constant: {number_text(one.rate, 3)} /{unit}, 90 % between "
+        f"{number_text(low, 3)} and {number_text(high, 3)}; in a design rate: {one.rate:.4g} /{unit} with "
+        f"uncertainty: {{failures: {one.failures:g}}}"
+    )
+
+
+def _unstated_json(one: UnstatedRate) -> dict[str, Any]:
+    (low, high), any_ = one.interval, one.exposure > 0
+    return {
+        "mode": one.mode.path, "clock": one.mode.clock, "failures": one.failures, "exposure": one.exposure,
+        "rate": one.rate if any_ else None, "low": low if any_ else None, "high": high if any_ else None,
+    }  # fmt: skip
 
 
 def _failures(number: float) -> str:

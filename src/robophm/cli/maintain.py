@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,10 +15,11 @@ from robophm.cli.past import kept
 from robophm.core.errors import DataError, RobophmError, UnitError
 from robophm.core.units import quantity
 from robophm.design.file import load
-from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
+from robophm.design.robot import CLOCK_UNITS, UNKNOWN, FailureMode, Robot
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.replacement import replacements
+from robophm.health.unknown import IF_NEVER, Unknown, alone, few, named
 from robophm.learning.costs import PartCosts, read_costs
 from robophm.learning.life_cycle import TOGETHER, LifeCycle, Return, Upkept, return_on_watching, simulate
 from robophm.learning.maintenance import Costs, Policy, Visit, best_age, rescaled, together
@@ -80,7 +81,13 @@ def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
         if not math.isfinite(value):
             raise RobophmError(f"{option} {value:g}: expected a finite cost")
     horizon, lead = _hours(wishes.horizon, "--horizon"), _hours(wishes.lead, "--lead")
-    costs = read_costs(table_of_costs, robot, wishes.hour_down)
+    told = read_costs(table_of_costs, robot, wishes.hour_down)
+    unrated = [name for name, one in told.items() if one.part.unknown]
+    costs = {name: one for name, one in told.items() if name not in unrated}
+    if not costs:
+        raise DataError(
+            f"{table_of_costs}: all parts in it are of unknown rate ({few(unrated)}); expected one with a rate"
+        )
     plant = Plant(robot)
     outlook = None
     if wishes.store:
@@ -107,9 +114,9 @@ def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
     }
     first = _first(robot, outlook, plans) if outlook else None
     if wishes.as_json:
-        print_json(_json(robot, plans, visit, without, aged, watched, stock, first))
+        print_json(_json(robot, plans, visit, without, aged, watched, stock, first, unrated))
     else:
-        _print(robot, plans, visit, (without, aged, watched), stock, first, wishes, horizon, lead)
+        _print(robot, plans, visit, (without, aged, watched), stock, first, unrated, wishes, horizon, lead)
 
 
 def _hours(text: str, option: str) -> float:
@@ -184,11 +191,19 @@ def _cycle(parts: Mapping[str, Upkept], standing: Standing, horizon: float, wish
     return simulate(parts, horizon, wishes.repetitions, wishes.seed, standing, wishes.hour_down)
 
 
-def _first(robot: Robot, outlook: Outlook, plans: Sequence[_Plan]) -> list[dict[str, Any]]:
+class _First(NamedTuple):
+    """What each part put in new would gain, and what parts of unknown rate make of that."""
+
+    rows: list[dict[str, Any]]
+    unknown: Unknown | None
+
+
+def _first(robot: Robot, outlook: Outlook, plans: Sequence[_Plan]) -> _First:
     """What each part put in new would gain for what it costs, the most mean life per cost first."""
     prices = {plan.costs.part.path: plan.standing.preventive * plan.costs.part.quantity for plan in plans}
     rows: list[dict[str, Any]] = []
-    for one in replacements(outlook, robot.diagram, robot.task).parts:
+    found = replacements(outlook, robot.diagram, robot.task)
+    for one in found.parts:
         price = prices.get(one.path, 0.0)
         if not price > 0:
             continue
@@ -198,15 +213,16 @@ def _first(robot: Robot, outlook: Outlook, plans: Sequence[_Plan]) -> list[dict[
             "completion_per_cost": None if one.completion is None else one.completion / price,
         })  # fmt: skip
     rows.sort(key=lambda row: -row["mean_life_per_cost"] if math.isfinite(row["mean_life_per_cost"]) else 0.0)
-    return rows
+    return _First(rows, found.unknown)
 
 
 def _print(
     robot: Robot, plans: list[_Plan], visit: Visit | None,
     cycles: tuple[LifeCycle | None, LifeCycle | None, Return | None], stock: dict[str, tuple[int, float]],
-    first: list[dict[str, Any]] | None, wishes: Wishes, horizon: float, lead: float,
+    first: _First | None, unrated: list[str], wishes: Wishes, horizon: float, lead: float,
 ) -> None:  # fmt: skip
     out = console()
+    left_out = alone(part for part in robot.all_components() if part.path in unrated)
     columns = [
         "",
         "replace at",
@@ -228,9 +244,14 @@ def _print(
             f"{number_text(100 * policy.saving, 2)} %" if policy.saving else "–",
             *([_due(plan)] if wishes.store else []),
         ])  # fmt: skip
+    rows += [[name, UNKNOWN, *["–"] * (len(columns) - 2)] for name in unrated]
     print_table(out, table(f"When to replace the parts of {robot.name}", columns, rows, figures=range(1, len(columns))))
     out.print("Costs of one part per 1000 h of calendar time. Never by age: it does not wear (β ≤ 1, or constant), or "
               "failing costs no more than replacing.", soft_wrap=True)  # fmt: skip
+    if left_out:
+        others = f"; all others are said as {IF_NEVER}" if any(plan.stops < _SURE for plan in plans) else ""
+        out.print(f"{left_out.words} left out ({few(unrated)}): when to replace them is not known{others}",
+                  style="yellow", markup=False, soft_wrap=True)  # fmt: skip
     for plan in plans:
         if plan.stops < _SURE:
             out.print(
@@ -241,13 +262,17 @@ def _print(
         _print_visit(visit, wishes)
     by_failure, by_age, watched = cycles
     if by_failure and by_age:
-        rows = [[name, *_cycle_row(one)] for name, one in (("only what fails", by_failure), ("by age", by_age))]
-        if watched:
-            rows.append(["watched", *_cycle_row(watched.watched)])
+        policies = [("only what fails", by_failure), ("by age", by_age)]
+        policies += [("watched", watched.watched)] if watched else []
+        rows = [[name, *_cycle_row(one, left_out)] for name, one in policies]
         title = f"Over {duration_text(horizon)} of one robot, {wishes.repetitions:,} times over (seed {wishes.seed})"
         columns = ["", "cost", "90 % between", "available", "failures", "precautions"]
         out.print()
         print_table(out, table(title, columns, rows, figures=range(1, 6)))
+        if left_out:
+            out.print(
+                f"{left_out.words} left out: at least such costs and failures, at most so available", style="yellow"
+            )
         if watched:
             pays = "pays" if watched.ratio > 0 else "does not pay"
             out.print(
@@ -261,17 +286,22 @@ def _print(
         share = f"{100 * wishes.level:g} %"
         out.print(f"\nSpares that are enough for {robots} of new parts over {duration_text(lead)} with {share}:")
         out.print(
-            "  " + ", ".join(f"{name} {number}" for name, (number, _) in stock.items()), markup=False, soft_wrap=True
-        )
-    if first:
+            "  " + ", ".join([*(f"{name} {number}" for name, (number, _) in stock.items()),
+                              *(f"{name} {UNKNOWN}" for name in unrated)]),
+            markup=False, soft_wrap=True,
+        )  # fmt: skip
+    if first and first.rows:
         columns = ["first, for what it costs", "cost", "mean life", "per cost", *(["PoTC"] if robot.task else [])]
         rows = [
             [row["part"], number_text(row["cost"]), _signed(row["mean_life"]), _signed(row["mean_life_per_cost"]),
              *([number_text(row["completion"])] if robot.task else [])]
-            for row in first[:20]
+            for row in first.rows[:20]
         ]  # fmt: skip
         out.print()
         print_table(out, table("What to replace first, put in new now", columns, rows, figures=range(1, len(columns))))
+    if first and first.unknown:
+        out.print(f"What to replace first: {first.unknown.aside} ({named(robot)})", style="yellow", markup=False,
+                  soft_wrap=True)  # fmt: skip
 
 
 def _due(plan: _Plan) -> str:
@@ -299,10 +329,14 @@ def _print_visit(visit: Visit, wishes: Wishes) -> None:
     )  # fmt: skip
 
 
-def _cycle_row(one: LifeCycle) -> list[str]:
+def _cycle_row(one: LifeCycle, left_out: Unknown | None) -> list[str]:
+    """Of parts that are upkept each for itself: one more only adds costs, failures and time in which the robot stands
+    still."""
+    least, most = ("≥ ", "≤ ") if left_out else ("", "")
     return [
-        f"{number_text(one.cost)} ± {number_text(one.error, 2)}", f"{number_text(one.low)} … {number_text(one.high)}",
-        f"{100 * one.availability:.4g} %", number_text(one.failures, 3), number_text(one.replacements, 3),
+        f"{least}{number_text(one.cost)} ± {number_text(one.error, 2)}",
+        f"{least}{number_text(one.low)} … {number_text(one.high)}", f"{most}{100 * one.availability:.4g} %",
+        least + number_text(one.failures, 3), least + number_text(one.replacements, 3),
     ]  # fmt: skip
 
 
@@ -314,7 +348,8 @@ def _signed(hours: float) -> str:
 
 def _json(
     robot: Robot, plans: list[_Plan], visit: Visit | None, by_failure: LifeCycle | None, by_age: LifeCycle | None,
-    watched: Return | None, stock: dict[str, tuple[int, float]], first: list[dict[str, Any]] | None,
+    watched: Return | None, stock: dict[str, tuple[int, float]], first: _First | None,
+    unrated: list[str],
 ) -> dict[str, Any]:  # fmt: skip
     def cycle(one: LifeCycle | None) -> dict[str, float] | None:
         names = ("cost", "low", "high", "error", "availability", "failures", "replacements")
@@ -328,11 +363,13 @@ def _json(
              "due_in_hours": p.due, "stops_robot": p.stops}
             for p in plans
         ],
+        "unknown": {"parts": unrated, "first": first and first.unknown and asdict(first.unknown)},
         "together": visit and {"interval_hours": visit.interval, "every": dict(visit.every),
                                "cost_per_hour": visit.cost_rate, "apart": visit.apart},
         "life_cycle": {"failures_only": cycle(by_failure), "by_age": cycle(by_age),
                        "watched": watched and {**(cycle(watched.watched) or {}), "investment": watched.investment,
                                                "return": watched.ratio, "chance": watched.chance}},
-        "spares": {name: {"spares": number, "enough_with": sure} for name, (number, sure) in stock.items()},
-        "first": first,
+        "spares": {name: {"spares": number, "enough_with": sure} for name, (number, sure) in stock.items()}
+        | dict.fromkeys(unrated),
+        "first": first and first.rows,
     }  # fmt: skip

@@ -164,14 +164,18 @@ def print_report(report: HealthReport, unit: str) -> None:
         out.print(f"Remaining life (calendar time): {left_out.said_ahead(said) if left_out else said}", markup=False)
         wanted = robot.thresholds.survival
         if life.threshold is not None and wanted is not None:
-            out.print(f"Works on for {duration_text(life.threshold)} with {percent_text(wanted)}", markup=False)
+            said = f"{duration_text(life.threshold)} with {percent_text(wanted)}"
+            out.print(f"Works on for {left_out.said_ahead(said) if left_out else said}", markup=False)
     if sure := report.uncertainty:
         of_rates, of_load = sure.rates_known != sure.all_sources, sure.load_known != sure.all_sources
         unsure = [name for name, is_it in (("rates", of_rates), ("the load (drawn from its past)", of_load)) if is_it]
-        out.print(f"  with {' and '.join(unsure)} unsure: {_span(sure.all_sources)}", markup=False)
+        spans = [(f"with {' and '.join(unsure)} unsure", sure.all_sources)] if unsure else []
         if of_rates and of_load:
-            out.print(f"  if rates were known exactly: {_span(sure.rates_known)}", markup=False)
-            out.print(f"  if the load went on as of late: {_span(sure.load_known)}", markup=False)
+            spans.append(("if rates were known exactly", sure.rates_known))
+            spans.append(("if the load went on as of late", sure.load_known))
+        for what, interval in spans:
+            said = _span(interval)
+            out.print(f"  {what}: {left_out.said_ahead(said) if left_out else said}", markup=False)
     if report.task and system.completion:
         task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
         chance = probability_text(system.completion.probability, system.completion.failure)

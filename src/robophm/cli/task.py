@@ -191,35 +191,34 @@ def _print(report: TaskReport, again: dict[View, Repeated], threshold: float | N
         out.print(
             f"Listed are the {len(shown)} likeliest to fail of {len(report.tasks):,} tasks; --json has all of them"
         )
+    if_never = f", {IF_NEVER}" if report.unknown else ""
     if report.unknown:
-        said = (
-            "at most what is stated" if report.unknown.ahead == "at most" else f"as {IF_NEVER}, and may be more or less"
-        )
-        out.print(
-            f"{report.unknown.words} left out: every PoTC is {said}", style="yellow", markup=False, soft_wrap=True
-        )
+        out.print(report.unknown.of_tasks, style="yellow", markup=False, soft_wrap=True)
     known = question.plan.knowledge
     for what, units in (("have failed", known.failed), ("work", known.working)):
         if units:
             some = ", ".join(sorted(units)[:MOST_NAMED]) + (" …" if len(units) > MOST_NAMED else "")
             out.print(f"Known to {what}: {len(units)} part{'s' * (len(units) != 1)} ({some})", markup=False)
+    exact = f"{'Known rates' if report.unknown else 'Rates'} and load are taken as exact"
     if sure := report.uncertainty:
         drawn = sure.failure_if_load_known != sure.failure
         sources = [*(["rates"] if sure.failure_if_rates_known != sure.failure else []), *(["load"] if drawn else [])]
         past = ", the load drawn from its past" if drawn else ""
-        out.print(f"All of it fails with 90 % {_between(sure.failure, 'between ')}{past}", markup=False)
+        out.print(f"All of it fails with 90 % {_between(sure.failure, 'between ')}{past}{if_never}", markup=False)
         if len(sources) > 1:
-            out.print(f"  if rates were known exactly: {_between(sure.failure_if_rates_known)}", markup=False)
-            out.print(f"  if the load went on as of late: {_between(sure.failure_if_load_known)}", markup=False)
+            out.print(f"  if rates were known exactly: {_between(sure.failure_if_rates_known)}{if_never}", markup=False)
+            out.print(
+                f"  if the load went on as of late: {_between(sure.failure_if_load_known)}{if_never}", markup=False
+            )
     elif not question.draws:
-        out.print("Rates and load are taken as exact (--draws 0).")
+        out.print(f"{exact} (--draws 0).")
     else:
-        out.print("Rates and load are taken as exact (no `uncertainty` in the design, too short a past).")
+        out.print(f"{exact} (no `uncertainty` in the design, too short a past).")
     shares = [f"{one.path} {percent_text(one.share)}" for one in report.deciding[:MOST_NAMED] if one.share > 0.005]
     if shares:
-        out.print(f"Decided by (share of the failures that would vanish): {', '.join(shares)}", markup=False)
+        out.print(f"Decided by (share of the failures that would vanish): {', '.join(shares)}{if_never}", markup=False)
     for view, one in again.items():
-        _print_repeated(out, view, one, threshold)
+        _print_repeated(out, view, one, threshold, if_never)
     if report.breached:
         out.print(f"threshold breached: a task is below {percent_text(report.threshold or 0)}", style="bold red")
 
@@ -229,7 +228,7 @@ def _between(interval: Interval, between: str = "") -> str:
     return (between and "about ") + low if low == high else f"{between}{low} and {high}"
 
 
-def _print_repeated(out: Console, view: View, one: Repeated, threshold: float | None) -> None:
+def _print_repeated(out: Console, view: View, one: Repeated, threshold: float | None, if_never: str) -> None:
     count = len(one.probability)
     name = view.replace("_", "-")
     if one.interrupted:
@@ -244,4 +243,4 @@ def _print_repeated(out: Console, view: View, one: Repeated, threshold: float | 
     if threshold is not None:
         at = one.until(threshold)
         text += f"; below {percent_text(threshold)} " + (f"at repetition {at:,}" if at else "never")
-    out.print(text, markup=False)
+    out.print(text + if_never, markup=False)

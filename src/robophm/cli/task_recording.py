@@ -19,6 +19,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion
 from robophm.health.prognosis import View
 from robophm.health.report import VIEWS, task_to_json
+from robophm.health.unknown import Unknown, marked, marks
 from robophm.report.words import duration_text, number_text, odds_text, percent_text
 from robophm.task_history import TaskRecord, judge_tasks
 from robophm.transports.recording import Recording
@@ -112,7 +113,8 @@ def _record_json(record: TaskRecord, old: Mapping[UnitMode, LegacyTask]) -> dict
         name: task_to_json(task) if task else None
         for name, task in (("planned", record.planned), ("done", record.done))
     }
-    more = {"legacy": {unit: asdict(one) for unit, one in old.items()}} if old else {}
+    more: dict[str, Any] = {"legacy": {unit: asdict(one) for unit, one in old.items()}} if old else {}
+    more |= {"unknown": asdict(record.unknown)} if record.unknown else {}
     return {"arrived": record.arrived, "start": record.start, "end": record.end, **tasks, **figures, **more}
 
 
@@ -120,14 +122,16 @@ def _print_records(robot: Robot, records: Sequence[TaskRecord]) -> None:
     def way(task: Task | None) -> tuple[str, str]:
         return (f"{number_text(task.distance)} m", duration_text(task.duration)) if task else ("–", "–")
 
-    def failure(found: Mapping[View, Completion] | None, view: View) -> str:
+    def failure(found: Mapping[View, Completion] | None, view: View, left_out: Unknown | None) -> str:
         if not found:
             return "–"
-        return odds_text(found[view].failure).removeprefix("fails ") or percent_text(found[view].failure)
+        mark = marks(left_out)[2].replace("≤", "≥")  # of what fails, where what is completed is at most
+        said = odds_text(found[view].failure).removeprefix("fails ") or percent_text(found[view].failure)
+        return marked(mark, said)
 
     rows = []
     for one in records:
-        figures = (failure(found, view) for found in (one.predicted, one.actual) for view in VIEWS)
+        figures = (failure(found, view, one.unknown) for found in (one.predicted, one.actual) for view in VIEWS)
         rows.append((_when(one), *way(one.planned), *way(one.done), *figures))
     columns = [
         "arrived (UTC)",
@@ -142,6 +146,8 @@ def _print_records(robot: Robot, records: Sequence[TaskRecord]) -> None:
     ]
     out = console()
     print_table(out, table(f"Tasks of {robot.name}: how often they fail", columns, rows, figures=range(1, 9)))
+    for words in dict.fromkeys(one.unknown.of_tasks for one in records if one.unknown):
+        out.print(words, style="yellow", markup=False, soft_wrap=True)
     done = [one.done for one in records if one.done]
     if done:
         whole = Task(tuple(chain.from_iterable(one.legs for one in done)))

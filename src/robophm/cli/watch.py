@@ -22,6 +22,7 @@ from robophm.cli.unused import only
 from robophm.design.file import load
 from robophm.drives import lacking
 from robophm.health.report import HealthReport, plain
+from robophm.health.unknown import marked, marks
 from robophm.report.words import duration_text, number_text, probability_text, rate_text
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.health_topics import HealthTopics, Outlet
@@ -152,8 +153,9 @@ class _Lines(ReportSink):
             print_json(report.to_json(), one_of_many=True)
         else:
             rate = rate_text(report.system.sensor_based.hazard_rate, self._asked.unit)
-            marks = f"  ({', '.join(report.system.marks)})" if report.system.marks else ""
-            self._out.print(f"{report.clocks['operating']:.3f} h  λ {rate}{marks}", markup=False, soft_wrap=True)
+            rate = marked(marks(report.system.unknown)[0], rate)
+            told = f"  ({', '.join(report.system.marks)})" if report.system.marks else ""
+            self._out.print(f"{report.clocks['operating']:.3f} h  λ {rate}{told}", markup=False, soft_wrap=True)
 
     def judged(self, task: JudgedTask) -> None:
         if self._asked.as_json:
@@ -166,9 +168,10 @@ def _task_text(task: JudgedTask) -> str:
     what = "done" if task.done else "arrived"
     chance = task.completion["sensor_based"]
     length = f"{number_text(task.distance)} m in {duration_text(task.duration)}"
-    return (
-        f"task {what} on {task.topic}: {length}, completed with {probability_text(chance.probability, chance.failure)}"
-    )
+    said = probability_text(chance.probability, chance.failure)
+    if left_out := task.unknown:
+        said = f"{left_out.said_ahead(said)} ({left_out.words} left out)"
+    return f"task {what} on {task.topic}: {length}, completed with {said}"
 
 
 def _task_topics(asked: Watched) -> list[str]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from robophm.cli.output import console, print_json, print_table, progress_console, table, warn
+from robophm.blocks.diagram import Block
+from robophm.cli.output import console, print_json, print_table, print_unknown, progress_console, table, warn
 from robophm.cli.past import kept
 from robophm.cli.progress import counted
 from robophm.cli.unused import only
@@ -17,7 +18,8 @@ from robophm.core.errors import DataError, RobophmError
 from robophm.design.file import load
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
 from robophm.health.prognosis import Outlook, RemainingLife
-from robophm.health.worn import remaining_life
+from robophm.health.unknown import Unknown, marked, marks, unknown
+from robophm.health.worn import Worn, remaining_life
 from robophm.learning.bend import FALSE_ALARMS
 from robophm.learning.change import CORRELATED, Cusum, design
 from robophm.learning.evidence import named_mode
@@ -31,7 +33,15 @@ from robophm.wear_history import WearHistory, wear_history, worn_modes
 TABLES = (".csv", ".tsv", ".yaml", ".yml")
 """Suffixes of tables of readings; all else is recordings."""
 
-Lives = dict[str, tuple[RemainingLife, RemainingLife]]
+
+class Life(NamedTuple):
+    """A remaining life, and what parts of unknown rate make of it."""
+
+    hours: RemainingLife
+    unknown: Unknown | None
+
+
+Lives = dict[str, tuple[Life, Life]]
 """By name: by hazards alone, and with the wear in the place of the failure modes' hazards."""
 
 
@@ -180,13 +190,18 @@ def _lives(robot: Robot, outlook: Outlook, found: Sequence[_Found]) -> Lives:
         if not pace > 0:
             raise RobophmError(f"'{one.mode.path}' does not age by the design's usage; expected dates (column 'when')")
         worn[i] = lambda hours, wear=one.wear, pace=pace: wear.cumulative_hazard(np.asarray(hours) * pace)
-    lives: Lives = {}
-    for i in worn:
-        alone = outlook.plant.alone[int(outlook.plant.part[i])]
-        both = outlook.remaining_life(alone), remaining_life(outlook, alone, {i: worn[i]})
-        lives[robot.modes[i].path] = both
-    lives[robot.name] = outlook.remaining_life(robot.diagram), remaining_life(outlook, robot.diagram, worn)
-    return lives
+
+    def both(diagram: Block, some: Worn) -> tuple[Life, Life]:
+        seen = {robot.modes[i].path for i in some}
+        return (
+            Life(outlook.remaining_life(diagram), unknown(outlook, diagram)),
+            Life(remaining_life(outlook, diagram, some), unknown(outlook, diagram, seen=seen)),
+        )
+
+    lives = {
+        robot.modes[i].path: both(outlook.plant.alone[int(outlook.plant.part[i])], {i: one}) for i, one in worn.items()
+    }
+    return {**lives, robot.name: both(robot.diagram, worn)}
 
 
 _WRONG = {None: "that of a straight trend", "accelerating": "too long", "slowing": "too short"}
@@ -206,9 +221,15 @@ def _print(robot: Robot, found: Sequence[_Found], lives: Lives, wishes: Wishes) 
     for name, both in lives.items():
         with_wear = "with its wear" if _holds(name, robot, found) else "with its wear, as if it did not bend"
         for what, life in zip(("by hazard alone", with_wear), both, strict=True):
-            rows.append([f"{name} {what}", *(duration_text(time) for time in (life.early, life.median, life.late))])
+            mark = marks(life.unknown)[2]
+            times = (life.hours.early, life.hours.median, life.hours.late)
+            rows.append([f"{name} {what}", *(marked(mark, duration_text(time)) for time in times)])
     columns = ["", "5 % by", "median", "95 % by"]
     print_table(out, table("Remaining life, calendar time", columns, rows, figures=(1, 2, 3)))
+    by_hazard, fused = lives[robot.name]
+    print_unknown(by_hazard.unknown, robot)
+    if by_hazard.unknown and not fused.unknown:
+        out.print("With the wear nothing is left out: it says what their rates do not", markup=False)
 
 
 def _print_one(found: _Found, wishes: Wishes) -> None:
@@ -260,8 +281,10 @@ def _print_one(found: _Found, wishes: Wishes) -> None:
 
 
 def _json(robot: Robot, found: Sequence[_Found], lives: Lives) -> dict[str, Any]:
-    def life(one: RemainingLife) -> Any:
-        return {"early": one.early, "median": one.median, "late": one.late, "mean": one.mean}
+    def life(one: Life) -> Any:
+        life, left_out = one
+        return {"early": life.early, "median": life.median, "late": life.late, "mean": life.mean,
+                **({"unknown": asdict(left_out)} if left_out else {})}  # fmt: skip
 
     return {
         "robot": robot.name,

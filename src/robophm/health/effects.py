@@ -17,6 +17,7 @@ from robophm.design.task import Knowledge
 from robophm.health.importance import Drawn
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
+from robophm.health.unknown import unknown
 
 Array = npt.NDArray[np.float64]
 
@@ -120,8 +121,8 @@ def effects(
         for mode, hazard in zip(part.modes, hazards, strict=True):
             ratio = math.nan if part.unknown else hazard / total if total > 0 else 1 / len(part.modes)
             found.append(
-                _effect(part, mode, ratio, math.nan if mode.unknown else chances[mode.path],
-                        part.units[0], lost, drawn_in, weakened, betas, detected.get(mode.path, 0.0), severities)
+                _effect(part, mode, ratio, chances[mode.path], part.units[0], lost, drawn_in, weakened, betas,
+                        detected.get(mode.path, 0.0), severities)
             )  # fmt: skip
     return sorted(found, key=lambda one: (-one.rpn, -math.inf if one.unknown else -one.criticality))
 
@@ -152,13 +153,16 @@ def _members(plant: Plant, name: str) -> list[str]:
 
 
 def fault_chances(outlook: Outlook, hours: float) -> dict[str, float]:
-    """P(any of a part's equal parts fails by this mode within so many operating hours from now), by failure mode."""
+    """P(any of a part's equal parts fails by this mode within so many operating hours from now), by failure mode.
+
+    Not a number where its rate is unknown.
+    """
     plant = outlook.plant
     advance, effective = outlook.paced(np.array([hours]))
     more = outlook.increments(plant.parts, advance[:, None], effective[:, None])[:, 0, 0]
     quantity = {mode.path: part.quantity for part in plant.components for mode in part.modes}
     return {
-        mode.path: float(-np.expm1(-quantity[mode.path] * more[i]))
+        mode.path: math.nan if mode.unknown else float(-np.expm1(-quantity[mode.path] * more[i]))
         for i, mode in enumerate(plant.robot.modes)
         if not mode.member
     }
@@ -190,9 +194,10 @@ def silent_states(outlook: Outlook, diagram: Block, hours: float, most: int = 15
     silent = sorted(lived, key=lambda name: -lived[name])
     logs = {name: (math.log(-math.expm1(-h)), -h) for name, h in lived.items()}  # ln P(failed by now), and not
     if not silent:
+        nothing = "nothing of known rate" if unknown(outlook, diagram) else "nothing"
         raise RobophmError(
-            "nothing can have failed unseen: every part is new, monitored, or needed by what works; expected a robot "
-            "with a past (--store, or --after) and redundancy that nobody watches"
+            f"{nothing} can have failed unseen: every part is new, monitored, or needed by what works; expected a "
+            "robot with a past (--store, or --after) and redundancy that nobody watches"
         )
     advance, effective = outlook.paced(np.array([hours]))
     states, weights, outcomes, listed = [], [], [], 0.0

@@ -30,7 +30,8 @@ class Fleet:
     """Where robots of one design stand, and how they go on; arrays have shape (modes, robots), or (modes, 1) of all.
 
     Each robot is what an Outlook is, with a steady future. Answers have shape (robots,); beyond them no memory is
-    taken but for a block of robots that stays in cache. Groups of dependent parts are asked robot by robot.
+    taken but for a block of robots that stays in cache. Groups of dependent parts are asked robot by robot. Parts of
+    unknown rate are as if they never failed: ``unknown`` of a robot's outlook says what that makes of an answer.
     """
 
     plant: Plant = field(repr=False)

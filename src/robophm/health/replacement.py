@@ -17,6 +17,7 @@ from robophm.health.mission import completion, needs, now, planned, with_new_par
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.swapped import Swapped
+from robophm.health.unknown import Unknown, unknown
 
 Array = npt.NDArray[np.float64]
 
@@ -56,6 +57,8 @@ class Replacements:
     parts: tuple[Replacement, ...]
     others: int
     """Components that were not looked at: to first order they change less than any of these."""
+    unknown: Unknown | None = None
+    """What parts of unknown rate make of it; what they themselves would gain is not known, and none of ``parts``."""
 
 
 def replaced(outlook: Outlook, component: int) -> Outlook:
@@ -98,7 +101,7 @@ def replacements(outlook: Outlook, diagram: Block, task: Task | None, most: int 
         new = replaced(outlook, i)
         found.append(gain(i, completion(new, task).failure if task else None, *_life(new, diagram)))
     found.sort(key=lambda one: (-(one.completion or 0.0), -_sortable(one.median), -_sortable(one.mean)))
-    return Replacements(failure, median, mean, tuple(found), len(alone) - len(chosen))
+    return Replacements(failure, median, mean, tuple(found), len(alone) - len(chosen), unknown(outlook, diagram))
 
 
 def _more(new: float, old: float) -> float:
@@ -120,7 +123,14 @@ def _candidates(plant: Plant, diagram: Block) -> tuple[list[int], list[int]]:
     inside = dict.fromkeys(int(plant.component_of[plant.place[unit]]) for unit in plant.units if unit in members)
     parts = len(plant.components)
     return (
-        [i for i in alone if i < parts and plant.components[i].path not in causes and i not in inside],
+        [
+            i
+            for i in alone
+            if i < parts
+            and plant.components[i].path not in causes
+            and i not in inside
+            and not all(mode.unknown for mode in plant.components[i].modes)
+        ],
         list(inside),
     )
 

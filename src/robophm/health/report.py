@@ -26,7 +26,7 @@ from robophm.health.prognosis import FutureName, Outlook, RemainingLife, View, o
 from robophm.health.subject import STALE, Figures, State, Subject, breached, figures_now, looking_ahead, silence
 from robophm.health.to_come import LONGEST, FailuresToCome, failures_to_come
 from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, life_uncertainty
-from robophm.health.unknown import Unknown, unknown
+from robophm.health.unknown import Unknown, marked, marks, named, unknown
 
 SCHEMA_VERSION = 1
 """Of a report as JSON."""
@@ -250,18 +250,21 @@ class HealthReport:
         rows = []
         for one in self.subjects:
             n, s = one.nominal, one.sensor_based
-            life = f"{s.remaining_life.median:.4g}" if s.remaining_life else "–"
-            task = f"{s.completion.probability:.6g}" if s.completion else "–"
+            rate, works, ahead = marks(one.unknown)
+            life = marked(ahead, f"{s.remaining_life.median:.4g}".replace("inf", "∞")) if s.remaining_life else "–"
+            task = f"{ahead}{s.completion.probability:.6g}" if s.completion else "–"
             cells = (
-                f"{n.hazard_rate:.4g}",
-                f"{s.hazard_rate:.4g}",
-                f"{n.reliability:.6g}",
-                f"{s.reliability:.6g}",
+                marked(rate, f"{n.hazard_rate:.4g}"),
+                marked(rate, f"{s.hazard_rate:.4g}"),
+                f"{works}{n.reliability:.6g}",
+                f"{works}{s.reliability:.6g}",
                 life,
                 task,
             )
             rows.append(f"<tr><th>{escape(one.path)}</th>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+        left_out, robot = self.system.unknown, self.outlooks["sensor_based"].plant.robot
+        says = f"<caption>{escape(left_out.sentence)} ({escape(named(robot))})</caption>" if left_out else ""
+        return f"<table>{says}<thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
 
 
 def health_report(

@@ -95,12 +95,13 @@ class Subject:
 
     @property
     def state(self) -> State:
-        """In one word: stale is one that is not in error, as far as is known, and has a sensor that is silent."""
+        """In one word: stale is one that is not in error, as far as is known, and has a sensor that is silent; what
+        leaves parts of unknown rate out is never plainly ok."""
         if self.breaches:
             return "error"
         if any(flag.startswith(STALE) for flag in self.flags):
             return "stale"
-        return "warn" if self.warnings else "ok"
+        return "warn" if self.warnings or self.unknown else "ok"
 
 
 def silence(last: Mapping[str, int | None]) -> str:

@@ -12,7 +12,7 @@ from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, Deciding, completion, deciding, following
 from robophm.health.plant import Plant
-from robophm.health.prognosis import FutureName, View, outlooks
+from robophm.health.prognosis import FutureName, Outlook, View, outlooks
 from robophm.health.report import VIEWS, plain, task_to_json
 from robophm.health.uncertainty import DRAWS, SCENARIOS, CompletionUncertainty, completion_uncertainty, draw_loads
 from robophm.health.unknown import Unknown, unknown
@@ -87,8 +87,13 @@ def task_report(
         completion_uncertainty(lived, joined, loads=loads, draws=draws, seed=seed) if unsure and draws else None,
         tuple(deciding(lived, joined)),
         plant.robot.thresholds.completion,
-        unknown(lived, *(plant.diagram(name) for name in sorted(needed(joined)))),
+        unknown_in(lived, joined),
     )
+
+
+def unknown_in(outlook: Outlook, task: Task) -> Unknown | None:
+    """What parts of unknown rate make of the completion of a task; None where those that it needs are all known."""
+    return unknown(outlook, *(outlook.plant.diagram(name) for name in sorted(needed(task))))
 
 
 def needed(task: Task) -> set[str]:

@@ -8,11 +8,14 @@ itself, nor where all else is known to work: then all figures are bounds.
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from robophm.blocks.diagram import Block
-from robophm.design.robot import UNKNOWN, Robot
+from robophm.design.robot import UNKNOWN, Component, Robot
 from robophm.health.prognosis import Outlook
 
 IF_NEVER: Literal["if they never fail"] = "if they never fail"
@@ -35,9 +38,20 @@ class Unknown:
         """How many there are: "3 parts of unknown rate"."""
         return f"{self.parts:,} part{'s' * (self.parts != 1)} of {UNKNOWN} rate"
 
+    @property
+    def aside(self) -> str:
+        """The same of figures that are no bounds: what they are without them."""
+        return f"{self.words} left out: what is stated is as {IF_NEVER}, and may be more or less"
+
     def said_ahead(self, text: str) -> str:
         """A remaining life or probability of completion in words: "at most …", or "…, if they never fail"."""
         return f"at most {text}" if self.ahead == "at most" else f"{text}, {IF_NEVER}"
+
+    @property
+    def of_tasks(self) -> str:
+        """What they make of the probabilities that tasks are completed."""
+        said = "at most what is stated" if self.ahead == "at most" else f"as {IF_NEVER}, and may be more or less"
+        return f"{self.words} left out: every PoTC is {said}"
 
     @property
     def sentence(self) -> str:
@@ -50,32 +64,49 @@ class Unknown:
         return f"{left}: {bounded} at most what is stated; {free} as {IF_NEVER}, and may be more or less"
 
 
-def unknown(outlook: Outlook, *diagrams: Block, later: bool = False) -> Unknown | None:
+def unknown(outlook: Outlook, *diagrams: Block, later: bool = False, seen: Collection[str] = ()) -> Unknown | None:
     """Of one system, or of several that must work together; None where every rate in it is known.
 
-    ``later``: the hazard rate is of survivors at another time than now.
+    ``later``: the hazard rate is of survivors at another time than now. ``seen``: failure modes, by path, of which
+    something else than a rate says when they come, such as their wear.
     """
     plant = outlook.plant
+    is_unknown = plant.unknown
+    if seen:
+        told = [not any(mode.unknown and mode.path not in seen for mode in part.modes) for part in plant.components]
+        is_unknown = is_unknown & ~np.array([*told, *(True for _ in plant.groups)])[plant.component_of]
     systems = [outlook.plant.system(diagram) for diagram in diagrams]
-    units = {int(unit) for system in systems for unit in system.units[plant.unknown[system.units]]}
+    units = {int(unit) for system in systems for unit in system.units[is_unknown[system.units]]}
     if not units:
         return None
-    needed = all(system.needed[plant.unknown[system.units]].all() for system in systems)
+    needed = all(system.needed[is_unknown[system.units]].all() for system in systems)
     working = needed or all(not outlook.known(system, system.needed).any() for system in systems)
     count = sum(int(plant.multiplicity[plant.component_of[unit]]) for unit in units)
     rate: Literal["at least", "if they never fail"] = "at least" if needed or (working and not later) else IF_NEVER
     return Unknown(count, rate, "at most", "at most" if working else IF_NEVER)
 
 
-def named(robot: Robot, most: int = 5) -> str:
+def alone(parts: Iterable[Component]) -> Unknown | None:
+    """Of parts whatever they are wired to: of figures that are made of them nothing is a bound; None where all rates
+    are known."""
+    count = sum(part.quantity for part in parts if part.unknown)
+    return Unknown(count, IF_NEVER, "at most", IF_NEVER) if count else None
+
+
+def named(robot: Robot) -> str:
     """The components of unknown rate, the first few by name."""
-    found = [part.path for part in robot.all_components() if part.unknown]
-    return ", ".join(found[:most]) + (f" and {len(found) - most:,} more" if len(found) > most else "")
+    return few([part.path for part in robot.all_components() if part.unknown])
+
+
+def few(names: Sequence[str], most: int = 5) -> str:
+    """The first few of many names."""
+    return ", ".join(names[:most]) + (f" and {len(names) - most:,} more" if len(names) > most else "")
 
 
 def marked(mark: str, text: str) -> str:
     """A figure behind its mark; "unknown" where that would say nothing: at least 0, at most for ever."""
-    return "unknown" if mark and (text in ("∞", "0") or text.startswith("0 ")) else mark + text
+    number = text.partition(" ")[0].partition("/")[0]
+    return UNKNOWN if mark and number in ("∞", "0") else mark + text
 
 
 def marks(left_out: Unknown | None) -> tuple[str, str, str]:

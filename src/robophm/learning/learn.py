@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import gammaln
+from scipy.stats import chi2
 
 from robophm.core.errors import DataError, UnitError
 from robophm.core.units import quantity
@@ -58,6 +59,7 @@ class LearnedRate:
 def learn(robot: Robot, seen: Iterable[Seen], prior: str | None = None, of: str | None = None) -> list[LearnedRate]:
     """How far each stated rate is off, of the failure modes of which anything was seen; in design order.
 
+    A rate that is unknown cannot be off: see ``unstated``.
     ``prior``: what stated rates count as, such as '10000 h' or '2 failures'; else what the design's ``uncertainty``
     says, else one failure. ``of``: one robot of the fleet, else what is known of any. Raises DataError.
     """
@@ -72,6 +74,43 @@ def learn(robot: Robot, seen: Iterable[Seen], prior: str | None = None, of: str 
         for mode in robot.modes
         if mode.path in by_mode and not mode.unknown
     ]
+
+
+@dataclass(frozen=True)
+class UnstatedRate:
+    """What the field alone says of a failure mode whose rate is unknown, as if that were constant."""
+
+    mode: FailureMode
+    failures: float
+    exposure: float
+    """[unit of its clock]"""
+
+    @property
+    def rate(self) -> float:
+        """The likeliest [1 per unit of its clock]; not a number where nothing was gone through."""
+        return self.failures / self.exposure if self.exposure > 0 else math.nan
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Within which it lies with 90 %, exactly (Garwood, Biometrika 28, 1936); of no failure, below the second with
+        95 %."""
+        if not self.exposure > 0:
+            return 0.0, math.inf
+        low = float(chi2.ppf(0.05, 2 * self.failures)) if self.failures else 0.0
+        return low / (2 * self.exposure), float(chi2.ppf(0.95, 2 * self.failures + 2)) / (2 * self.exposure)
+
+
+def unstated(robot: Robot, seen: Iterable[Seen]) -> list[UnstatedRate]:
+    """Of the failure modes of unknown rate of which anything was seen, all robots together; in design order."""
+    found: dict[str, list[Seen]] = {}
+    for one in seen:
+        if one.mode.unknown:
+            found.setdefault(one.mode.path, []).append(one)
+    return [
+        UnstatedRate(mode, math.fsum(one.failures for one in found[mode.path]),
+                     math.fsum(one.exposure for one in found[mode.path]))
+        for mode in robot.modes if mode.path in found
+    ]  # fmt: skip
 
 
 def _learned(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str | None) -> LearnedRate:

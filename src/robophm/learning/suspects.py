@@ -40,25 +40,35 @@ class Suspect(NamedTuple):
 
     fault: str
     before: float
+    """Not a number where it is unknown; then neither is the next."""
     probability: float
     """Given the alarms."""
+    odds: float
+    """How many times as large the alarms make its odds: P(just these | it is there) / P(just these | it is not)."""
 
 
 class Diagnosis(NamedTuple):
-    """Suspects, the likeliest first, and what else there may be."""
+    """Suspects, the likeliest first, and what else there may be.
+
+    All is said as if no (other) fault whose chance is unknown were there: not a number where without one the alarms
+    cannot be explained.
+    """
 
     suspects: tuple[Suspect, ...]
+    """Those whose chance is unknown before all others, by what the alarms make of their odds."""
     no_fault: float
-    """P(nothing has failed, all alarms are false)."""
+    """P(nothing has failed, all alarms are false); with faults of unknown chance at most that."""
     evidence: float
     """P(just these alarms are on)."""
+    rivals: bool = False
+    """Whether a fault of unknown chance may have set off an alarm: then how likely the others are hangs on it."""
 
 
 def suspects(chances: Mapping[str, float], sensors: Sequence[Sensor], on: Collection[str]) -> Diagnosis:
     """How likely each fault is, the alarms ``on`` being on and those of the other fitted sensors off.
 
-    ``chances``: of each fault, before anything is known. Raises DataError for an alarm that is none, too many, or some
-    that nothing can have set off.
+    ``chances``: of each fault, before anything is known; not a number: unknown, it may be the one all the same. Raises
+    DataError for an alarm that is none, too many, or some that nothing can have set off.
     """
     fitted = [sensor for sensor in sensors if sensor.fitted]
     names = [sensor.name for sensor in fitted]
@@ -70,35 +80,47 @@ def suspects(chances: Mapping[str, float], sensors: Sequence[Sensor], on: Collec
     if len(rings) > MOST_ON:
         raise DataError(f"{len(rings)} alarms are on; expected at most {MOST_ON}")
     faults = list(chances)
-    prior = np.array([chances[fault] for fault in faults])
+    stated = np.array([chances[fault] for fault in faults])
+    unknown = np.isnan(stated)
+    prior = np.where(unknown, 0.0, stated)
     sees = np.array([[sensor.detects.get(fault, 0.0) for sensor in rings] for fault in faults]).reshape(len(faults), -1)
     quiet = np.array([np.prod([1 - s.detects.get(fault, 0.0) for s in silent]) for fault in faults])
-    there, absent = prior * quiet, 1 - prior
     start = np.ones(1)
     for sensor in rings:
         start = np.concatenate((start * (1 - sensor.false_alarm), start * sensor.false_alarm))
     start = start * float(np.prod([1 - sensor.false_alarm for sensor in silent]))
-    none = start * float(np.prod(absent))
-
-    forward = [start]
-    for i in range(len(faults)):
-        forward.append(absent[i] * forward[-1] + there[i] * _sets_off(forward[-1], sees[i]))
-    evidence = float(forward[-1][-1])
-    if not evidence > 0:
+    if not _explained(start, np.where(unknown, 0.5, prior), quiet, sees)[-1][-1] > 0:
         raise DataError("nothing that is known can have set off these alarms alone; expected a sensor's false alarms")
+    forward = _explained(start, prior, quiet, sees)
+    evidence = float(forward[-1][-1])
     # Backward: of the faults behind the i-th, P(they explain at least the alarms of a subset).
     full = len(start) - 1
     behind = np.zeros(full + 1)
     behind[0] = 1.0
-    posterior = np.empty(len(faults))
+    there, absent = np.empty((2, len(faults)))
     subsets = np.arange(full + 1)
     for i in reversed(range(len(faults))):
-        with_it = there[i] * _sets_off(forward[i], sees[i])
-        posterior[i] = float(with_it @ _at_least(behind)[full - subsets]) / evidence
-        behind = absent[i] * behind + there[i] * _sets_off(behind, sees[i])
-    order = np.argsort(-posterior, kind="stable")
-    found = tuple(Suspect(faults[i], float(prior[i]), float(min(posterior[i], 1.0))) for i in order)
-    return Diagnosis(found, float(none[-1]) / evidence, evidence)
+        needed, set_off = _at_least(behind)[full - subsets], quiet[i] * _sets_off(forward[i], sees[i])
+        there[i], absent[i] = float(set_off @ needed), float(forward[i] @ needed)
+        behind = (1 - prior[i]) * behind + prior[i] * quiet[i] * _sets_off(behind, sees[i])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        odds, now = there / absent, np.minimum(stated * there / evidence, 1.0)
+    no_fault = float(start[-1] * np.prod(1 - prior)) / evidence if evidence > 0 else 0.0
+    order = sorted(range(len(faults)), key=lambda i: (not unknown[i], -_or_0(float(odds[i] if unknown[i] else now[i]))))
+    found = tuple(Suspect(faults[i], float(stated[i]), float(now[i]), float(odds[i])) for i in order)
+    return Diagnosis(found, no_fault, evidence, bool((sees[unknown] > 0).any()))
+
+
+def _or_0(number: float) -> float:
+    return 0.0 if np.isnan(number) else number
+
+
+def _explained(start: Array, prior: Array, quiet: Array, sees: Array) -> list[Array]:
+    """Distributions over the subsets of the alarms that are explained: by no fault, by the first, by the first two …"""
+    found = [start]
+    for chance, silence, of_it in zip(prior.tolist(), quiet.tolist(), sees, strict=True):
+        found.append((1 - chance) * found[-1] + chance * silence * _sets_off(found[-1], of_it))
+    return found
 
 
 def _sets_off(explained: Array, sees: Array) -> Array:

@@ -107,7 +107,8 @@ def _tiles(report: HealthReport) -> Html:
             name: marked(ahead, duration_text(f.remaining_life.median)) for name, f in both.items() if f.remaining_life
         }
         late = system.sensor_based.remaining_life
-        note = f"median; 90 % between {duration_text(late.early)} and {duration_text(late.late)}" if late else ""
+        span = f"90 % between {duration_text(late.early)} and {duration_text(late.late)}" if late else ""
+        note = f"median; {system.unknown.said_ahead(span) if system.unknown else span}" if span else ""
         each.append(tile("Remaining life", lives, note, tone))
     if report.task and system.nominal.completion:
         texts = {

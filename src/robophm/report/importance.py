@@ -11,7 +11,6 @@ from robophm.design.task import Task
 from robophm.health.importance import LIFELONG, Drawn, Importances, importances, usual_hours
 from robophm.health.prognosis import Outlook, View
 from robophm.health.replacement import Replacements, replacements
-from robophm.health.unknown import IF_NEVER
 from robophm.report.bars import bars_svg
 from robophm.report.markup import Html
 from robophm.report.page import figure, table_html
@@ -64,7 +63,7 @@ def _matters(found: Mapping[View, Importances], many: bool) -> Iterable[Html | s
     caption = f"Sensor-based, within {ahead}; Barlow–Proschan: share of all failures to come that it brings about"
     yield table_html(columns, rows, caption + (f"; {rest:,} more parts are not shown" if rest else ""), "lrrrrrrr")
     if one.unknown:
-        yield f"{one.unknown.words} left out: what is stated is as {IF_NEVER}."
+        yield f"{one.unknown.aside}."
     if many:
         yield "Barlow–Proschan importances are not worked out for so many parts; `robophm importance` states them."
 
@@ -76,6 +75,8 @@ def replace_first(robot: Robot, outlooks: Mapping[View, Outlook], task: Task | N
     lived = found["sensor_based"]
     nominal = {one.path: one for one in found["nominal"].parts}
     some = [one for one in lived.parts if one.completion or one.median or one.mean]
+    if lived.unknown:
+        yield f"{lived.unknown.aside}; what they would gain is unknown."
     if not some:
         yield "Nothing gains by being replaced: no part has aged, and no redundancy may have been lost."
         return

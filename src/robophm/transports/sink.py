@@ -10,6 +10,7 @@ from typing import Self
 from robophm.health.mission import Completion
 from robophm.health.prognosis import View
 from robophm.health.report import HealthReport
+from robophm.health.unknown import Unknown
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,8 @@ class JudgedTask:
     distance: float
     """[m]"""
     completion: Mapping[View, Completion]
+    unknown: Unknown | None = None
+    """What parts of unknown rate make of it."""
 
 
 class ReportSink(ABC):

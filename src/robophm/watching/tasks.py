@@ -10,6 +10,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.mission import completion
 from robophm.health.prognosis import outlooks
 from robophm.health.report import VIEWS
+from robophm.health.task_report import unknown_in
 from robophm.health.window import Window
 from robophm.judging import completion_as_done, task_as_done, task_as_planned
 from robophm.monitor import Monitor
@@ -69,7 +70,8 @@ class LiveTasks:
         monitor = self._monitor
         views = outlooks(monitor.plant, monitor.exposure, monitor.exposure.settled(monitor.ledger))
         judged = {view: completion(views[view], task) for view in VIEWS}
-        return JudgedTask(False, told.time, told.topic, task.duration, task.distance, judged)
+        return JudgedTask(False, told.time, told.topic, task.duration, task.distance, judged,
+                          unknown_in(views["sensor_based"], task))  # fmt: skip
 
     def _done(self, told: DoneTask) -> JudgedTask | None:
         monitor = self._monitor
@@ -81,4 +83,5 @@ class LiveTasks:
         views = outlooks(monitor.plant, monitor.exposure, begun)
         ended = monitor.exposure.settled(monitor.ledger)
         found = completion_as_done(monitor.plant, views, task, begun, ended)
-        return JudgedTask(True, told.end, told.topic, task.duration, task.distance, found)
+        return JudgedTask(True, told.end, told.topic, task.duration, task.distance, found,
+                          unknown_in(views["sensor_based"], task))  # fmt: skip

@@ -7,9 +7,11 @@ from itertools import count
 from typing import Any
 
 from robophm.core.signal import SECOND
-from robophm.health.prognosis import RemainingLife
+from robophm.design.robot import UNKNOWN
+from robophm.health.prognosis import RemainingLife, View
 from robophm.health.report import VIEWS, ComponentHealth, HealthReport
 from robophm.health.subject import STALE, State, Subject
+from robophm.health.unknown import Unknown, marked, marks
 from robophm.transports.sink import JudgedTask
 
 Fields = Mapping[str, Any]
@@ -47,15 +49,28 @@ def reliabilities(report: HealthReport) -> Fields:
     return _of_modules(report, "reliability")
 
 
+_SAYS_NOTHING = {"hazard_rate": 0.0, "reliability": 1.0, "unreliability": 0.0, "completion": 1.0, "failure": 0.0,
+                 "remaining_life": float("inf")}  # fmt: skip
+"""Where parts of unknown rate are left out: a rate of at least 0, a life of at most for ever."""
+
+
+def _said(name: str, value: float, left_out: Unknown | bool | None) -> float:
+    """A figure as it is, NaN where parts of unknown rate leave of it a bound that says nothing."""
+    return _NAN if left_out and value == _SAYS_NOTHING[name] else value
+
+
 def _of_modules(report: HealthReport, figure: str) -> Fields:
+    def said(one: Subject, view: View) -> float:
+        return _said(figure, getattr(getattr(one, view), figure), one.unknown)
+
     modules = [one for one in report.subjects if one.kind == "module" and "/" not in one.path]
     return {
         "stamp": stamp(report.time),
-        "system_value": getattr(report.system.nominal, figure),
-        "system_sensor_based_value": getattr(report.system.sensor_based, figure),
+        "system_value": said(report.system, "nominal"),
+        "system_sensor_based_value": said(report.system, "sensor_based"),
         "module_names": [one.path for one in modules],
-        "module_values": [getattr(one.nominal, figure) for one in modules],
-        "module_sensor_based_values": [getattr(one.sensor_based, figure) for one in modules],
+        "module_values": [said(one, "nominal") for one in modules],
+        "module_sensor_based_values": [said(one, "sensor_based") for one in modules],
     }
 
 
@@ -68,8 +83,9 @@ def _potc(task: JudgedTask | None) -> Fields:
     if task is None:
         return {}
     return {
-        "potc_nominal_value": task.completion["nominal"].probability,
-        "potc_sensor_based_value": task.completion["sensor_based"].probability,
+        **{
+            f"potc_{view}_value": _said("completion", task.completion[view].probability, task.unknown) for view in VIEWS
+        },
         "potc_time": task.duration,
         "potc_distance": task.distance,
     }
@@ -82,8 +98,10 @@ def task_completion(task: JudgedTask) -> Fields:
         "topic": task.topic,
         "duration": task.duration,
         "distance": task.distance,
-        **{f"completion_{view}": task.completion[view].probability for view in VIEWS},
-        **{f"failure_{view}": task.completion[view].failure for view in VIEWS},
+        **{
+            f"completion_{view}": _said("completion", task.completion[view].probability, task.unknown) for view in VIEWS
+        },
+        **{f"failure_{view}": _said("failure", task.completion[view].failure, task.unknown) for view in VIEWS},
     }
 
 
@@ -103,7 +121,8 @@ def health(report: HealthReport, of: Subject | ComponentHealth) -> Fields:
         failed = {view: getattr(of, f"{view}_unreliability") for view in VIEWS}
         lives = {"nominal": None, "sensor_based": of.remaining_life}
         completions = dict.fromkeys(VIEWS)
-        state = "stale" if any(flag.startswith(STALE) for flag in of.flags) else "ok"
+        silent = any(flag.startswith(STALE) for flag in of.flags)
+        state = "stale" if silent else "warn" if of.unknown else "ok"
     fields: dict[str, Any] = {
         "header": {"stamp": stamp(report.time)},
         "path": of.path,
@@ -114,12 +133,15 @@ def health(report: HealthReport, of: Subject | ComponentHealth) -> Fields:
     for view in VIEWS:
         done, life = completions[view], lives[view]
         fields |= {
-            f"hazard_rate_{view}": rates[view],
-            f"reliability_{view}": survival[view],
-            f"unreliability_{view}": failed[view],
-            f"completion_{view}": done.probability if done else _NAN,
-            f"failure_{view}": done.failure if done else _NAN,
-            **{f"remaining_life_{name}_{view}": value for name, value in _quantiles(life).items()},
+            f"hazard_rate_{view}": _said("hazard_rate", rates[view], of.unknown),
+            f"reliability_{view}": _said("reliability", survival[view], of.unknown),
+            f"unreliability_{view}": _said("unreliability", failed[view], of.unknown),
+            f"completion_{view}": _said("completion", done.probability, of.unknown) if done else _NAN,
+            f"failure_{view}": _said("failure", done.failure, of.unknown) if done else _NAN,
+            **{
+                f"remaining_life_{name}_{view}": _said("remaining_life", value, of.unknown)
+                for name, value in _quantiles(life).items()
+            },
         }
     return fields
 
@@ -142,7 +164,10 @@ def diagnostics(report: HealthReport, node: str) -> Fields:
                 "name": f"{node}: {one.path}",
                 "message": _words(one),
                 "hardware_id": report.robot,
-                "values": [{"key": key, "value": repr(value)} for key, value in _values(one).items()],
+                "values": [
+                    {"key": key, "value": value if isinstance(value, str) else repr(value)}
+                    for key, value in _values(one).items()
+                ],
             }
             for one in told
         ],
@@ -150,11 +175,13 @@ def diagnostics(report: HealthReport, node: str) -> Fields:
 
 
 def _words(one: Subject) -> str:
-    return "; ".join((*one.breaches, *one.warnings, *one.marks)) or "OK"
+    """All that is to be said, what parts of unknown rate make of the values in full."""
+    marks = [one.unknown.sentence if one.unknown and mark == one.unknown.words else mark for mark in one.marks]
+    return "; ".join((*one.breaches, *one.warnings, *marks)) or "OK"
 
 
-def _values(one: Subject) -> dict[str, float]:
-    values: dict[str, float] = {}
+def _values(one: Subject) -> dict[str, float | str]:
+    values: dict[str, float | str] = {}
     for view in VIEWS:
         figures, name = getattr(one, view), view.replace("_", "-")
         values |= {
@@ -166,6 +193,13 @@ def _values(one: Subject) -> dict[str, float]:
             values[f"remaining life, 5 %, {name} [h]"] = life.early
         if done := figures.completion:
             values[f"completion of the task, {name}"] = done.probability
+    if left_out := one.unknown:
+        values |= {
+            f"parts of {UNKNOWN} rate": left_out.parts,
+            "hazard rates are": left_out.hazard_rate,
+            "reliabilities are": left_out.reliability,
+            "remaining lives and completions are": left_out.ahead,
+        }
     return values
 
 
@@ -176,9 +210,10 @@ def markers(report: HealthReport, frame: str) -> Fields:
     found = []
     for row, one in enumerate(reversed(told)):
         red, green, blue = COLOURS[one.state]
+        rate = marked(marks(one.unknown)[0], f"{one.sensor_based.hazard_rate:.3g}/h")
         depth = 0 if one.kind == "robot" else one.path.count("/") + 1
         common = {"header": {"stamp": stamp(report.time), "frame_id": frame}, "frame_locked": True}
-        text = f"{one.path.rpartition('/')[2]}: {one.state.upper()}, λ {one.sensor_based.hazard_rate:.3g}/h"
+        text = f"{one.path.rpartition('/')[2]}: {one.state.upper()}, λ {rate}"
         left = 0.3 * depth
         beside = left + 0.15 + len(text) * _LETTER * _HEIGHT / 2  # a text is centred where it stands
         for type_, across, scale, words in ((_BOX, left, 0.15, ""), (_TEXT, beside, _HEIGHT, text)):
