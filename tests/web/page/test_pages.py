@@ -8,7 +8,7 @@ from ..conftest import OTA, SMALL, serving
 
 PAGES = ("overview", "design", "parts", "analysis", "live", "sensors", "tasks", "reports", "settings")
 SAYS = {
-    "overview": "worst contributors", "design": "Power", "parts": "Step Down Switching Regulator",
+    "overview": "What will fail it", "design": "Power", "parts": "Step Down Switching Regulator",
     "analysis": "Median remaining life", "live": "Hazard rate", "sensors": "/ota/power/temperature",
     "tasks": "Can I do this?", "reports": "Open the report", "settings": "Hazard rates in",
 }  # fmt: skip
