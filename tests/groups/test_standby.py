@@ -130,6 +130,18 @@ def test_several_active_in_cold_standby_are_independent_places(switch: float) ->
     np.testing.assert_allclose(one.rate(t), other.rate(t), rtol=1e-11)
 
 
+@pytest.mark.parametrize("status", [[None] * 5, [False, None, None, None, None], [False, True, False, None, True],
+                                    [True, None, None, None, None], [None, None, None, None, False]])  # fmt: skip
+def test_what_is_known_of_several_active_ones(status: list[bool | None]) -> None:
+    """Three that differ, and two equal spares: what the Markov chain says; with the last cold spare all are gone."""
+    lives, now, t = [Exponential(rate) for rate in (1.0, 1.3, 0.7, 2.0, 2.0)], 0.4, np.array([0.4, 0.7, 3.0])
+    one, other = (solved(standby(5, 3, 0.0, 0.9), lives, now=now, status=status, way=way) for way in (Positions, Chain))
+    np.testing.assert_allclose(one.log_works(t), other.log_works(t), rtol=1e-11, atol=1e-14)
+    if status[-1] is not False:
+        np.testing.assert_allclose(one.log_fails_in(t, t / 9), other.log_fails_in(t, t / 9), rtol=1e-11)
+        np.testing.assert_allclose(one.log_density(t), other.log_density(t), rtol=1e-11)
+
+
 def test_what_has_no_exact_solution_names_the_way_that_is_left() -> None:
     with pytest.raises(StructureError, match=r"2 active of 4 parts that age.*--monte-carlo"):
         solved(standby(4, 2, 0.1), [Weibull(1.0, 2.0)] * 4)

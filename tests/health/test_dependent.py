@@ -8,6 +8,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from mpmath import mp
+from scipy import stats
+from scipy.integrate import quad
 
 from robophm.design.file import parse
 from robophm.design.robot import Robot
@@ -88,6 +90,84 @@ def test_what_is_known_of_members() -> None:
     assert lost.remaining_life(one.diagram).median == 0
     watched = robot(COLD, "{A: {rate: 0.01 /h, monitored: true}, B: {rate: 0.01 /h, monitored: true}}")
     assert completion(old(watched, 70.0), hours(50.0)).probability == pytest.approx(fresh, rel=1e-13)
+
+
+NARROW = {
+    "{distribution: lognormal, log_mean: 6.9, log_deviation: 0.05}": stats.lognorm(0.05, scale=math.exp(6.9)),
+    "{distribution: gamma, shape: 400, scale: 2.5 h}": stats.gamma(400, scale=2.5),
+    "{distribution: weibull, shape: 60, scale: 1000 h}": stats.weibull_min(60, scale=1000),
+    "{distribution: weibull, shape: 2, scale: 500 h, location: 500 h}": stats.weibull_min(2, loc=500, scale=500),
+    "{distribution: normal, centre: 1000 h, deviation: 20 h}": stats.norm(1000, 20),
+}
+
+
+@pytest.mark.parametrize("first", NARROW)
+@pytest.mark.parametrize("then", NARROW)
+def test_what_failed_at_once_however_unlikely(first: str, then: str) -> None:
+    """In a new robot the other begins now: R is its survival, and the mean its mean."""
+    one = robot(COLD, f"{{A: {{life: {first}}}, B: {{life: {then}}}}}")
+    outlook = new(one, failed=("A",))
+    assert completion(outlook, hours(900.0)).probability == pytest.approx(NARROW[then].sf(900.0), rel=1e-9)
+    assert outlook.remaining_life(one.diagram).mean == pytest.approx(NARROW[then].mean(), rel=1e-6)
+
+
+@pytest.mark.parametrize("now", [1.0, 30.0, 300.0])
+def test_what_failed_early_however_unlikely(now: float) -> None:
+    """Of a cold pair the second has worked since then: ∫ f(τ)·S(t − τ)dτ, relative to that of now."""
+    mu, sigma = mp.mpf("6.9"), mp.mpf("0.05")
+    one = robot(COLD, "{A: {life: {distribution: lognormal, log_mean: 6.9, log_deviation: 0.05}}, "
+                      "B: {life: {distribution: weibull, shape: 1.5, scale: 700 h}}}")  # fmt: skip
+
+    def joint(t: float) -> mp.mpf:
+        def integrand(x: mp.mpf) -> mp.mpf:
+            density = mp.exp(-(((mp.log(x) - mu) / sigma) ** 2) / 2) / x
+            return density * mp.exp(-(((t - x) / 700) ** mp.mpf("1.5")))
+
+        return mp.quad(integrand, [now * part for part in (0.5, 0.9, 0.97, 0.99, 0.995, 0.999, 1)])
+
+    found = completion(old(one, now, failed=("A",)), hours(400.0)).probability
+    assert found == pytest.approx(float(joint(now + 400) / joint(now)), rel=1e-9)
+
+
+def test_a_warm_spare_that_failed_early_however_unlikely() -> None:
+    """It did while it waited, of a chance far below what a number holds: the first works on, by its own life."""
+    lives = "{life: {distribution: lognormal, log_mean: 6.9, log_deviation: 0.05}}"
+    one = robot("{standby: {of: [A, B], dormancy: 0.1}}", f"{{A: {lives}, B: {lives}}}")
+    found = completion(old(one, 300.0, failed=("B",)), hours(700.0)).probability
+    life = stats.lognorm(0.05, scale=math.exp(6.9))
+    assert found == pytest.approx(life.sf(1000.0) / life.sf(300.0), rel=1e-9)
+
+
+WORN = "{A: {life: {distribution: weibull, shape: 2.5, scale: 1000 h}, quantity: %d, monitored: %s}}"
+OF_WORN = stats.weibull_min(2.5, scale=1000)
+
+
+def test_equal_parts_known_to_work_have_aged_as_they_worked() -> None:
+    """The active one is 300 h old, its spare new: though both are of one component."""
+    one = robot("{standby: {of: [A]}}", WORN % (2, "true"))
+    old_sf = OF_WORN.sf(300.0)
+    second = quad(lambda x: OF_WORN.pdf(300 + x) / old_sf * OF_WORN.sf(200 - x), 0, 200, epsrel=1e-12)[0]
+    found = completion(old(one, 300.0), hours(200.0)).probability
+    assert found == pytest.approx(OF_WORN.sf(500.0) / old_sf + second, rel=1e-10)
+
+
+def test_two_active_of_three_that_age() -> None:
+    """Two places, of which each goes on with the spare: all known to work, or that the first has failed; also new."""
+    diagram, now, t = "{standby: {of: [A], active: 2}}", 300.0, 500.0
+    watched, one = robot(diagram, WORN % (3, "true")), robot(diagram, WORN % (3, "false"))
+    stays = OF_WORN.sf(t) / OF_WORN.sf(now)
+    goes_on = quad(lambda x: OF_WORN.pdf(x) * OF_WORN.sf(t - x), now, t, epsrel=1e-12)[0] / OF_WORN.sf(now)
+    found = completion(old(watched, now), hours(t - now)).probability
+    assert found == pytest.approx(stays * (stays + 2 * goes_on), rel=1e-10)
+
+    went_on = [quad(lambda x: OF_WORN.pdf(x) * OF_WORN.sf(end - x), 0, now, epsrel=1e-12)[0] for end in (now, t)]  # noqa: B023
+    for failed in ("A[1]", "A[2]"):
+        found = completion(old(one, now, failed=(failed,)), hours(t - now)).probability
+        assert found == pytest.approx(went_on[1] / went_on[0] * stays, rel=1e-10)
+        assert completion(new(one, failed=(failed,)), hours(t)).probability == pytest.approx(
+            OF_WORN.sf(t) ** 2, rel=1e-12
+        )
+    assert completion(new(one, failed=("A[3]",)), hours(1.0)).probability == 0  # which it only does when called
 
 
 def test_load_shared_by_two() -> None:

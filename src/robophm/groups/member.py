@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from robophm.groups.path import Array, Path
+from robophm.groups.path import Array, Path, Rows
+from robophm.groups.quadrature import log_integral
+from robophm.groups.state import log_fails
 from robophm.groups.table import SMALLEST
 from robophm.life.distribution import LifeDistribution
 from robophm.life.exponential import Exponential
@@ -86,6 +88,54 @@ def working_hazard(member: Member, path: Path, since: Array, length: Array, dorm
     return total
 
 
+def latest(member: Member, path: Path, s: Array, dormancy: float) -> Array:
+    """Since when it must work at the latest to be able to fail at ``s``: ``s``, but for lives with a location."""
+    found, ages = np.zeros(np.shape(s)), path.at(s)
+    for mode in member:
+        rest, waits = getattr(mode.life, "location", 0.0) - mode.age, _waiting(mode, dormancy)
+        since = s
+        if rest > 0:
+            over = ages[mode.column] - rest
+            since = np.where(over < 0, 0.0, s)
+            if waits < 1:
+                since = np.minimum(since, path.when(mode.column, np.maximum(over, 0.0) / (1 - waits)))
+        found = np.maximum(found, since)
+    return found
+
+
+def log_rate(ageing: Iterable[tuple[Mode, Array, Array]]) -> Array:
+    """ln of the hazard rate per unit of s of failure modes in series, each at an age and a speed."""
+    modes = list(ageing)
+    rate = sum(
+        np.where(speed > 0, mode.multiplicity * speed * np.minimum(mode.life.hazard(age), 1e300), 0.0)
+        for mode, age, speed in modes
+    )
+    with np.errstate(divide="ignore"):
+        log = np.log(rate)
+        if np.any(faint := rate < SMALLEST):
+            logs = [np.log(mode.multiplicity * speed) + mode.life.log_hazard(age) for mode, age, speed in modes]
+            log = np.where(faint, np.logaddexp.reduce(logs), log)
+    return log
+
+
+def log_waiting_fails(member: Member, path: Path, s: Array, dormancy: float) -> Array:
+    """ln P(a spare that waits has failed by ``s``), however small."""
+    hazard = waiting_hazard(member, path, s, dormancy)
+    found, faint = log_fails(hazard), hazard < SMALLEST
+    ageing = [(mode, share) for mode in member if (share := _waiting(mode, dormancy))]
+    if ageing and np.any(faint):
+
+        def rate(which: Rows, place: Array, rest: Array) -> Array:
+            ages, piece = path.at(place), path.piece(place)
+            return log_rate(
+                (mode, mode.age + share * ages[mode.column], share * path.speed[piece, mode.column])
+                for mode, share in ageing
+            )
+
+        found[faint] = log_integral(rate, np.zeros(np.count_nonzero(faint)), s[faint], path.corners[1:].tolist())
+    return found
+
+
 def log_density(member: Member, path: Path, since: Array, length: Array, end: Array, dormancy: float) -> Array:
     """ln of the failure density at ``end``, per unit of s, of a member that works since ``length`` before it.
 
@@ -93,12 +143,10 @@ def log_density(member: Member, path: Path, since: Array, length: Array, end: Ar
     """
     ages, gained = path.at(since), path.between(since, length)
     piece = path.piece(end)
-    hazard, lived = np.zeros(np.broadcast(since, length).shape), np.zeros(np.broadcast(since, length).shape)
+    lived = np.zeros(np.broadcast(since, length).shape)
+    ageing = []
     for mode in member:
         age = mode.age + _waiting(mode, dormancy) * ages[mode.column]
-        speed = path.speed[piece, mode.column]
-        here = mode.life.hazard(age + gained[mode.column])
-        hazard = hazard + np.where(speed > 0, mode.multiplicity * speed * np.minimum(here, 1e300), 0.0)
+        ageing.append((mode, age + gained[mode.column], path.speed[piece, mode.column]))
         lived = lived + mode.multiplicity * mode.life.increment(age, gained[mode.column])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where((lived > 1e100) | (hazard < SMALLEST), -np.inf, np.log(hazard) - lived)
+    return np.where(lived > 1e100, -np.inf, log_rate(ageing) - lived)

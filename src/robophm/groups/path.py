@@ -62,6 +62,13 @@ class Path:
         into = s - self.corners[p]
         return [self.gained[p, j] + self.speed[p, j] * into for j in range(self.speed.shape[1])]
 
+    def when(self, mode: int, gained: Array) -> Array:
+        """When a mode has aged so much; infinite for never."""
+        p = np.maximum(np.searchsorted(self.gained[:, mode], gained, side="right") - 1, 0)
+        rest, speed = np.maximum(gained - self.gained[p, mode], 0.0), self.speed[p, mode]
+        with np.errstate(all="ignore"):
+            return self.corners[p] + np.where(rest > 0, rest / speed, 0.0)
+
     def between(self, start: Array, length: Array) -> list[Array]:
         """What each mode ages in a stretch; ``length`` has its own digits."""
         p, end = self.piece(start), start + length

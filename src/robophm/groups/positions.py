@@ -1,18 +1,21 @@
-"""Cold standby with several active: equal parts that age, of which each place takes the next spare when its own fails.
+"""Cold standby with several active parts that age: each place takes the next spare when its own part fails.
 
-A spare is as good as new when it is called, whoever calls. So the places are independent renewal processes, of which
-only the number of failures counts: the group works while all together are at most as many as there are spares.
+The spares are equal, and one is as good as new when it is called, whoever calls. So the places are independent
+sequences of lives, of which only the number of failures counts: the group works while all together are at most as many
+as there are spares. The parts that are active first may differ, in age too.
 
 Source: Barlow and Proschan, "Statistical theory of reliability and life testing" (1975), chapter 6.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
+import numpy.typing as npt
 
 from robophm.blocks.diagram import Standby
 from robophm.core.errors import StructureError
@@ -25,43 +28,54 @@ from robophm.groups.table import LogTable
 
 
 class Positions(Solved):
-    """Such a group along a path; nothing is known of its members but how it began. Raises StructureError."""
+    """Such a group along a path; ``status`` at ``now`` of each member: True works, False has failed, None.
+
+    Raises StructureError where spares differ, or something is known of one but the last.
+    """
 
     def __init__(
         self, group: Standby, members: Sequence[Member], path: Path, now: float, status: Sequence[bool | None]
     ) -> None:
-        if not alike(members, path) or any(one is not None for one in status):
+        first, spares = members[: group.active], members[group.active :]
+        if not alike(spares, path) or any(one is not None for one in status[group.active : -1]):
             raise StructureError(
-                f"{group.name}: {group.active} active of parts that age have no exact solution once they differ in age "
-                "or something is known of one; expected parts all new, or robophm show DESIGN --monte-carlo 100000"
+                f"{group.name}: {group.active} active of parts that age have no exact solution once spares differ in "
+                "age or something is known of one that is not the last; expected new spares, "
+                "or robophm show DESIGN --monte-carlo 100000"
             )
-        self.now, self.told = now, False
-        self._spares, self._places = len(members) - group.active, group.active
+        self.now, self.told = now, any(one is not None for one in status)
+        self._dead = status[-1] is False  # with the last cold spare, which only fails when called
+        self._spares = len(spares)
         with np.errstate(divide="ignore"):
             self._taken, self._missed = np.log(group.switch), np.log1p(-group.switch)
-        count = self._spares + 2
-        names = tuple((str(i),) for i in range(count))
-        self._place = InOrder(replace(group, members=names, active=1, switch=1.0), [members[0]] * count, path, 0.0,
-                              [None] * count)  # fmt: skip
-        scale = self._place.scale()
-        self._failed = [
-            LogTable(partial(self._place.serves, i), self._place.breaks, scale) for i in range(1, self._spares + 1)
-        ]
+        order = replace(group, members=tuple((str(i),) for i in range(self._spares + 2)), active=1, switch=1.0)
+        kinds: dict[object, _Place] = {}
+        self._places = []
+        for member, said in zip(first, status, strict=False):
+            kind = said, *((replace(mode, column=0), path.speed[:, mode.column].tobytes()) for mode in member)
+            if kind not in kinds:
+                lives = InOrder(order, [member, *spares, spares[0]], path, now, [said, *[None] * (self._spares + 1)])
+                kinds[kind] = _Place(lives, self._spares)
+            self._places.append(kinds[kind])
+        self._breaks = sorted({at for place in kinds.values() for at in place.lives.breaks})
 
-    def over(self, s: Array, length: Array) -> np.ndarray:
-        """Where no place could have had enough."""
-        return self._place.over(s, length)
+    def over(self, s: Array, length: Array) -> npt.NDArray[np.bool_]:
+        """Where a place has had more than all spares outlive."""
+        found: npt.NDArray[np.bool_] = np.any([place.lives.over(s, length) for place in set(self._places)], axis=0)
+        return found
 
-    def _counts(self, places: int, s: Array) -> list[Array]:
-        """ln P(so many failures in some places until s), 0 … as many as there are spares."""
-        one = [self._place.serves(0, s.ravel()).reshape(s.shape), *(table(s) for table in self._failed)]
-        total = [np.zeros(s.shape), *(np.full(s.shape, -np.inf) for _ in self._failed)]
-        for _ in range(places):
-            total = [log_sum(*(total[i] + one[k - i] for i in range(k + 1))) for k in range(len(one))]
+    def _counts(self, places: Sequence[_Place], s: Array) -> list[Array]:
+        """ln P(so many failures in these places until s), 0 … as many as there are spares."""
+        total = [np.zeros(s.shape), *(np.full(s.shape, -np.inf) for _ in range(self._spares))]
+        for one in places:
+            failures = one.failures(s)
+            total = [log_sum(*(total[i] + failures[k - i] for i in range(k + 1))) for k in range(len(failures))]
         return total
 
     def log_works(self, s: Array) -> Array:
         """As of Solved."""
+        if self._dead:
+            return np.full(s.shape, -np.inf)
         return log_sum(*(count + self._calls(k) for k, count in enumerate(self._counts(self._places, s))))
 
     def _calls(self, count: int) -> float:
@@ -70,13 +84,15 @@ class Positions(Solved):
 
     def log_density(self, s: Array) -> Array:
         """As of Solved."""
-        others, found = self._counts(self._places - 1, s), []
-        for i, other in enumerate(others):
-            for k in range(self._spares + 1 - i):
-                last = 0.0 if i + k == self._spares else float(self._missed)
-                found.append(other + self._place.fails(k, s) + self._calls(i + k) + last)
-        density: Array = np.log(self._places) + log_sum(*found)
-        return density
+        found = [np.full(s.shape, -np.inf)]
+        for place, times in Counter(self._places).items():
+            rest = list(self._places)
+            rest.remove(place)
+            for i, others in enumerate(self._counts(rest, s)):
+                for k in range(self._spares + 1 - i):
+                    last = 0.0 if i + k == self._spares else float(self._missed)
+                    found.append(np.log(times) + others + place.lives.fails(k, s) + self._calls(i + k) + last)
+        return np.full(s.shape, -np.inf) if self._dead else log_sum(*found)
 
     def log_fails_in(self, s: Array, length: Array) -> Array:
         """As of Solved."""
@@ -84,4 +100,17 @@ class Positions(Solved):
         def log_f(which: Rows, place: Array, rest: Array) -> Array:
             return self.log_density(place)
 
-        return log_integral(log_f, s, s + length, self._place.breaks)
+        return log_integral(log_f, s, s + length, self._breaks)
+
+
+class _Place:
+    """What is active at one place, one after the other, as often as there are spares."""
+
+    def __init__(self, lives: InOrder, spares: int) -> None:
+        self.lives = lives
+        scale = lives.scale()
+        self._serves = [LogTable(partial(lives.serves, i), lives.breaks, scale) for i in range(1, spares + 1)]
+
+    def failures(self, s: Array) -> list[Array]:
+        """ln P(0, 1 … so many failures until s)."""
+        return [self.lives.serves(0, s.ravel()).reshape(s.shape), *(table(s) for table in self._serves)]

@@ -34,8 +34,13 @@ with np.errstate(divide="ignore"):
     _WEIGHTS = np.log(np.concatenate(([0.0], _w / 2, [0.0])))
 
 
-def log_integral(log_f: LogFunction, low: Array, high: Array, breaks: Sequence[float] = ()) -> Array:
-    """ln ∫ f from ``low`` to ``high``, arrays of shape (integrals,); f may bend at ``breaks``. −inf where empty."""
+def log_integral(
+    log_f: LogFunction, low: Array, high: Array, breaks: Sequence[float] = (), lost: Array | None = None
+) -> Array:
+    """ln ∫ f from ``low`` to ``high``, arrays of shape (integrals,); f may bend at ``breaks``. −inf where empty.
+
+    ``lost``: what f of each is off by, relative to itself, beyond what the size of its logarithm says.
+    """
     which, start, end = _between_breaks(low, high, breaks)
     panel = np.repeat(np.arange(len(which)), _PANELS)
     left = np.tile(np.arange(_PANELS) / _PANELS, len(which))
@@ -91,6 +96,8 @@ def log_integral(log_f: LogFunction, low: Array, high: Array, breaks: Sequence[f
         estimate = total + np.bincount(of, parts, len(low))
         # What a logarithm of that size, and a place so near to where the stretch begins, have left of their digits.
         rounding = 1e-15 * (16 + 8 * np.abs(shift[of]) + 8 * (end / (end - start))[panel]) * one
+        if lost is not None:
+            rounding += lost[of] * one
         off, allowed = np.abs(parts - one), TOLERANCE * estimate[of]
         enough = (off <= allowed + rounding) & ((off <= _RESOLVED * parts) & (parts > 0) | (most <= allowed))
         enough |= shift[of] < _FAINTEST

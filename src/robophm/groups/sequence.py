@@ -10,6 +10,7 @@ life testing" (1975), chapter 6; what a switch and dormant failures do to it is 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import partial
 
@@ -17,13 +18,22 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Standby
-from robophm.groups.member import Member, log_density, waiting_hazard, waiting_more, working_hazard
+from robophm.groups.member import (
+    Member,
+    latest,
+    log_density,
+    log_waiting_fails,
+    waiting_hazard,
+    waiting_more,
+    working_hazard,
+)
 from robophm.groups.path import Array, Path, Rows
 from robophm.groups.quadrature import log_integral, log_sum
 from robophm.groups.state import Solved, log_fails, log_outlives
 from robophm.groups.table import LogTable
 
 _OVER = 1000.0  # a cumulative hazard that nothing outlives
+_LOST = 1e-14
 _PARTS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
@@ -42,15 +52,27 @@ class InOrder(Solved):
         # Who may be the active one: before it nobody works.
         self._may = [one is not False and not any(before is True for before in status[:i])
                      for i, one in enumerate(status)]  # fmt: skip
+        self.breaks = self._bends()
+        """Times at which its densities may bend."""
         scale = self.scale() if len(members) > 2 else 1.0
         self._tables = {
             i: LogTable(partial(self._fails_directly, i), self.breaks, scale) for i in range(1, len(members) - 1)
         }
 
-    @property
-    def breaks(self) -> list[float]:
-        """Times at which its densities may bend."""
-        return sorted({*self._path.corners[1:].tolist(), *([self.now] if self.told else [])})
+    def _bends(self) -> list[float]:
+        """Times at which its densities may bend: also where a life with a location can end first."""
+        found, called = {*self._path.corners[1:].tolist(), *([self.now] if self.told else [])}, 0.0
+        for i, member in enumerate(self._members):
+            first = math.inf
+            for mode in member if called < math.inf else ():
+                rest = max(getattr(mode.life, "location", 0.0) - mode.age, 0.0)
+                wait = 1.0 if mode.always or not i else self._dormancy
+                waited = float(self._path.at(np.array(called))[mode.column])
+                end = self._path.when(mode.column, np.array(waited + max(rest - wait * waited, 0.0)))
+                first = min(first, float(end))
+                found |= {float(end), float(self._path.when(mode.column, np.array(rest / wait))) if wait else math.inf}
+            called = min(called, first) if i else first
+        return sorted(one for one in found if 0 < one < math.inf)
 
     def scale(self) -> float:
         """A time by which the first member has lived for a while."""
@@ -78,13 +100,13 @@ class InOrder(Solved):
         return np.where(s >= self.now, -np.inf, lived) if self._status[i] is False else lived
 
     def _dead(self, i: int, s: Array) -> Array:
+        if self._status[i] is False:
+            return log_waiting_fails(self._members[i], self._path, np.minimum(s, self.now), self._dormancy)
         gone = log_fails(waiting_hazard(self._members[i], self._path, s, self._dormancy))
         if self._status[i] is None:
             return gone
         now = np.full(np.shape(s), self.now)
         by_now = waiting_hazard(self._members[i], self._path, now, self._dormancy)
-        if self._status[i] is False:
-            return np.where(s >= self.now, log_fails(by_now), gone)
         since = log_fails(
             waiting_more(self._members[i], self._path, now, np.maximum(s - self.now, 0.0), self._dormancy)
         )
@@ -93,8 +115,10 @@ class InOrder(Solved):
     def _either(self, i: int) -> float:
         if self._status[i] is None:
             return 0.0
-        by_now = waiting_hazard(self._members[i], self._path, np.array(self.now), self._dormancy)
-        return float(-by_now if self._status[i] else log_fails(by_now))
+        now = np.array([self.now])
+        if self._status[i]:
+            return -float(waiting_hazard(self._members[i], self._path, now, self._dormancy)[0])
+        return float(log_waiting_fails(self._members[i], self._path, now, self._dormancy)[0])
 
     def _unused(self, i: int) -> float:
         """Of the spares behind a member, what is known of them."""
@@ -112,11 +136,16 @@ class InOrder(Solved):
     def _fails_directly(self, i: int, s: Array) -> Array:
         shape, s = np.shape(s), np.ravel(s)
 
-        def log_f(which: Rows, since: Array, length: Array) -> Array:
+        until = latest(self._members[i], self._path, s, self._dormancy)
+
+        def log_f(which: Rows, since: Array, rest: Array) -> Array:
+            length = rest + (s - until)[which]
             density = log_density(self._members[i], self._path, since, length, s[which], self._dormancy)
             return density + self._activated_until(i, since, s[which])
 
-        return log_integral(log_f, np.zeros(len(s)), s, self.breaks).reshape(shape)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            lost = _LOST * s / until  # by a difference of age and location
+        return log_integral(log_f, np.zeros(len(s)), until, self.breaks, lost).reshape(shape)
 
     def _activated(self, i: int, s: Array) -> Array:
         """That member i becomes the active one at s."""

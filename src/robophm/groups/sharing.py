@@ -13,7 +13,7 @@ import numpy as np
 
 from robophm.blocks.diagram import LoadSharing
 from robophm.core.errors import StructureError
-from robophm.groups.member import Member, Mode, alike
+from robophm.groups.member import Member, Mode, alike, log_rate
 from robophm.groups.path import Array, Path, Rows
 from robophm.groups.quadrature import log_integral, log_sum
 from robophm.groups.state import Solved, log_fails, log_outlives
@@ -72,14 +72,12 @@ class Sharing(Solved):
         """ln of one part's hazard rate, all having worked until s, per unit of s, ``length`` later, so many lost."""
         ages, gained = self._path.at(s), self._path.between(s, length)
         piece = self._path.piece(s + length)
-        rate = np.zeros(np.broadcast(s, length).shape)
+        ageing = []
         for mode in self._member:
             i, (slow, fast) = mode.column, self._speeds(mode)
-            here = np.minimum(mode.life.hazard(mode.age + slow * ages[i] + fast * gained[i]), 1e300)
-            speed = self._path.speed[piece, i]
-            rate = rate + np.where(speed > 0, mode.multiplicity * (slow, fast)[lost] * speed * here, 0.0)
-        with np.errstate(divide="ignore"):
-            return np.log(rate)
+            age = mode.age + slow * ages[i] + fast * gained[i]
+            ageing.append((mode, age, (slow, fast)[lost] * self._path.speed[piece, i]))
+        return log_rate(ageing)
 
     def _first(self, s: Array, until: Array) -> Array:
         """ln of the density with which the first part fails at s, of those that may have if that is before now."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 
 from robophm.blocks.diagram import Group, LoadSharing, Standby
 from robophm.core.errors import StructureError
@@ -13,6 +15,10 @@ from robophm.groups.positions import Positions
 from robophm.groups.sequence import InOrder
 from robophm.groups.sharing import Sharing
 from robophm.groups.state import Solved
+from robophm.groups.together import Together
+
+Way = Callable[[Sequence[Member], Path, float, Sequence[bool | None] | None], Solved]
+"""Of solving a group: its members along a path, and what is known of each at some time of it."""
 
 
 def solve(
@@ -29,7 +35,7 @@ def solve(
     if isinstance(group, Standby) and group.active == 1:
         return InOrder(group, members, path, now, status)
     cold = not any(mode.always for member in members for mode in member) and getattr(group, "dormancy", 1.0) == 0
-    if isinstance(group, Standby) and cold and alike(members, path):
+    if isinstance(group, Standby) and cold and alike(members[group.active :], path):
         return Positions(group, members, path, now, status)
     if isinstance(group, LoadSharing) and len(group.factors) == 2 and alike(members, path):
         return Sharing(group, members, path, now, status)
@@ -37,6 +43,42 @@ def solve(
         f"{group.name}: {_words(group)} parts that age, or differ in age, has no exact solution; "
         "expected constant rates, or its chance by simulation: robophm show DESIGN --monte-carlo 100000"
     )
+
+
+def left(group: Group, failed: frozenset[int]) -> Way:
+    """The way of solving what is left of a group that works although these of its members have failed."""
+    assert isinstance(group, Standby | LoadSharing)
+    alive = tuple(member for i, member in enumerate(group.members) if i not in failed)
+    factor = group.factors[len(failed)] if isinstance(group, LoadSharing) else 1.0
+    if len(alive) == (group.k if isinstance(group, LoadSharing) else group.active):
+        return lambda members, path, now, status: Together(factor, members, path)
+    if isinstance(group, LoadSharing):
+        return partial(solve, replace(group, members=alive, factors=group.factors[len(failed) :]))
+    return partial(solve, replace(group, members=alive))
+
+
+def fewest_failed(group: Group, members: Sequence[Member], status: Sequence[bool | None]) -> frozenset[int] | None:
+    """The fewest members that have failed where ``status`` is so; None where then the group has, or it cannot be so.
+
+    A spare that does not age while it waits fails only where it was called: then those before it have failed, too.
+    """
+    failed = {i for i, said in enumerate(status) if said is False}
+    if isinstance(group, LoadSharing):
+        return frozenset(failed) if len(members) - len(failed) >= group.k else None
+    assert isinstance(group, Standby)
+    rests = [not group.dormancy and not any(mode.always for mode in member) for member in members]
+
+    def idle() -> int | None:
+        return next((i for t, i in enumerate(sorted(failed)) if rests[i] and i - t >= group.active), None)
+
+    while (spare := idle()) is not None:
+        before = [i for i in range(spare) if status[i] is None and i not in failed]
+        if not before:
+            return None
+        failed.add(before[0])
+    called = min(failed, default=len(members)) < group.active
+    works = len(members) - len(failed) >= group.active and (group.switch > 0 or not called)
+    return frozenset(failed) if works else None
 
 
 def _words(group: Standby | LoadSharing) -> str:

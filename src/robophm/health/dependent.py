@@ -7,16 +7,17 @@ ages have kept their proportions, as they do on one clock under one stress, and 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Group, Standby
-from robophm.groups.member import Mode
+from robophm.groups.member import Member, Mode
 from robophm.groups.path import Path
-from robophm.groups.solve import solve
+from robophm.groups.solve import Way, fewest_failed, left, solve
 from robophm.groups.state import Solved
 from robophm.life.distribution import LifeDistribution
 
@@ -45,38 +46,68 @@ class Held:
         self._members = [
             [(column[mode], life, count, always) for mode, life, count, always in member] for member in members
         ]
-        waits = getattr(group, "active", len(members))
-        share = group.dormancy if isinstance(group, Standby) else 1.0
-        self.share = np.ones(len(self.modes))
-        """At which each ages before anything has failed."""
-        for member in self._members[waits:]:
-            self.share[[i for i, _, _, always in member if not always]] = share
-        solve(group, self.members(np.zeros(len(self.modes))), Path(len(self.modes)), 0.0)  # refused if it has to be
+        # The share at which each member ages before anything has failed.
+        spares = len(members) - group.active if isinstance(group, Standby) else 0
+        self._shares = [1.0] * (len(members) - spares) + [getattr(group, "dormancy", 1.0)] * spares
+        nothing = np.zeros(len(self.modes))
+        new = self.members(nothing, nothing)
+        self.ages = not all(mode.constant_rate for member in new for mode in member)
+        """Whether the age of a member matters."""
+        solve(group, new, Path(len(self.modes)), 0.0)  # refused if it has to be
 
-    def members(self, ages: Array) -> list[list[Mode]]:
-        """The members with their failure modes at these ages."""
+    def members(self, new: Array, gained: Array) -> list[list[Mode]]:
+        """The members with their failure modes: from ages on, after what would be gained by working all the time."""
         return [
-            [Mode(i, life, float(ages[i]), count, always) for i, life, count, always in member]
-            for member in self._members
+            [
+                Mode(i, life, float(new[i] + (1.0 if always else share) * gained[i]), count, always)
+                for i, life, count, always in member
+            ]
+            for member, share in zip(self._members, self._shares, strict=True)
         ]
+
+
+def _without_location(member: Member) -> list[Mode]:
+    return [replace(mode, life=mode.life.without_location()) for mode in member]
 
 
 class Standing:
     """A group now, and ahead.
 
-    ``new``: ages of its modes when it began, ``now``: what each would have now, had it worked all the time; ``status``
-    of each member: True works, False has failed, None; all of whom work begin anew.
+    ``new``: ages of its modes when it began, ``seen``: what each would have had, had it worked all the time, when all
+    were last known to work, ``now``: and now; ``status`` of each member: True works, False has failed, None; all of
+    whom work begin anew.
     """
 
-    def __init__(self, held: Held, new: Array, now: Array, status: Sequence[bool | None]) -> None:
-        self._group = held.group
+    def __init__(self, held: Held, new: Array, seen: Array, now: Array, status: Sequence[bool | None]) -> None:
         self._told = any(one is not None for one in status)
+        past, nothing = np.maximum(now - seen, 0.0), np.zeros(len(new))
+        begun = held.members(new, np.maximum(seen - new, 0.0))
+        self.failed = False
+        """Whether what is known of its members says so."""
+        anew = partial(solve, held.group)
         if all(status):  # then nothing of what was matters but the ages
-            new, now, status = (aged := new + held.share * (now - new)), aged, [None] * len(status)
-        self._members, self._status = held.members(new), list(status)
-        self._past = np.maximum(now - new, 0.0)
-        if False in status and not self._past.any():
-            self._past = np.full(len(new), _MOMENT)  # what has failed in a new robot has failed at once
+            self._begin(anew, held.members(new, np.maximum(now - new, 0.0)), nothing)
+            return
+        if False in status and not past.any() and not held.ages:
+            past = np.full(len(new), _MOMENT)  # in which it has failed, whichever of them did
+        if False not in status or past.any():
+            self._begin(anew, begun, past, status)
+            if self._told and not self._works():
+                # What has failed in a time in which it never should had no such time.
+                believed = [_without_location(one) if said is False else one
+                            for one, said in zip(begun, status, strict=True)]  # fmt: skip
+                self._begin(anew, believed, past, status)
+                self.failed = not self._works()
+            return
+        failed = fewest_failed(held.group, begun, status)  # in a new robot, at once
+        self.failed = failed is None
+        rest = [one for i, one in enumerate(begun) if i not in (failed or ())]
+        self._begin(left(held.group, failed or frozenset()), rest, nothing)
+
+    def _begin(
+        self, way: Way, members: Sequence[Member], past: Array, status: Sequence[bool | None] | None = None
+    ) -> None:
+        self._way, self._members, self._past, self._status = way, members, past, status
         self._path, self._now = self._begun()
         self._straight: Solved | None = None
 
@@ -86,12 +117,11 @@ class Standing:
         return path, path.end
 
     def _solved(self, path: Path) -> Solved:
-        return solve(self._group, self._members, path, self._now, self._status)
+        return self._way(self._members, path, self._now, self._status)
 
-    @cached_property
-    def failed(self) -> bool:
-        """Whether what is known of its members says so."""
-        return self._told and not self._solved(self._path).log_works(np.array([self._now]))[0] > -np.inf
+    def _works(self) -> bool:
+        """Whether it may, by what is known of its members."""
+        return bool(self._solved(self._path).log_works(np.array([self._now]))[0] > -np.inf)
 
     def until_now(self) -> float:
         """Cumulative hazard till now: 0 where something is known of a member, as then it is known whether it works."""

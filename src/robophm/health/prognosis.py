@@ -101,7 +101,7 @@ class Outlook:
     def _since_new(self) -> list[Standing]:
         """The groups, of whose members nothing is known."""
         return [
-            Standing(held, self.new_age[held.modes], self.age[held.modes], [None] * len(held.group.members))
+            Standing(held, new := self.new_age[held.modes], new, self.age[held.modes], [None] * len(held.group.members))
             for held in self.plant.groups
         ]
 
@@ -112,10 +112,9 @@ class Outlook:
 
     def _standing(self, held: Held) -> Standing:
         new, seen, now = self.new_age[held.modes], self.seen_age[held.modes], self.age[held.modes]
-        if np.all(seen > 0) and np.all(seen >= new):  # all were known to work at some time
-            aged = new + held.share * (seen - new)
-            new, now = aged, aged + (now - seen)
-        return Standing(held, new, now, [self._status(member) for member in held.group.members])
+        if not (np.all(seen > 0) and np.all(seen >= new)):  # not all were known to work at some time
+            seen = new
+        return Standing(held, new, seen, now, [self._status(member) for member in held.group.members])
 
     def _status(self, member: Sequence[str]) -> bool | None:
         """Whether a member of a group works, as far as that is known."""

@@ -5,6 +5,7 @@ Source: Smith and Bain, An exponential power life-testing distribution, Communic
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
@@ -34,6 +35,10 @@ class Curve(LifeDistribution):
     def _hazard(self, x: Array) -> Array:
         slope: Array = self.shape * self.rate * (self.rate * x) ** (self.shape - 1)
         return slope * np.exp(self._power(x))
+
+    def _log_faint_hazard(self, x: Array) -> Array:
+        log: Array = math.log(self.shape * self.rate) + (self.shape - 1) * np.log(self.rate * x)
+        return log
 
     def _step(self, x: Array, d: Array) -> Array:
         power = self._power(x)

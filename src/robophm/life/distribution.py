@@ -30,6 +30,10 @@ NODES: Array = (_nodes + 1) / 2  # on [0, 1]
 WEIGHTS: Array = _weights / 2
 
 
+FAINT = 1e-300
+"""Hazard below which its digits underflow."""
+
+
 class LifeDistribution(ABC):
     """The random age at failure of a part that is not repaired.
 
@@ -54,6 +58,10 @@ class LifeDistribution(ABC):
 
     @abstractmethod
     def _age_at(self, H: Array) -> Array: ...
+
+    def _log_faint_hazard(self, x: Array) -> Array:
+        """ln h where a life begins so faintly that h underflows."""
+        return np.full(np.shape(x), -np.inf)
 
     def _step(self, x: Array, d: Array) -> Array:
         """H(x + d) − H(x) where H does not double: a closed form, if there is one, that does not cancel."""
@@ -109,6 +117,13 @@ class LifeDistribution(ABC):
         """
         return cls.with_mean(1 / cls._positive("rate", rate), **shape)
 
+    def without_location(self) -> Self:
+        """The same life with no time at its beginning in which it cannot end."""
+        if getattr(self, "location", 0.0) <= 0:
+            return self
+        parameters = {name: getattr(self, name) for name in self.dimensions}
+        return type(self)(**{**parameters, "location": 0.0})
+
     @property
     def degree(self) -> float | None:
         """β where H(θ·age) = θ^β·H(age), as of powers of age; None of others. 1: the same hazard at every age."""
@@ -127,6 +142,13 @@ class LifeDistribution(ABC):
             h = self._hazard(self._since_location(age))
             h = np.where(age < self._origin + self.lowest, 0.0, h)
             return _plain(np.where(np.isnan(age), np.nan, h))
+
+    def log_hazard(self, age: ArrayLike) -> Array:
+        """ln h(age) [of 1/clock], also where h is too small for a number; −inf below the location."""
+        h, x = self.hazard(age), self._since_location(age)
+        with limits():
+            faint = (h < FAINT) & (x > self.lowest)
+            return _plain(np.where(faint, self._log_faint_hazard(x) if np.any(faint) else 0.0, np.log(h)))
 
     def increment(self, age: ArrayLike, duration: ArrayLike) -> Array:
         """H(age + duration) − H(age) without the cancellation: a second counts at any age. [clock, clock]

@@ -30,6 +30,9 @@ class ExtremeValue(LifeDistribution):
     def _hazard(self, x: Array) -> Array:
         return np.exp(x / self.scale) / self.scale
 
+    def _log_faint_hazard(self, x: Array) -> Array:
+        return x / self.scale - math.log(self.scale)
+
     def _step(self, x: Array, d: Array) -> Array:
         return np.exp(x / self.scale) * np.expm1(d / self.scale)
 

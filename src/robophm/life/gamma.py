@@ -47,6 +47,11 @@ class Gamma(LifeDistribution):
         h /= self.scale
         return h
 
+    def _log_faint_hazard(self, x: Array) -> Array:
+        y = x / self.scale
+        log: Array = (self.shape - 1) * np.log(y) - y - math.lgamma(self.shape) - math.log(self.scale)
+        return log
+
     def _step(self, x: Array, d: Array) -> Array:
         # The hazard is a power at 0: nearer to it than d/2 the nodes converge slowly, and H grows fast.
         near = self._cumulative_hazard(x + d) - self._cumulative_hazard(x)

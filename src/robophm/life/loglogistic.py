@@ -32,6 +32,10 @@ class Loglogistic(LifeDistribution):
         far: Array = self.shape / x / (1 + y**-self.shape)
         return np.where(y < 1, h, far)
 
+    def _log_faint_hazard(self, x: Array) -> Array:
+        log: Array = math.log(self.shape / self.scale) + (self.shape - 1) * np.log(x / self.scale)
+        return log
+
     def _step(self, x: Array, d: Array) -> Array:
         failed = 1 / (1 + (x / self.scale) ** -self.shape)
         return np.log1p(np.expm1(self.shape * np.log1p(d / x)) * failed)

@@ -46,6 +46,9 @@ class Lognormal(LifeDistribution):
         h = STANDARD.hazard(self._z(x)) / self.log_deviation / x
         return np.where(x > 0, h, 0.0)
 
+    def _log_faint_hazard(self, x: Array) -> Array:
+        return STANDARD._log_faint_hazard(self._z(x)) - np.log(self.log_deviation * x)
+
     def _step(self, x: Array, d: Array) -> Array:
         return STANDARD._step(self._z(x), np.log1p(d / x) / self.log_deviation)
 

@@ -46,6 +46,10 @@ class Normal(LifeDistribution):
         h: Array = math.sqrt(2 / math.pi) / erfcx(self._z(x) / math.sqrt(2)) / self.deviation
         return h
 
+    def _log_faint_hazard(self, x: Array) -> Array:
+        log: Array = -(self._z(x) ** 2) / 2 - math.log(math.sqrt(2 * math.pi) * self.deviation)
+        return log
+
     def _age_at(self, H: Array) -> Array:
         from scipy.special import ndtri_exp
 

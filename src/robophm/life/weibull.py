@@ -34,6 +34,10 @@ class Weibull(LifeDistribution):
         h: Array = self.shape / self.scale * (x / self.scale) ** (self.shape - 1)
         return h
 
+    def _log_faint_hazard(self, x: Array) -> Array:
+        log: Array = math.log(self.shape / self.scale) + (self.shape - 1) * np.log(x / self.scale)
+        return log
+
     def _hazards(self, x: Array) -> tuple[Array, Array]:
         H = self._cumulative_hazard(x)
         h = self.shape * H
