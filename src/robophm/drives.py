@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -16,6 +16,7 @@ from robophm.core.given import path as given_path
 from robophm.core.signal import any_element, named, split_signal
 from robophm.core.units import conversion
 from robophm.design.robot import Robot
+from robophm.monitor import Monitor
 from robophm.transports.message_units import field_unit
 from robophm.transports.recording import EmptyError, parts_of
 from robophm.transports.source import SignalSource, TopicInfo, existing, open_source
@@ -74,9 +75,20 @@ def drives_of(robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_mis
     return [replace(drives[0], lost=tuple(unread)), *drives[1:]]
 
 
-def available(robot: Robot, source: SignalSource, *, skip_missing: bool) -> list[str]:
-    """The bound signals that a source has, checked for what they measure. Raises SourceError as ``drives_of``."""
-    return [*drives_of(robot, source, skip_missing=skip_missing)[0].signals]
+@contextmanager
+def living(monitor: Monitor, drive: Drive, *, anew: bool = True) -> Iterator[SignalSource]:
+    """The source of a drive that a monitor lives through, and knows when its recordings begin and end.
+
+    ``anew`` is false where it goes on in the middle of the drive.
+    """
+    with drive.open() as source:
+        if anew:
+            if drive.first is not None:
+                monitor.resume(drive.first)
+            monitor.expect(source.spans())
+        yield source
+        if source.ends:
+            monitor.end(drive.last)
 
 
 def bound(robot: Robot, topics: Mapping[str, Kind], *, skip_missing: bool) -> list[str]:

@@ -18,7 +18,7 @@ from robophm.core.signal import CLOCK, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.health.exposure import Exposure
-from robophm.health.leap import LEAP, Leaps, why_not
+from robophm.health.leap import LEAP, Leaps, stretches, why_not
 from robophm.health.ledger import Ledger
 from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName
@@ -83,25 +83,26 @@ class Monitor:
         Else the robot was not known to be on when that had ended.
         """
         ledger = self.ledger
-        if ledger.ended is not None and begin - ledger.ended > self.robot.max_gap:
-            ledger.ends.append(ledger.ended)
+        if ledger.ended is not None:
+            ended = {ledger.ended, *(one.time for one in ledger.aside[-1:])}  # what is aside may be confirmed yet
+            ledger.ends += sorted(end for end in ended if begin - end > self.robot.max_gap)
         ledger.ended = None
-
-    def end(self, last: int | None) -> None:
-        """What was heard was a recording that has ended: its last message, of any topic, was at ``last`` [ns]."""
-        newest = self.ledger.newest
-        if newest is not None:
-            self.ledger.ended = min(max(newest, newest if last is None else last), newest + self.robot.max_gap)
 
     def expect(self, spans: Iterable[tuple[int, int]]) -> None:
         """What comes are recordings that began and ended then [ns], in any order: each end is known."""
-        ends: list[int] = []
-        for begin, end in sorted(spans):
-            if ends and begin - ends[-1] <= self.robot.max_gap:
-                ends[-1] = max(ends[-1], end)
-            else:
-                ends.append(end)
-        self.ledger.ends += ends[:-1]
+        self.ledger.ends += [end for _, end in stretches(spans, self.robot.max_gap)][:-1]
+
+    def end(self, last: int | None) -> None:
+        """What was heard was a recording that has ended: its last message, of any topic, was at ``last`` [ns].
+
+        Until then time goes on; the robot is on until its last sample + ``max_gap``, if the recording does not end
+        before. An end that is as far ahead as a clock jumps is none, and the last that was expected before it holds.
+        """
+        ledger = self.ledger
+        if (newest := ledger.newest) is not None:
+            ends = (*ledger.ends, newest if last is None else last)
+            ledger.ended = max((end for end in ends if newest <= end <= newest + LEAP), default=newest)
+            ledger.ends = [end for end in ledger.ends if end < ledger.ended]
 
     def observe(self, sample: Sample) -> None:
         """Take one sample. What is not finite, or older than what has been integrated, is counted and dropped.
@@ -184,13 +185,13 @@ class Monitor:
         return ledger
 
     def reach_marks(self) -> None:
-        """Do what the marks that are left ask for, none with a ledger later than the newest sample."""
-        if (newest := self.ledger.newest) is not None:
+        """Do what the marks that are left ask for, none with a ledger later than the newest sample or the end."""
+        if (now := self.ledger.known_to) is not None:
             for mark, then in self.marks:
-                then(self._at(min(mark, newest), self.ledger.pending.columns()))
+                then(self._at(min(mark, now), self.ledger.pending.columns()))
         self.marks.clear()
 
     def report(self, *, settled: bool = True, **options: Unpack[ReportOptions]) -> HealthReport:
-        """The robot's health now. ``settled`` takes the open window in, up to the newest sample."""
+        """The robot's health now. ``settled`` takes the open window in, up to the newest sample or the end."""
         ledger = self.exposure.settled(self.ledger) if settled else self.ledger
         return health_report(self.plant, self.exposure, ledger, **options)

@@ -14,7 +14,7 @@ from robophm.core.errors import SourceError, StoreError
 from robophm.core.given import instance, number
 from robophm.core.signal import REORDERED, SECOND
 from robophm.design.robot import Robot
-from robophm.drives import Drive, Recorded, drives_of
+from robophm.drives import Drive, Recorded, drives_of, living
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport
 from robophm.monitor import LONGEST_PERIOD, Monitor
@@ -160,11 +160,7 @@ def _go_through(
 
     monitor = Monitor(robot, ledger, period=period, on_tick=tick if store or on_tick else None)
     life = VirtualLife(monitor, step)
-    if drive.first is not None and not position:
-        monitor.resume(drive.first)
-    with drive.open() as source:
-        if not position:
-            monitor.expect(source.spans())
+    with living(monitor, drive, anew=not position) as source:
         if (blocks := source.columns(drive.signals, position)) is not None:
             for block in blocks:
                 life.observe(block)
@@ -175,9 +171,7 @@ def _go_through(
                 monitor.observe(sample)
         for reason in [reason for reason in source.notes if reason.startswith(REORDERED)]:
             monitor.ledger.counts[reason] += source.notes.pop(reason)  # it qualifies what is in the ledger
-        if source.ends:
-            monitor.end(drive.last)
-        save(complete=True)
+    save(complete=True)
     if store and (ended := monitor.ledger.ended) is not None:
         end = Progress(_ENDED, ended, complete=True, notes={"newest": monitor.ledger.newest or 0})
         store.save(robot.name, monitor.ledger.to_json(), end)

@@ -17,7 +17,7 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Task
-from robophm.drives import available
+from robophm.drives import drives_of, living
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion
 from robophm.health.prognosis import Outlook, View, outlooks
@@ -61,7 +61,7 @@ def judge_tasks(
     plan is predicted at its start with the distance and time that it took. Raises SourceError as ``replay``, and where
     ``ledger`` has lived through a task already.
     """
-    signals = available(robot, source, skip_missing=skip_missing)
+    (drive,) = drives_of(robot, source, skip_missing=skip_missing)
     monitor = Monitor(robot, ledger, on_tick=on_tick)
     records = judge_on_the_way(monitor, told, speed=speed, functions=functions, knowledge=knowledge)
     marks = monitor.marks
@@ -76,8 +76,9 @@ def judge_tasks(
             f"the robot's past that is kept goes on for {late:.6g} s beyond the first task's beginning; expected one "
             "that ends before it, or none"
         )
-    for sample in source.samples(signals):
-        monitor.observe(sample)
+    with living(monitor, drive):
+        for sample in source.samples(drive.signals):
+            monitor.observe(sample)
     monitor.reach_marks()
     if told and monitor.ledger.newest is None:
         raise SourceError("the recording has no sample of the robot; expected some beside its tasks")

@@ -15,7 +15,7 @@ import numpy as np
 from robophm.core.errors import DesignError, nearest
 from robophm.core.signal import CLOCK, SECOND
 from robophm.design.robot import FailureMode, Robot
-from robophm.drives import Drive, Recorded, drives_of
+from robophm.drives import Drive, Recorded, drives_of, living
 from robophm.health.ledger import Ledger
 from robophm.health.window import in_time
 from robophm.learning.wear_data import Readings
@@ -86,7 +86,7 @@ def wear_history(
     for done, drive in enumerate(drives):
         advance(done, len(drives))
         before: Array | None = looks[-1][1] if looks else np.zeros(len(index))
-        with drive.open() as source:
+        with living(monitor, drive) as source:
             ordered = _InOrder({signal for one in reducers for signal in one.signals}, notes)
             for block in _lived(source, drive, monitor):
                 times = [int(heard.times.min()) for heard in block.values() if len(heard.times)]

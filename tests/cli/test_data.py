@@ -1,9 +1,12 @@
 """robophm data: what a newcomer sees, what is written, and what a mistake makes of it."""
 
+import itertools
 import json
+from decimal import Decimal
 
 import pytest
 import yaml
+from mcap.reader import make_reader
 
 from robophm.cli import INVALID, OK, USAGE
 from robophm.core.signal import SECOND
@@ -196,13 +199,22 @@ def test_a_file_is_replaced_only_when_asked_to(inside, recording, tmp_path, desi
     assert "is read or kept by this command too" in says
 
 
-def test_an_exported_table_replays_as_the_recording(inside, recording, design):
+def test_an_exported_table_replays_as_the_recording(inside, recording, design, tmp_path):
     signals = [word for module in ("power", "sensing", "communication", "mobility", "computation")
                for word in ("--signal", f"/ota/{module}/temperature.temperature")]  # fmt: skip
     signals += ["--signal", "/ota/odom.pose.pose.position.x", "--signal", "/ota/odom.pose.pose.position.y"]
     assert inside("data", "export", recording, *signals, "--to", "drive.csv").returncode == OK
     one, other = (json.loads(inside("replay", design, each, "--json").stdout) for each in (recording, "drive.csv"))
-    assert one["subjects"] == other["subjects"]
+    with recording.open("rb") as file:
+        end = make_reader(file).get_summary().statistics.message_end_time
+    last = Decimal((tmp_path / "drive.csv").read_text().split()[-1].split(",")[0])
+    more = float(Decimal(end) / SECOND - last)  # a table ends with its last sample, its recording with any message
+    assert 0 < more < 1
+    assert (one["clocks"]["operating"] - other["clocks"]["operating"]) * 3600 == pytest.approx(more, abs=1e-9)
+    for longer, shorter in zip(one["subjects"], other["subjects"], strict=True):
+        for view, figure in itertools.product(("nominal", "sensor_based"), ("hazard_rate", "unreliability")):
+            # of two redundant units they grow as the square of time
+            assert longer[view][figure] == pytest.approx(shorter[view][figure], rel=3 * more / 600)
 
 
 def test_a_profile_goes_into_a_prediction_and_into_a_design(inside, recording, design, tmp_path):

@@ -69,6 +69,7 @@ def replayed(robot, path):
     with Recording(path) as recording:
         for sample in recording.samples(robot.signals):
             monitor.observe(sample)
+        monitor.end(max(end for _, end in recording.spans()))
     return monitor, monitor.exposure.settled(monitor.ledger)
 
 

@@ -11,6 +11,7 @@ from robophm.design.robot import Robot
 from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger
 from robophm.health.subject import silence
+from robophm.replaying import kept_ledger
 
 if TYPE_CHECKING:
     from robophm.stores.sqlite import SqliteStore
@@ -47,7 +48,7 @@ def existing_store(path: Path) -> SqliteStore:
 
 def past_in(store: SqliteStore, robot: Robot) -> Ledger:
     """The robot's past in this store. Raises StoreError where it knows no such robot."""
-    data = store.ledger(robot.name)
-    if data is None:
+    ledger = kept_ledger(robot, store)
+    if ledger is None:
         raise StoreError(f"{store.path}: knows no robot '{robot.name}'")
-    return Ledger.of(robot, data)
+    return ledger

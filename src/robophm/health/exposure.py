@@ -142,12 +142,12 @@ class Exposure:
         return 0.0 if ledger.modes[i] in ledger.replaced else float(self.initial[i])
 
     def settled(self, ledger: Ledger) -> Ledger:
-        """A copy of the ledger with its open window integrated too, up to the newest sample."""
+        """A copy of the ledger with its open window integrated too, up to the newest sample or a recording's end."""
         ahead = ledger.copy()
         columns, ahead.pending = ahead.pending.columns(), Window()
-        newest = ahead.newest
-        if newest is not None and (ahead.integrated_to is None or newest > ahead.integrated_to or columns):
-            self.integrate_columns(ahead, columns, [newest])
+        now = ahead.known_to
+        if now is not None and (ahead.integrated_to is None or now > ahead.integrated_to or columns):
+            self.integrate_columns(ahead, columns, [now])
         return ahead
 
     def current_factor(self, ledger: Ledger) -> Array:

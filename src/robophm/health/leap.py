@@ -17,6 +17,17 @@ MOST_ASIDE = 200_000
 """Samples that are set aside at most; of what comes beyond them none is kept."""
 
 
+def stretches(spans: Iterable[tuple[int, int]], gap: int) -> list[tuple[int, int]]:
+    """Spans of time [ns] in order, those as one that overlap or are at most ``gap`` [ns] apart."""
+    found: list[tuple[int, int]] = []
+    for begin, end in sorted(spans):
+        if found and begin - found[-1][1] <= gap:
+            found[-1] = found[-1][0], max(found[-1][1], end)
+        else:
+            found.append((begin, end))
+    return found
+
+
 class Leaps:
     """Decides sample by sample, in order of arrival, by times alone: what counts now, later, or never."""
 

@@ -181,6 +181,11 @@ class Ledger:
             tuple(robot.clocks),
         )
 
+    @property
+    def known_to(self) -> int | None:
+        """Time of the newest sample, or since it that of the end of its recording, until which it was on or off."""
+        return self.newest if self.ended is None else self.ended
+
     def copy(self) -> Ledger:
         """An independent copy, to look ahead without consequence."""
         totals = {name: getattr(self, name).copy() for name in ("age", "effective", "hazard", "clocks")}

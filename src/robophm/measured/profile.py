@@ -142,11 +142,13 @@ def lived(
 
     monitor = Monitor(robot)
     monitor.exposure = Exposure(robot, witness)
+    monitor.expect(spans := recorded.spans())
     life, columns = VirtualLife(monitor), recorded.columns(signals)
     with closing(columns):
         for block in columns:
             life.observe(by_signal(block))
     life.finish()
+    monitor.end(max(end for _, end in spans))
     ledger, notes = monitor.exposure.settled(monitor.ledger), columns.notes
     if not ledger.clocks.value[0] > 0:
         raise SourceError(f"{recorded.name}: the robot was never on for any time; expected more than one sample")

@@ -13,7 +13,7 @@ from robophm.core.units import quantity
 from robophm.transports.columns import Columns, read_columns, recorded_topics
 from robophm.transports.message_units import field_unit
 from robophm.transports.recording import fingerprint_of, parts_of
-from robophm.transports.source import existing, reading
+from robophm.transports.source import existing, open_source, reading
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,11 @@ class Recorded:
         columns = read_columns(self.paths, [signal.name for signal in signals], topics=topics)
         columns.notes.update(f"lost: {what}" for what in self.lost)
         return columns
+
+    def spans(self) -> list[tuple[int, int]]:
+        """When each recording in it began and ended [ns], by its messages on all topics."""
+        with open_source(*self.paths) as source:
+            return source.spans()
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import SECOND, Sample, split_signal
+from robophm.health.leap import LEAP, stretches
 from robophm.transports.message_type import field_getter, fields_of, message_type, ways_to
 from robophm.transports.named import Names, NotNamedError, name_getter, names_in
 from robophm.transports.source import Heard, SignalSource, TopicInfo, reading
@@ -101,9 +102,9 @@ class Recording(SignalSource):
         return list(self._topics)
 
     def spans(self) -> list[tuple[int, int]]:
-        """When the messages of each file begin and end, of those that hold any."""
-        held = [list(told.values()) for _, told in self._told if told]
-        return [(min(one.first for one in told), max(one.last for one in told)) for told in held]
+        """When the messages of each file begin and end, and so those behind a jump of its clock, on any topic."""
+        each = ([span for one in told.values() for span in one.spans] for _, told in self._told)
+        return [span for spans in each for span in stretches(spans, LEAP)]
 
     @cached_property
     def _told(self) -> list[tuple[PiecedFile, dict[int, Told]]]:
@@ -121,7 +122,8 @@ class Recording(SignalSource):
         found: dict[str, TopicInfo] = {}
         for file, told in self._told:
             for connection in file.connections:
-                messages, first, last = told.get(connection.id, (0, None, None))
+                messages, spans = told.get(connection.id, (0, []))
+                first, last = (spans[0][0], spans[-1][1]) if spans else (None, None)
                 fields = fields_of(connection)
                 info = TopicInfo(connection.topic, connection.msgtype, messages, first, last, fields)
                 before = found.get(info.topic)

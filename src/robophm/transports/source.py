@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from robophm.core.errors import SourceError, nearest
 from robophm.core.given import path as given_path
 from robophm.core.signal import CLOCK, Sample, split_signal
+from robophm.health.leap import LEAP
 
 LONGEST_LINE = 1 << 20
 """Bytes of a line of text beyond which a file is not believed to be a table or a journal."""
@@ -83,7 +84,10 @@ class SignalSource(ABC):
         return None
 
     def spans(self) -> list[tuple[int, int]]:
-        """When each of several recordings began and ended [ns]; empty where it is one, or that is not known."""
+        """When each recording in it began and ended [ns], by its messages on all topics; empty where none is known.
+
+        One that has messages more than LEAP apart has several: its clock may have jumped.
+        """
         return []
 
     def stop(self) -> None:
@@ -151,6 +155,7 @@ class TextSource(SignalSource):
         if not self.path.is_file():  # it is read more than once, and to its end
             raise SourceError(f"{self.path}: is no regular file")
         self.notes = Counter()
+        self._spans: list[tuple[int, int]] = []
         with reading(self.path), self.path.open("rb") as file:
             self.fingerprint = hashlib.file_digest(file, "sha256").hexdigest()
         self.signals = self._signals()
@@ -166,11 +171,15 @@ class TextSource(SignalSource):
         rows: Counter[str] = Counter()
         first: dict[str, int] = {}
         last: dict[str, int] = {}
+        self._spans = []
         for time, signal, _ in self._samples():
             rows[signal] += 1
             topic = signal.partition(".")[0]
             first.setdefault(topic, time)
             last[topic] = time
+            if not self._spans or time - self._spans[-1][1] > LEAP:
+                self._spans.append((time, time))
+            self._spans[-1] = self._spans[-1][0], time
         fields: dict[str, dict[str, int]] = {}
         for signal in sorted(self.signals):
             topic, field = split_signal(signal)
@@ -179,6 +188,12 @@ class TextSource(SignalSource):
             TopicInfo(topic, "", max(counts.values()), first.get(topic), last.get(topic), tuple(counts))
             for topic, counts in fields.items()
         ]
+
+    def spans(self) -> list[tuple[int, int]]:
+        """As the interface says; reads the file unless ``topics()`` has."""
+        if self.ends and not self._spans:
+            self.topics()
+        return self._spans if self.ends else []
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
         """The samples of these signals, in the file's order; raises SourceError as the interface says."""

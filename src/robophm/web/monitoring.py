@@ -18,6 +18,7 @@ from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport, health_report
 from robophm.monitor import Monitor
+from robophm.replaying import kept_ledger
 from robophm.stores.sqlite import SqliteStore
 from robophm.task_history import TaskRecord, judge_on_the_way
 from robophm.transports.journal import Journal
@@ -156,9 +157,9 @@ class Monitoring:
             return run.ledger if run.robot is robot else Ledger.of(robot, run.ledger.to_json())
         if self._store and self._store.exists():
             with SqliteStore(self._store) as store:
-                kept = store.ledger(robot.name)
+                kept = kept_ledger(robot, store)
             if kept is not None:
-                return Ledger.of(robot, kept)
+                return kept
         return Ledger.new(robot)
 
     def _watch(self, run: Run, source: SignalSource, told: object, board: Board) -> None:

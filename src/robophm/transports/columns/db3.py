@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robophm.core.errors import SourceError
-from robophm.transports.columns.pieces import BATCH, MOST_TIME, DamageError, Messages, Piece, Told
+from robophm.transports.columns.pieces import BATCH, MOST_TIME, DamageError, Messages, Piece, Told, tell
 from robophm.transports.columns.rows import Row, RowsFile
 from robophm.transports.columns.table import COLUMNS, Flags, Pages, Rows, find_rows
 from robophm.transports.columns.walk import Bytes
@@ -96,10 +96,9 @@ class Db3File(RowsFile):
         if not self._found:
             return super().told()
         rows = self._found[1]
-        told = {}
+        told: dict[int, Told] = {}
         for topic in np.unique(rows.topics).tolist():
-            times = rows.times[rows.topics == topic]
-            told[topic] = Told(len(times), int(times.min()), int(times.max()))
+            tell(told, topic, rows.times[rows.topics == topic])
         return told
 
     def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
+from robophm.health.leap import LEAP, stretches
 from robophm.transports.columns.checksum import crc32
 from robophm.transports.columns.walk import Bytes, Ints
 from robophm.transports.recording import fingerprint_of
@@ -69,9 +70,8 @@ class Told(NamedTuple):
     """What there is of one connection."""
 
     messages: int
-    first: int
-    last: int
-    """When the first and the last were received [ns]."""
+    spans: list[tuple[int, int]]
+    """When they were received [ns], in stretches more than LEAP apart: between those the clock may have jumped."""
 
 
 class PiecedFile(ABC):
@@ -384,9 +384,13 @@ def _batches(chunks: Iterable[Chunk]) -> Iterator[list[Chunk]]:
 def tell(told: dict[int, Told], connection: int, times: Ints) -> None:
     """Count some more messages of a connection."""
     if len(times):
-        count, first, last = told.get(connection, Told(0, MOST_TIME, -MOST_TIME))
-        first, last = min(first, int(times.min())), max(last, int(times.max()))
-        told[connection] = Told(count + len(times), first, last)
+        count, spans = told.get(connection, Told(0, []))
+        more = [(int(times.min()), int(times.max()))]
+        if more[0][1] - more[0][0] > LEAP:
+            ordered = np.sort(times)
+            leaps = np.flatnonzero(np.diff(ordered) > LEAP)
+            more = [*zip(ordered[[0, *(leaps + 1)]].tolist(), ordered[[*leaps, -1]].tolist(), strict=True)]
+        told[connection] = Told(count + len(times), stretches([*spans, *more], LEAP))
 
 
 def distinct(offsets: NDArray[Any], most: int) -> bool:
