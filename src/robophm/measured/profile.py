@@ -148,7 +148,7 @@ def lived(
         for block in columns:
             life.observe(by_signal(block))
     life.finish()
-    monitor.end(max(end for _, end in spans))
+    monitor.end(max((end for _, end in spans), default=None))
     ledger, notes = monitor.exposure.settled(monitor.ledger), columns.notes
     if not ledger.clocks.value[0] > 0:
         raise SourceError(f"{recorded.name}: the robot was never on for any time; expected more than one sample")
