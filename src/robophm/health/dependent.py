@@ -109,6 +109,7 @@ class Standing:
     ) -> None:
         self._way, self._members, self._past, self._status = way, members, past, status
         self._path, self._now = self._begun()
+        self._ahead: Array | None = None  # where it has no past
         self._straight: Solved | None = None
 
     def _begun(self) -> tuple[Path, float]:
@@ -158,7 +159,13 @@ class Standing:
             return line
         flat = aged.reshape(len(aged), -1)
         some = flat.any(axis=0)
-        return flat[:, int(np.argmax(some))] if some.any() else np.zeros(len(flat))
+        if not some.any():
+            return np.zeros(len(flat))
+        step = flat[:, int(np.argmax(some))]
+        step = step / (float(step.max()) if np.isfinite(step).all() else 1.0)
+        if self._ahead is None or not np.allclose(step, self._ahead, rtol=1e-12, atol=0.0):
+            self._ahead, self._straight = step, None
+        return self._ahead
 
     def _lengths(self, aged: Array) -> Array | None:
         """How long the steps are where all go straight on; None where they do not."""
@@ -169,9 +176,10 @@ class Standing:
         return np.asarray(lengths) if straight else None
 
     def _along_line(self, aged: Array) -> Solved:
-        if self._straight is None or not self._past.any():
+        line = self._line(aged)
+        if self._straight is None:
             path, _ = self._begun()
-            path.add(self._line(aged))
+            path.add(line)
             self._straight = self._solved(path)
         return self._straight
 
