@@ -100,7 +100,6 @@ FACES = [
         r"board by hazard alone +unknown", r"board with its wear[^0-9≤?]*\d", r"Rover by hazard alone +[≤?] ",
         r"Rover with its wear[^0-9≤?]*\d", "With the wear nothing is left out",
     ]),
-    ("check", [r"1 of them of unknown rate, 0 signals"]),
     ("fault-tree", [r"occurs with at least 0\.", rf"{LEFT_OUT}: a probability of failing is at least"]),
     ("cutsets", [r"has failed with at least \d", rf"{LEFT_OUT}: a probability of failing is at least"]),
     ("fault-tree --monte-carlo 1000", [r"occurs with at least ", rf"{LEFT_OUT}: a probability of failing"]),
