@@ -14,7 +14,7 @@ import numpy as np
 
 from robophm.core.errors import DesignError, RobophmError, SourceError
 from robophm.core.given import instance, number, shown
-from robophm.core.signal import CLOCK, SECOND, Sample
+from robophm.core.signal import CLOCK, NOT_FINITE, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.health.exposure import Exposure
@@ -147,7 +147,7 @@ class Monitor:
                 ledger.counts[f"late: {signal}"] += 1
             return
         if signal != CLOCK and not math.isfinite(value):
-            ledger.counts[f"not finite: {signal}"] += 1
+            ledger.counts[f"{NOT_FINITE}{signal}"] += 1
             return
         if ledger.started is None or (ledger.integrated_to is None and at < ledger.started):
             ledger.started = at

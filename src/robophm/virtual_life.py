@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from robophm.core.signal import HOUR, SECOND, Sample
+from robophm.core.signal import HOUR, NOT_FINITE, SECOND, Sample
 from robophm.health.leap import Leaps, why_not
 from robophm.health.window import Window
 from robophm.monitor import WINDOW, Monitor
@@ -167,7 +167,7 @@ class VirtualLife:
             if signal in late or not finite.all():
                 missed = late.get(signal, np.zeros(len(finite), dtype=bool))
                 self._missed[f"late: {signal}"] = heard.arrived[missed]
-                self._missed[f"not finite: {signal}"] = heard.arrived[~finite & ~missed]
+                self._missed[f"{NOT_FINITE}{signal}"] = heard.arrived[~finite & ~missed]
                 heard = heard.rows(finite & ~missed)
             if len(heard.times):
                 taken[signal] = heard

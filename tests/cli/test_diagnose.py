@@ -68,6 +68,8 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
     for text, said in (
         ("sensor,part\ns,motr\n", "no part 'motr' in the design; did you mean 'motor'"),
         ("sensor,part,detects\ns,motor,1.5\n", "detects: 1.5; expected a probability"),
+        ("sensor,part,detects\ns,motor,8.0 N m\n", "detects: '8.0 N m' is no number; expected one without a unit"),
+        ("sensor,part,detects\ns,motor,inf\n", "detects: 'inf' is not a finite number"),
         ("sensor,part\ns,motor\ns,motor/bearing\n", "that 's' sees 'motor/bearing' stands twice"),
         ("sensor,part,fitted\ns,motor,yes\ns,lidar,no\n", "'s' was said to be otherwise above"),
         ("sensor,part,price\ns,motor,-1\n", "price: -1; expected above 0"),

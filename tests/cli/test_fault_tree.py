@@ -47,7 +47,7 @@ def test_few_are_listed_and_the_rest_is_stated(run, robot):
     text = run("cutsets", robot, "--order", 1).stdout
     assert "3 minimal cut sets: 2 of 1, 1 of 2" in text
     assert "motor[1]" not in text
-    assert f"1 more are not listed; their probabilities add up to {failed(50, 1000) ** 2:.3g}" in text
+    assert f"1 more is not listed; its probability is {failed(50, 1000) ** 2:.3g}" in text
 
 
 def test_a_robots_tree_is_written_and_says_the_same(run, robot, tmp_path):

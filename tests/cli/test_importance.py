@@ -58,9 +58,19 @@ def test_a_robot_as_a_table_and_as_json(inside, robot):
     assert gains["motor"]["completion"] > 0 == gains["computer"]["completion"]
 
 
+def test_a_bound_is_said_to_be_one_and_nothing_beside_it_says_otherwise(inside, tmp_path):
+    known = "schema_version: 1\nname: Two\ncomponents:\n  motor: {rate: 1e-4 /h}\n"
+    (tmp_path / "robot.yaml").write_text(f"{known}  board: {{rate: unknown}}\n")
+    text = inside("importance", "robot.yaml", "--after", "1000 h").stdout
+    assert f"with at least {100 * -math.expm1(-0.1):.3f} %" in text  # whatever the board's rate is
+    assert "what is stated is as if" not in text
+    assert "what is not said to be at least or at most is as if it never fails, and may be more or less" in text
+
+
 def test_ranked_and_cut(inside, robot):
     text = inside("importance", robot, "--by", "raw", "--most", "2").stdout
     assert "2 more are not listed" in text
+    assert "1 more is not listed" in inside("importance", robot, "--most", "3").stdout
     said = json.loads(inside("importance", robot, "--by", "birnbaum", "--json").stdout)["importance"]["sensor_based"]
     births = [one["birnbaum"] for one in said["units"]]
     assert births == sorted(births, reverse=True)

@@ -32,3 +32,12 @@ def test_an_unknown_kind_is_told_with_the_nearest_word() -> None:
 def test_every_model_says_what_it_is_of() -> None:
     assert not [name for name, model in all_models().items() if not model.source.status]
     assert json.dumps([model.description for model in find(None).values()])
+
+
+def test_a_kind_of_part_is_found_by_words_not_by_letters_within_them() -> None:
+    assert "mil_hdbk_217f.switch" in find("thumbwheel")
+    with pytest.raises(PlugError, match="no hazard model of 'wheel'"):
+        find("wheel")
+    assert not any("actuator" in name for name in find("LED"))  # of a coupled one
+    assert {*find("microcircuit")} < {*find("circuit")}
+    assert "mil_hdbk_217f.optoelectronic" in find("coupler")  # the optocoupler

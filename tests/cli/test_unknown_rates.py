@@ -70,17 +70,18 @@ def wired(request: pytest.FixtureRequest, tmp_path: Path) -> str:
     return str(request.param)
 
 
-LEFT_OUT = r"1 part of unknown rate (is )?left out"
+LEFT_OUT = "1 part of unknown rate is left out of the totals"
 FACES = [
     ("maintain costs.csv --repetitions 20", [
-        r"board +unknown +– ", rf"{LEFT_OUT} \(board\): when to replace them is not known", r"only what fails +≥ .* ≤ ",
-        "at least such costs and failures, at most so available", "motor 1, pump 1, board unknown",
+        r"board +unknown +– ", rf"{LEFT_OUT} \(board\): when to replace is not known", r"only what fails +≥ .* ≤ ",
+        rf"{LEFT_OUT}: costs and failures are at least, availability is at most what is stated",
+        "motor 1, pump 1, board unknown",
     ]),
     ("maintain costs.csv --repetitions 20 --store past.db", [
-        r"What to replace first: 1 part of unknown rate left out"]),
+        rf"What to replace first: {LEFT_OUT}"]),
     ("diagnose sensors.csv --alarm heat", [
         r"board +unknown +unknown +9\.06\n", r"motor +\? ", r"false alarm: ≤ ",
-        rf"{LEFT_OUT}: .* if they never fail.*\(board\)",
+        rf"{LEFT_OUT}: .* if it never fails.*\(board\)",
     ]),
     ("diagnose sensors.csv --alarm own", [r"board +unknown +unknown +∞", r"motor +unknown"]),
     ("diagnose sensors.csv --quiet", [
@@ -99,8 +100,16 @@ FACES = [
         r"board by hazard alone +unknown", r"board with its wear[^0-9≤?]*\d", r"Rover by hazard alone +[≤?] ",
         r"Rover with its wear[^0-9≤?]*\d", "With the wear nothing is left out",
     ]),
-    ("predict --draws 200", [r"with rates unsure: (at most .*|.*, if they never fail)"]),
-    ("task tasks.yaml --draws 20", [r"[≤?] \d", rf"{LEFT_OUT}: every PoTC", r"All of it fails .*, if they never fail"]),
+    ("fault-tree", [r"occurs with at least 0\.", rf"{LEFT_OUT}: a probability of failing is at least"]),
+    ("cutsets", [r"has failed with at least \d", rf"{LEFT_OUT}: a probability of failing is at least"]),
+    ("fault-tree --monte-carlo 1000", [r"occurs with at least ", rf"{LEFT_OUT}: a probability of failing"]),
+    ("importance", [
+        r"fails within .* with (at least \d+\.\d+ %|\d+\.\d+ %, if it never fails)\n",
+        rf"{LEFT_OUT}: what is not said to be at least or at most is as if it never fails",
+        r"As it is: (at most median [^,]*, mean .*|median .*, if it never fails)\n",
+    ]),
+    ("predict --draws 200", [r"with rates unsure: (at most .*|.*, if it never fails)"]),
+    ("task tasks.yaml --draws 20", [r"[≤?] \d", rf"{LEFT_OUT}: every PoTC", r"All of it fails .*, if it never fails"]),
     ("service board --store past.db --replaced --failed", ["board replaced after it failed"]),
 ]  # fmt: skip
 
@@ -112,8 +121,8 @@ def test_each_face_says_what_it_leaves_out(inside: Run, wired: str, words: str, 
     assert found.returncode == 0, found.stderr
     for one in says:
         assert re.search(one, found.stdout), (one, found.stdout)
-    assert "∞" not in found.stdout or "own" in words
-    assert "if they never fail" in found.stdout or wired == "single" or "wear" not in command
+    assert "∞" not in found.stdout or "own" in words or command == "importance"  # an infinite ratio bounds nothing
+    assert "if it never fails" in found.stdout or wired == "single" or "wear" not in command
 
 
 @pytest.mark.parametrize(
@@ -176,8 +185,8 @@ def test_what_watch_says_while_the_robot_runs(wired: str, tmp_path: Path) -> Non
     out.print(LiveTable().draw(report))
     said = out.file.getvalue()
     assert re.search(r"0\.000 h  λ (≥ 1e-4 /h|unknown)  \(1 part of unknown rate\)", said), said
-    half = "at most 50 %" if wired == "single" else "50 %, if they never fail"
-    assert f"completed with {half} (1 part of unknown rate left out)" in said, said
+    half = "at most 50 %" if wired == "single" else "50 %, if it never fails"
+    assert f"completed with {half} ({LEFT_OUT})" in said, said
     assert re.search(r"Rover \* +(≥|unknown)", said)
 
 
@@ -195,11 +204,11 @@ def test_tasks_of_a_recording_say_what_they_leave_out(wired: str, tmp_path: Path
     out = io.StringIO()
     with redirect_stdout(out):
         _print_records(monitor.plant.robot, [found])
-    assert "1 part of unknown rate left out: every PoTC is" in out.getvalue()
+    assert f"{LEFT_OUT}: every PoTC is" in out.getvalue()
     assert re.search(r"[≥?] |unknown", out.getvalue().splitlines()[2])
 
 
 def test_the_page_says_it_of_the_span_too(inside: Run, wired: str, tmp_path: Path) -> None:
     assert inside("report", "robot.yaml", "--store", "past.db", "--output", "health.html").returncode == 0
-    said = r"median; at most 90 % between" if wired == "single" else r"median; 90 % between [^<]*, if they never fail"
+    said = r"median; at most 90 % between" if wired == "single" else r"median; 90 % between [^<]*, if it never fails"
     assert re.search(said, (tmp_path / "health.html").read_text())

@@ -151,7 +151,7 @@ LAUGHS = "<!DOCTYPE lolz [" + '<!ENTITY a "ha">' + "".join(
         (model(gate('<constant value="maybe"/>')), "constant 'maybe'; expected true or false"),
         (event('<float value="1.5"/>'), "'a' has the probability 1.5; expected 0 … 1"),
         (event('<float value="nan"/>'), "float value 'nan' is not a finite number"),
-        (event('<float value="12 FIT"/>'), "float value '12 FIT' is not a finite number"),
+        (event('<float value="12 FIT"/>'), "float value '12 FIT' is no number; expected one without a unit"),
         (event(""), "'a' has 0 expressions; expected its probability"),
         (event('<exponential><float value="1"/></exponential>'), "'exponential' has 1 arguments; expected 2"),
         (event("<exponential><float value='-1'/><float value='1'/></exponential>"), "of a negative rate or time"),

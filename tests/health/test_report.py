@@ -192,3 +192,11 @@ def test_flags_belong_to_the_module_that_hears_the_signal() -> None:
         "hot": ("stale /h.c",),
         "cold": (),
     }
+
+
+@pytest.mark.parametrize("draws", [0.4, 1.5, 2000.2])
+def test_a_fraction_of_a_draw_is_refused(draws: float) -> None:
+    observer = Monitor(parse(json.dumps({"schema_version": 1, "name": "R", "components": {"A": WORN}})))
+    with pytest.raises(RobophmError, match=rf"draws {draws}: expected a whole number of at least 0"):
+        observer.report(draws=draws)
+    assert observer.report(draws=0).uncertainty is None

@@ -17,7 +17,7 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.health.report import HealthReport
 from robophm.health.task_report import task_report
-from robophm.health.unknown import IF_NEVER, unknown
+from robophm.health.unknown import IF_NEVER, Unknown, unknown
 from robophm.monitor import Monitor
 
 from .test_to_come import draw
@@ -169,3 +169,18 @@ def test_what_an_unknown_rate_cannot_be(parts: dict[str, Any], more: dict[str, A
         robot(parts, **more)
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_every_sentence_counts_one_and_many_rightly() -> None:
+    one, many = Unknown(1, "at least", "at most", "at most"), Unknown(1200, IF_NEVER, "at most", IF_NEVER)
+    assert one.left_out == "1 part of unknown rate is left out of the totals"
+    assert many.left_out == "1,200 parts of unknown rate are left out of the totals"
+    assert (one.said(one.failing, "9 %"), many.said(many.failing, "9 %")) == ("at least 9 %", "9 %, if they never fail")
+    assert (one.said_ahead("9 %"), many.said_ahead("9 %")) == ("at most 9 %", "9 %, if they never fail")
+    for about in (one, many):
+        for says in (about.sentence, about.of_tasks, about.of_sets, about.of_costs, about.of_shares, about.aside):
+            assert says.startswith(about.left_out)
+            assert ("they never fail" in says) <= (about is many)
+            assert ("it never fails" in says) <= (about is one)
+    assert one.of_tasks.endswith("every PoTC is at most what is stated")
+    assert many.of_tasks.endswith("every PoTC is as if they never fail, and may be more or less")

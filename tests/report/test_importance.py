@@ -45,11 +45,11 @@ def test_the_twenty_that_matter_most_and_how_many_more():
     page = "".join(matters(design, both(design), 2000.0))
     assert "&lt;part 29&gt;" in page
     assert "&lt;part 9&gt;" not in page
-    assert "10 more parts are not shown" in page
+    assert "10 more are not shown" in page
     assert page.count("<tr>") == MOST + 1
     gains = "".join(replace_first(design, both(design), Task.plain(0, 10)))
     assert "&lt;part 29&gt;" in gains
-    assert "10 more parts are not shown" in gains
+    assert "10 more are not shown" in gains
     assert "PoTC sensor" in gains
     assert "<script" not in page + gains
 

@@ -142,6 +142,18 @@ def test_missing_file(name: str, tmp_path: Path) -> None:
         open_source(tmp_path / name)
 
 
+@pytest.mark.parametrize("name", ["nope.bag", "nope.rosbag", "nope"])
+def test_what_is_no_recording_is_not_offered_as_one(name: str, tmp_path: Path) -> None:
+    for other in ("nope.py", "nope.html", "robot.yaml", "a.bag", "b.MCAP", "c.journal"):
+        (tmp_path / other).touch()
+    for folder in ("drives", "notes"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "drives" / "d.db3").touch()
+    told = r"no such file; (known: a\.bag, b\.MCAP, c\.journal, drives|did you mean 'a\.bag'\?)$"
+    with pytest.raises(SourceError, match=told):
+        open_source(tmp_path / name)
+
+
 @pytest.mark.parametrize("content", [b"", b"\0" * 5000, b"time;a\n", bytes(range(256)) * 40], ids=len)
 @pytest.mark.parametrize("suffix", [".bag", ".db3", ".mcap", ".csv", ".journal", ".txt", ""])
 def test_not_a_recording(content: bytes, suffix: str, tmp_path: Path) -> None:

@@ -356,3 +356,18 @@ def test_data_lists_the_names(tmp_path, write_messages):
         app, ["data", "find", str(path), "--signal", "/joint_states.effort[elbow]", "--above", "200", "--json"]
     )
     assert found.exit_code == 0, found.output
+
+
+def test_a_text_with_a_unit_in_it_is_refused_in_words(tmp_path, write_messages):
+    """8.0 N m is finite: what was expected is its number alone."""
+    signal = "/diagnostics.status[arm: motor 1].values[Effort].value"
+    design = f"""schema_version: 1
+name: Arm
+components:
+  Lift: {{rate: 100 FIT, acceleration: {{model: cubic_load}}, signals: {{load: {{topic: /diagnostics,
+    field: "{signal.partition(".")[2]}", unit: N*m, rated: 10, range: [-500, 500]}}}}}}
+"""
+    said = [diagnostics(T0 + i * SECOND, [("Effort", "8.0 N m" if i < 3 else "8.0")]) for i in range(5)]
+    path = write_messages(tmp_path / "drive.mcap", said)
+    words = f"no finite number: {signal}; expected a number without its unit"
+    assert f"3 samples not taken: {words}" in replay(parse(design), path).notes

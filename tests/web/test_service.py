@@ -102,6 +102,19 @@ def test_importance_and_cut_sets(shared_small):
     assert shared_small.get("/api/analysis/cut-sets")["counted"].startswith("3 minimal cut sets: 2 of 1, 1 of 2")
 
 
+def test_what_is_infinite_is_not_what_does_not_apply(small):
+    """Of the only way to fail: without it nothing would (RRW = Q / 0); where nothing fails, 0 / 0 is no number."""
+    for rate, wanted in (("8 FPMH", "Infinity"), ("unknown", None)):
+        design = {"op": "put", "path": ["modules"], "value": {"drive": {"components": {"motor": {"rate": rate}}}}}
+        small.edit(design)
+        (motor,) = small.get("/api/analysis/importance", hours=1000)["parts"]
+        assert motor["reduction"] == wanted
+    said = small.get("/api/analysis/importance", hours=1000)["unknown"]
+    assert said["failing"] == "at least"
+    assert "1 part of unknown rate is left out of the totals: what is not said to be" in said["sentence"]
+    assert "a probability of failing is at least" in small.get("/api/analysis/cut-sets")["unknown"]
+
+
 def test_the_drawing_has_every_part_once_and_the_gate(shared_small):
     drawing = shared_small.get("/api/design/drawing", path="see", width=600)
     assert sorted(box["part"] for box in drawing["boxes"]) == ["see/camera", "see/lidar"]

@@ -8,7 +8,7 @@ from robophm.cli.output import console, print_json, warn
 from robophm.core.errors import DesignError
 from robophm.design.file import load
 from robophm.health.refusal import refusal
-from robophm.health.unknown import named
+from robophm.health.unknown import alone, named
 
 
 def run(design: Path, *, as_json: bool) -> None:
@@ -20,16 +20,16 @@ def run(design: Path, *, as_json: bool) -> None:
     if says := refusal(robot):
         raise DesignError(f"{design}: {says}")
     count = sum(component.quantity for component in robot.all_components()) - len(robot.causes)
-    unknown = sum(component.quantity for component in robot.all_components() if component.unknown)
+    left_out = alone(robot.all_components())
     warnings = list(robot.warnings)
-    if unknown:
-        warnings.append(f"{unknown:,} parts of unknown rate are left out of every total, which says so: {named(robot)}")
+    if left_out:
+        warnings.append(f"{left_out.left_out} ({named(robot)})")
     if as_json:
         print_json(
             {
                 "robot": robot.name,
                 "parts": count,
-                "parts_of_unknown_rate": unknown,
+                "parts_of_unknown_rate": left_out.parts if left_out else 0,
                 "common_causes": len(robot.causes),
                 "signals": list(robot.signals),
                 "warnings": warnings,
@@ -37,13 +37,13 @@ def run(design: Path, *, as_json: bool) -> None:
             }
         )
         return
-    if unknown:
+    if left_out:
         warn(warnings[-1])
     for note in robot.notes:
         warn(note, "note")
     console().print(
         f"{design}: {robot.name} is valid: {len(list(robot.all_modules()))} modules, {count} parts, "
-        + (f"{unknown} of them of unknown rate, " if unknown else "")
+        + (f"{left_out.parts} of them of unknown rate, " if left_out else "")
         + (f"{len(robot.causes)} common causes, " if robot.causes else "")
         + f"{len(robot.signals)} signals, {len(warnings)} warnings", markup=False, soft_wrap=True
     )  # fmt: skip

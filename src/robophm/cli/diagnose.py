@@ -25,7 +25,7 @@ from robophm.learning.sensors import coverage, read_sensors, seen
 from robophm.learning.suspects import Diagnosis, Sensor, suspects
 from robophm.monitor import Monitor
 from robophm.report.fmeca_page import effect_text, fmeca_csv, fmeca_page, unknown_words
-from robophm.report.words import number_text, percent_text
+from robophm.report.words import more_text, number_text, percent_text
 
 MOST_SUSPECTS = 15
 """That are listed, of those whose rate is known, and of those whose rate is unknown."""
@@ -78,7 +78,7 @@ def _print_effects(robot: Robot, found: list[Effect], hours: float, to: Path | N
     title = f"What failures do to {robot.name}, within {number_text(hours)} h of operation"
     print_table(out, table(title, columns, rows, figures=range(2, len(columns))))
     if len(found) > len(rows):
-        out.print(f"{len(found) - len(rows):,} more are not listed; --to FMECA.CSV has all")
+        out.print(f"{more_text(len(found) - len(rows), 'listed')}; --to FMECA.CSV has all")
     for words in unknown_words(found):
         out.print(words, style="yellow", markup=False)
     out.print("S severity, O occurrence, D detection (10: nothing sees it), RPN their product")
@@ -240,7 +240,7 @@ def _print_suspects(robot: Robot, found: Diagnosis, wishes: Wishes) -> None:
         says = left_out.aside if found.rivals else f"{left_out.words} may have failed as well: how likely is not known"
         out.print(f"{says} ({named(robot)})", style="yellow", markup=False, soft_wrap=True)
         if more := sum(math.isnan(one.before) for one in found.suspects) - unrated:
-            out.print(f"{more:,} more whose rates are unknown are not listed", style="yellow", markup=False)
+            out.print(f"of unknown rate {more_text(more, 'listed')}", style="yellow", markup=False)
 
 
 def _print_choice(sensors: list[Sensor], added: _Added, wishes: Wishes) -> None:

@@ -24,7 +24,7 @@ from robophm.design.robot import Robot
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.health.report import plain
-from robophm.health.unknown import IF_NEVER, Unknown, unknown
+from robophm.health.unknown import Unknown, unknown
 from robophm.life.exponential import Exponential
 from robophm.report.minimal_sets import Listed
 from robophm.report.words import number_text, probability_text
@@ -51,6 +51,20 @@ class System:
     unknown: Unknown | None = None
     """Parts of unknown rate in it."""
 
+    def fails(self, text: str) -> str:
+        """How likely it has failed, in words."""
+        return self.unknown.said("at least", text) if self.unknown else text
+
+    @property
+    def json(self) -> dict[str, Any]:
+        """What every document about it says of parts of unknown rate."""
+        return {"unknown": asdict(self.unknown)} if self.unknown else {}
+
+    def print_unknown(self) -> None:
+        """The same for people."""
+        if self.unknown:
+            console().print(self.unknown.of_sets, style="yellow", markup=False, soft_wrap=True)
+
 
 def of_robot(robot: Robot, function: str | None, hours: float) -> System:
     """A robot, or a function of it, new and as designed, after so many operating hours."""
@@ -70,13 +84,10 @@ def of_robot(robot: Robot, function: str | None, hours: float) -> System:
             if not calendar:
                 rates |= dict.fromkeys(part.units, part.multiplicity * each)
     name = f"{robot.name}: {function}" if function else robot.name
-    left_out = unknown(new, diagram)
-    if left_out:
-        when += f"; {left_out.words} as {IF_NEVER}"
     return System(
         name, when, tree,
         np.array([float(one.failed[0]) for one in states]), np.array([float(one.works[0]) for one in states]),
-        diagram, rates, unknown=left_out,
+        diagram, rates, unknown=unknown(new, diagram),
     )  # fmt: skip
 
 
@@ -103,10 +114,12 @@ def cut_sets(system: System, *, paths: bool, order: int | None, most: int, as_js
     kind = "path" if paths else "cut"
     if as_json:
         print_json({"system": system.name, "when": system.when, "unreliability": probability,
-                    f"{kind}_sets": _json(listed, share_of)})  # fmt: skip
+                    f"{kind}_sets": _json(listed, share_of), **system.json})  # fmt: skip
         return
     out = console()
-    out.print(f"{system.name}, {system.when}: has failed with {probability_text(probability)}", markup=False)
+    has_failed = system.fails(probability_text(probability))
+    out.print(f"{system.name}, {system.when}: has failed with {has_failed}", markup=False, soft_wrap=True)
+    system.print_unknown()
     _show(listed, kind, share_of)
 
 
@@ -116,7 +129,7 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
     What is written is a model in the Open-PSA format, or where its name ends as a design's does, a design.
     """
     if to and system.unknown:
-        raise RobophmError(f"{to}: {system.unknown.words} would be written as never failing; expected their rates")
+        raise RobophmError(f"{to}: {system.unknown.words} would be written as never failing; expected a rate for each")
     text = _design(system, to) if to and is_design(to) else ""
     probability = float(system.tree.probability(system.occurred, system.not_yet))
     listed = Listed(MinimalSets(system.tree), system.occurred, most, order) if system.tree.coherent else None
@@ -128,10 +141,14 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
             "top_event": system.name, "when": system.when, "probability": probability, **size,
             "modules": len(system.tree.modular.parts), "nodes": system.tree.modular.size,
             "coherent": system.tree.coherent, "cut_sets": _json(listed, probability) if listed else None,
+            **system.json,
         })  # fmt: skip
         return
     out = console()
-    out.print(f"{system.name}, {system.when}: occurs with {probability:.6g}", markup=False)
+    out.print(
+        f"{system.name}, {system.when}: occurs with {system.fails(f'{probability:.6g}')}", markup=False, soft_wrap=True
+    )
+    system.print_unknown()
     out.print(f"{size['basic_events']} basic events, {size['gates']} gates; solved as {len(system.tree.modular.parts)} "
               f"modules by {system.tree.modular.size} nodes", markup=False)  # fmt: skip
     if listed:
@@ -150,12 +167,13 @@ def estimated(system: System, samples: int, seed: int, *, as_json: bool) -> None
 
     found = simulate_tree(system.tree, system.occurred.tolist(), samples, seed=seed)
     if as_json:
-        print_json({"top_event": system.name, "when": system.when, "seed": seed, **asdict(found)})
+        print_json({"top_event": system.name, "when": system.when, "seed": seed, **asdict(found), **system.json})
         return
     console().print(
-        f"{system.name}, {system.when}: occurs with {estimate_text(found)} ({found.samples:,} samples)",
+        f"{system.name}, {system.when}: occurs with {system.fails(estimate_text(found))} ({found.samples:,} samples)",
         markup=False, soft_wrap=True,
     )  # fmt: skip
+    system.print_unknown()
 
 
 def system_of(source: Path, function: str | None, top: str | None, time: float | None, *, by_chance: bool) -> System:

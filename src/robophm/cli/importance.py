@@ -22,7 +22,7 @@ from robophm.health.prognosis import FutureName, View, outlooks
 from robophm.health.replacement import Replacements, replacements
 from robophm.health.report import VIEWS, plain
 from robophm.monitor import Monitor
-from robophm.report.words import duration_text, number_text, percent_text, probability_text
+from robophm.report.words import duration_text, more_text, number_text, percent_text, probability_text
 
 MEASURES = {
     "birnbaum": "birnbaum",
@@ -121,10 +121,9 @@ def _show(title: str, found: Importances, question: Question, nominal: Importanc
         out.print(f"{title}: has failed; no part matters more than another", markup=False, soft_wrap=True)
         return
     ahead = f"within {number_text(found.hours)} h of operation " if not math.isnan(found.ever) else ""
-    least = ""
-    if left_out := found.unknown:
-        least = "at least " if left_out.ahead == "at most" else ""
-    out.print(f"{title}: fails {ahead}with {least}{number_text(100 * found.failure)} %", markup=False, soft_wrap=True)
+    left_out, fails = found.unknown, f"{number_text(100 * found.failure)} %"
+    says = left_out.said(left_out.failing, fails) if left_out else fails
+    out.print(f"{title}: fails {ahead}with {says}", markup=False, soft_wrap=True)
     if left_out:
         out.print(left_out.aside, style="yellow", markup=False, soft_wrap=True)
     columns = ["most important first", "Birnbaum", "criticality", "F–V", "RAW", "RRW", "improvement"]
@@ -139,7 +138,8 @@ def _show(title: str, found: Importances, question: Question, nominal: Importanc
         rows.append(row + ([_share(designed[one.unit].criticality)] if nominal else []))
     print_table(out, table("", columns, rows, figures=range(1, len(columns))))
     if len(rows) < len(found.units):
-        out.print(f"{len(found.units) - len(rows):,} more are not listed (--most); --by ranks by another importance")
+        more = more_text(len(found.units) - len(rows), "listed")
+        out.print(f"{more} (--most); --by ranks by another importance")
     if lifelong:
         ever = "" if found.ever > 1 - 1e-6 else f", which comes with {percent_text(found.ever)}"
         out.print(f"causes: share of all failures to come that its own failure brings about (Barlow–Proschan){ever}")
@@ -153,15 +153,14 @@ def _share(value: float) -> str:
 
 def _show_gains(found: Replacements, question: Question) -> None:
     out = console()
-    life = f"median remaining life {duration_text(found.median)}, mean {duration_text(found.mean)}"
-    task = ""
+    as_it_is = f"median remaining life {duration_text(found.median)}, mean {duration_text(found.mean)}"
     if found.completion_failure is not None:
-        task = (
-            f"; the task is completed with {probability_text(1 - found.completion_failure, found.completion_failure)}"
-        )
-    out.print(f"\nWhat to replace first. As it is: {life}{task}", markup=False, soft_wrap=True)
+        chance = probability_text(1 - found.completion_failure, found.completion_failure)
+        as_it_is += f"; the task is completed with {chance}"
+    said = found.unknown.said_ahead(as_it_is) if found.unknown else as_it_is
+    out.print(f"\nWhat to replace first. As it is: {said}", markup=False, soft_wrap=True)
     if found.unknown:
-        out.print(f"{found.unknown.aside}; what they would gain is unknown", style="yellow", markup=False)
+        out.print(found.unknown.aside, style="yellow", markup=False, soft_wrap=True)
     some = [one for one in found.parts if one.completion or one.median or one.mean]
     if not some:
         out.print("Nothing gains by being replaced: no part has aged, and no redundancy is lost.")
@@ -175,7 +174,7 @@ def _show_gains(found: Replacements, question: Question) -> None:
     ]  # fmt: skip
     print_table(out, table("", columns, rows, figures=range(1, len(columns))))
     if len(some) > len(rows):
-        out.print(f"{len(some) - len(rows):,} more are not listed (--most)")
+        out.print(f"{more_text(len(some) - len(rows), 'listed')} (--most)")
     losing = sum(max(one.completion or 0.0, one.median, one.mean) < 0 for one in some)
     if losing:
         out.print(f"{losing:,} would lose: young parts of theirs fail more often than old ones")

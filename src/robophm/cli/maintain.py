@@ -19,7 +19,7 @@ from robophm.design.robot import CLOCK_UNITS, UNKNOWN, FailureMode, Robot
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.replacement import replacements
-from robophm.health.unknown import IF_NEVER, Unknown, alone, few, named
+from robophm.health.unknown import Unknown, alone, few, named
 from robophm.learning.costs import PartCosts, read_costs
 from robophm.learning.life_cycle import TOGETHER, LifeCycle, Return, Upkept, return_on_watching, simulate
 from robophm.learning.maintenance import Costs, Policy, Visit, best_age, rescaled, together
@@ -249,8 +249,8 @@ def _print(
     out.print("Costs of one part per 1000 h of calendar time. Never by age: it does not wear (β ≤ 1, or constant), or "
               "failing costs no more than replacing.", soft_wrap=True)  # fmt: skip
     if left_out:
-        others = f"; all others are said as {IF_NEVER}" if any(plan.stops < _SURE for plan in plans) else ""
-        out.print(f"{left_out.words} left out ({few(unrated)}): when to replace them is not known{others}",
+        others = f"; all others are said as {left_out.if_never}" if any(plan.stops < _SURE for plan in plans) else ""
+        out.print(f"{left_out.left_out} ({few(unrated)}): when to replace is not known{others}",
                   style="yellow", markup=False, soft_wrap=True)  # fmt: skip
     for plan in plans:
         if plan.stops < _SURE:
@@ -270,9 +270,7 @@ def _print(
         out.print()
         print_table(out, table(title, columns, rows, figures=range(1, 6)))
         if left_out:
-            out.print(
-                f"{left_out.words} left out: at least such costs and failures, at most so available", style="yellow"
-            )
+            out.print(left_out.of_costs, style="yellow", soft_wrap=True)
         if watched:
             pays = "pays" if watched.ratio > 0 else "does not pay"
             out.print(

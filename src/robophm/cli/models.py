@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 import typer
@@ -13,6 +14,9 @@ from robophm.core.table import Table
 from robophm.hazard.acceleration import ACCELERATIONS
 from robophm.hazard.handbooks import handbook_model, handbook_models
 from robophm.hazard.model import Choice, Input, Model, Note
+
+_KIND_OF = "(?:micro|opto|photo)?"
+"""What may stand before a word: a microcircuit is a circuit, but a thumbwheel switch no wheel."""
 
 _MANY = 12  # options, beyond which a table names them one by one
 
@@ -27,8 +31,8 @@ def find(kind: str | None) -> dict[str, Model]:
     models = all_models()
     if kind is None:
         return models
-    wanted = kind.lower().split()
-    found = {name: model for name, model in models.items() if all(word in _words(name, model) for word in wanted)}
+    wanted = [re.compile(rf"(?<![a-z]){_KIND_OF}{re.escape(word)}") for word in kind.lower().split()]
+    found = {name: model for name, model in models.items() if all(one.search(_words(name, model)) for one in wanted)}
     if not found:
         known = {word for name, model in models.items() for word in _names(name, model).split()}
         listed = {name.rpartition(".")[2] for name in models}

@@ -27,7 +27,7 @@ from robophm.health.uncertainty import Interval
 from robophm.health.unknown import Unknown, marked, marks, named
 from robophm.report.to_come import FEW, horizon_text, notes, share_text
 from robophm.report.to_come import shown as largest
-from robophm.report.words import duration_text, number_text, percent_text, probability_text, rate_text
+from robophm.report.words import duration_text, more_text, number_text, percent_text, probability_text, rate_text
 
 if TYPE_CHECKING:
     from robophm.groups.monte_carlo import Estimate
@@ -240,7 +240,7 @@ def print_failures_to_come(found: FailuresToCome, *, both: bool = True) -> None:
     for note in notes(found, some):
         out.print(note)
     if rest := len(found.contributions) - len(some):
-        out.print(f"{rest:,} more are not listed")
+        out.print(more_text(rest, "listed"))
 
 
 def _span(interval: Interval) -> str:

@@ -27,7 +27,7 @@ from robophm.health.prognosis import FutureName, View, outlooks
 from robophm.health.report import VIEWS
 from robophm.health.task_report import TaskReport, task_report
 from robophm.health.uncertainty import Interval
-from robophm.health.unknown import IF_NEVER, marks
+from robophm.health.unknown import marks
 from robophm.monitor import Monitor
 from robophm.report.words import duration_text, number_text, odds_text, percent_text, probability_text
 
@@ -191,7 +191,7 @@ def _print(report: TaskReport, again: dict[View, Repeated], threshold: float | N
         out.print(
             f"Listed are the {len(shown)} likeliest to fail of {len(report.tasks):,} tasks; --json has all of them"
         )
-    if_never = f", {IF_NEVER}" if report.unknown else ""
+    if_never = f", {report.unknown.if_never}" if report.unknown else ""
     if report.unknown:
         out.print(report.unknown.of_tasks, style="yellow", markup=False, soft_wrap=True)
     known = question.plan.knowledge

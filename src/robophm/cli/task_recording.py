@@ -19,7 +19,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion
 from robophm.health.prognosis import View
 from robophm.health.report import VIEWS, task_to_json
-from robophm.health.unknown import Unknown, marked, marks
+from robophm.health.unknown import MARKS, Unknown, marked
 from robophm.report.words import duration_text, number_text, odds_text, percent_text
 from robophm.task_history import TaskRecord, judge_tasks
 from robophm.transports.recording import Recording
@@ -125,7 +125,7 @@ def _print_records(robot: Robot, records: Sequence[TaskRecord]) -> None:
     def failure(found: Mapping[View, Completion] | None, view: View, left_out: Unknown | None) -> str:
         if not found:
             return "–"
-        mark = marks(left_out)[2].replace("≤", "≥")  # of what fails, where what is completed is at most
+        mark = MARKS[left_out.failing] if left_out else ""
         said = odds_text(found[view].failure).removeprefix("fails ") or percent_text(found[view].failure)
         return marked(mark, said)
 

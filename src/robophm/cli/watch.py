@@ -170,7 +170,7 @@ def _task_text(task: JudgedTask) -> str:
     length = f"{number_text(task.distance)} m in {duration_text(task.duration)}"
     said = probability_text(chance.probability, chance.failure)
     if left_out := task.unknown:
-        said = f"{left_out.said_ahead(said)} ({left_out.words} left out)"
+        said = f"{left_out.said_ahead(said)} ({left_out.left_out})"
     return f"task {what} on {task.topic}: {length}, completed with {said}"
 
 

@@ -229,7 +229,7 @@ def _print(robot: Robot, found: Sequence[_Found], lives: Lives, wishes: Wishes) 
     by_hazard, fused = lives[robot.name]
     print_unknown(by_hazard.unknown, robot)
     if by_hazard.unknown and not fused.unknown:
-        out.print("With the wear nothing is left out: it says what their rates do not", markup=False)
+        out.print("With the wear nothing is left out: it says what no rate does", markup=False)
 
 
 def _print_one(found: _Found, wishes: Wishes) -> None:

@@ -94,21 +94,28 @@ def nearest(name: str, known: Iterable[str], listed: Iterable[str] | None = None
 
 
 def _alike(name: str, other: str) -> float:
-    from difflib import SequenceMatcher  # only on the way to an error: it is slow to import
+    """The share of letters that both have, as difflib's ``quick_ratio``, which is much slower."""
+    name, other = name.casefold()[:100], other.casefold()[:100]
+    return 2.0 * _shared(name, other) / ((len(name) + len(other)) or 1)
 
-    return SequenceMatcher(None, name.casefold()[:100], other.casefold()[:100]).quick_ratio()
+
+def _shared(one: str, other: str) -> int:
+    return sum(min(one.count(letter), other.count(letter)) for letter in {*one})
 
 
 def _meant(name: str, names: list[str]) -> list[str]:
     """The names that a slip of the hand away are this one, or whose last step is; or that it begins, or they it."""
     said = _folded(name)
-    names = list({_folded(other): other for other in reversed(names)}.values())[::-1]  # of two spellings the first
-    for form, its in ((_folded, said), (_last_step, said), (_last_step, _last_step(name))):
-        slips = {other: count for other in names if (count := _slips(its, form(other))) is not None}
-        meant = [other for other, count in slips.items() if count == min(slips.values())]
-        if meant:
+    folded = {_folded(other): other for other in reversed(names)}  # of two spellings the first
+    whole = {other: form for form, other in reversed(folded.items())}
+    steps = {other: _last_step(other) for other in whole}
+    for forms, its in ((whole, said), (steps, said), (steps, _last_step(name))):
+        slips = {other: count for other, form in forms.items() if (count := _slips(its, form)) is not None}
+        if slips:
+            fewest = min(slips.values())
+            meant = [other for other, count in slips.items() if count == fewest]
             return sorted(meant) if len(meant) <= MOST_MEANT else []
-    begun = [other for other in names if _begins(said, _folded(other)) or _begins(_folded(other), said)]
+    begun = [other for other, form in whole.items() if _begins(said, form) or _begins(form, said)]
     return begun if len(begun) == 1 else []
 
 
@@ -134,21 +141,25 @@ def _slips(one: str, other: str) -> int | None:
     """
     if one == other:
         return 0
+    first, length, longer = one[:1] == other[:1], min(len(one), len(other)), abs(len(one) - len(other))
+    if longer > length + 1 or (not first and (length < 8 or longer > 1)):
+        return None  # at once, of most of many names: nothing below takes these for one another
     numbers = [re.findall(r"\d+", text) for text in (one, other)]
     if all(numbers) and numbers[0] != numbers[1]:
         return None
     if re.sub(r"(.)\1|(?<=..)s$", r"\1", one) == re.sub(r"(.)\1|(?<=..)s$", r"\1", other):
         return 1
-    length = min(len(one), len(other))
-    most = min(max(length // 4, length // 3 == 1), 3)
-    if not most or abs(len(one) - len(other)) > most or (one[0] != other[0] and length < 8):
+    most = min(max(length // 4, length // 3 == 1), 3 if first else 1)
+    if not most or longer > most:
         return None
     if length < 5 and len(one) == len(other) and sorted(one) != sorted(other):
         return None
     if length < 4 and len(one) > len(other):
         return None
+    if max(len(one), len(other)) - _shared(one, other) > most:  # each slip spoils one letter at most
+        return None
     found = _distance(one, other)
-    return found if found <= most and (found < 2 or one[0] == other[0]) else None
+    return found if found <= most else None
 
 
 def _distance(one: str, other: str) -> int:

@@ -26,16 +26,19 @@ def shown(value: object) -> str:
 
 
 def number(value: Any, what: str, *, low: float = 0.0, high: float = math.inf, above: bool = False,
-           error: Wrong = RobophmError) -> float:  # fmt: skip
-    """A finite number of at least ``low``, or ``above`` it, and at most ``high``; raises ``error`` for any other."""
+           whole: bool = False, error: Wrong = RobophmError) -> float:  # fmt: skip
+    """A finite number of at least ``low``, or ``above`` it, and at most ``high``; raises ``error`` for any other.
+
+    ``whole``: and no fraction.
+    """
     try:
         fine = isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
     except OverflowError:  # a whole number beyond all floats
         fine = False
-    if not fine or not (value > low if above else value >= low) or value > high:
+    if not fine or (whole and value % 1) or not (value > low if above else value >= low) or value > high:
         most = f" and at most {high:g}" if high < math.inf else ""
         least = "" if low == -math.inf else f" {'above' if above else 'of at least'} {low:g}"
-        raise error(f"{what} {shown(value)}: expected a number{least}{most}")
+        raise error(f"{what} {shown(value)}: expected a {'whole ' * whole}number{least}{most}")
     return float(value)
 
 

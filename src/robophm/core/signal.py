@@ -19,6 +19,9 @@ CLOCK = "clock"
 REORDERED = "order changed: "
 """What begins the count of a signal by an index at which messages had another element than at first."""
 
+NOT_FINITE = "not finite: "
+"""What begins the count of a signal's values that are NaN, infinite, or texts that are no number."""
+
 _TOPIC = re.compile(r"[^.\s\x00-\x1f]+\Z")
 _STEP = r"[A-Za-z_][A-Za-z0-9_]*(?:\[[^\[\]\x00-\x1f\x7f]+\])?"
 _FIELD = re.compile(rf"{_STEP}(?:\.{_STEP})*\Z")
@@ -81,6 +84,13 @@ def _element(text: str) -> int | str | None:
 def named(field: str) -> bool:
     """Whether an element in a field path is told by its name."""
     return "[" in field and any(isinstance(step.element, str) for step in steps_of(field))
+
+
+def no_number(signal: str) -> str:
+    """Why values of a signal are no samples: of an element told by its name they may be texts, such as "8.0 N m"."""
+    if named(signal.partition(".")[2]):
+        return f"no finite number: {signal}; expected a number without its unit"
+    return f"{NOT_FINITE}{signal}"
 
 
 def any_element(field: str) -> str:

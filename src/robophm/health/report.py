@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
 from robophm.core.given import number, numbers, one_of
-from robophm.core.signal import REORDERED, SECOND
+from robophm.core.signal import NOT_FINITE, REORDERED, SECOND, no_number
 from robophm.design.asked import check_knowledge, check_plan, check_task
 from robophm.design.robot import FailureMode, Limits, Robot, Thresholds
 from robophm.design.task import Knowledge, Plan, Task
@@ -280,7 +280,7 @@ def health_report(
     far ahead failures to come are looked for.
     Raises RobophmError where the robot lacks what a task, plan or knowledge names, or ``draws`` are no number of them.
     """
-    draws = round(number(draws, "draws", high=MOST_DRAWS))
+    draws = int(number(draws, "draws", high=MOST_DRAWS, whole=True))
     if horizon is not None:
         horizon = number(horizon, "horizon [h]", above=True, high=LONGEST)
     now = health_now(plant, exposure, ledger, task=task, future=future, plan=plan, knowledge=knowledge)
@@ -415,12 +415,15 @@ def _marks(modes: Iterable[FailureMode], ledger: Ledger, silent: Mapping[str, in
     return _Marks(flags, silence(own))
 
 
+def _dropped(reason: str, count: int) -> str:
+    if reason.startswith(REORDERED):
+        return f"{reason} in {count} messages; expected it bound by the element's name"
+    said = no_number(reason.removeprefix(NOT_FINITE)) if reason.startswith(NOT_FINITE) else reason
+    return f"{count} samples not taken: {said}"
+
+
 def _notes(ledger: Ledger) -> tuple[str, ...]:
-    dropped = [
-        f"{reason} in {count} messages; expected it bound by the element's name" if reason.startswith(REORDERED)
-        else f"{count} samples not taken: {reason}"
-        for reason, count in sorted(ledger.counts.items())
-    ]  # fmt: skip
+    dropped = [_dropped(reason, count) for reason, count in sorted(ledger.counts.items())]
     silent: dict[int, list[str]] = {}
     for key, nanoseconds in sorted(ledger.stale.items()):
         signal = key.rsplit(" ", 4)[0] if "[" in key else key.partition(" ")[0]  # a name may have blanks

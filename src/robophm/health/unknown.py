@@ -19,6 +19,8 @@ from robophm.design.robot import UNKNOWN, Component, Robot
 from robophm.health.prognosis import Outlook
 
 IF_NEVER: Literal["if they never fail"] = "if they never fail"
+Bound = Literal["at least", "at most", "if they never fail"]
+"""How a stated figure stands to the truth."""
 
 
 @dataclass(frozen=True)
@@ -34,34 +36,71 @@ class Unknown:
     """What remaining life and task completion are."""
 
     @property
+    def failing(self) -> Literal["at least", "if they never fail"]:
+        """What the probability of failing ahead is."""
+        return "at least" if self.ahead == "at most" else IF_NEVER
+
+    @property
     def words(self) -> str:
         """How many there are: "3 parts of unknown rate"."""
         return f"{self.parts:,} part{'s' * (self.parts != 1)} of {UNKNOWN} rate"
 
     @property
-    def aside(self) -> str:
-        """The same of figures that are no bounds: what they are without them."""
-        return f"{self.words} left out: what is stated is as {IF_NEVER}, and may be more or less"
+    def if_never(self) -> str:
+        """Of what holds only then: "if they never fail"."""
+        return "if it never fails" if self.parts == 1 else IF_NEVER
+
+    def said(self, bound: Bound, text: str) -> str:
+        """A figure in words: "at least …", "at most …", or "…, if they never fail"."""
+        return f"{text}, {self.if_never}" if bound == IF_NEVER else f"{bound} {text}"
 
     def said_ahead(self, text: str) -> str:
-        """A remaining life or probability of completion in words: "at most …", or "…, if they never fail"."""
-        return f"at most {text}" if self.ahead == "at most" else f"{text}, {IF_NEVER}"
+        """A remaining life or probability of completion in words."""
+        return self.said(self.ahead, text)
+
+    @property
+    def left_out(self) -> str:
+        """How every sentence of them begins."""
+        return f"{self.words} {'is' if self.parts == 1 else 'are'} left out of the totals"
+
+    @property
+    def sentence(self) -> str:
+        """What they make of the figures of health."""
+        bounded = "R, remaining life and PoTC are" if self.ahead == "at most" else "R is"
+        if self.hazard_rate == "at least":
+            return f"{self.left_out}: λ is at least, {bounded} at most what is stated"
+        free = "λ is" if self.ahead == "at most" else "λ, remaining life and PoTC are"
+        return f"{self.left_out}: {bounded} at most what is stated; {free} {self._free}"
 
     @property
     def of_tasks(self) -> str:
         """What they make of the probabilities that tasks are completed."""
-        said = "at most what is stated" if self.ahead == "at most" else f"as {IF_NEVER}, and may be more or less"
-        return f"{self.words} left out: every PoTC is {said}"
+        return f"{self.left_out}: every PoTC is {self._free if self.ahead == IF_NEVER else 'at most what is stated'}"
 
     @property
-    def sentence(self) -> str:
-        """What they make of the figures."""
-        left = f"{self.words} {'is' if self.parts == 1 else 'are'} left out of the totals"
-        bounded = "R, remaining life and PoTC are" if self.ahead == "at most" else "R is"
-        if self.hazard_rate == "at least":
-            return f"{left}: λ is at least, {bounded} at most what is stated"
-        free = "λ is" if self.ahead == "at most" else "λ, remaining life and PoTC are"
-        return f"{left}: {bounded} at most what is stated; {free} as {IF_NEVER}, and may be more or less"
+    def of_sets(self) -> str:
+        """What they make of minimal cut sets and path sets since new."""
+        bounds = "a probability of failing is at least, one of working at most what is stated"
+        return f"{self.left_out}: {bounds}; a share is {self._free}"
+
+    @property
+    def of_costs(self) -> str:
+        """What they make of a life cycle."""
+        return f"{self.left_out}: costs and failures are at least, availability is at most what is stated"
+
+    @property
+    def of_shares(self) -> str:
+        """What they make of the failures to come."""
+        return f"{self.left_out}: shares are of the failures of parts whose rate is known"
+
+    @property
+    def aside(self) -> str:
+        """What they make of figures of which only some are bounds, and say so: importances, gains, suspects."""
+        return f"{self.left_out}: what is not said to be at least or at most is {self._free}"
+
+    @property
+    def _free(self) -> str:
+        return f"as {self.if_never}, and may be more or less"
 
 
 def unknown(outlook: Outlook, *diagrams: Block, later: bool = False, seen: Collection[str] = ()) -> Unknown | None:
@@ -113,7 +152,8 @@ def marks(left_out: Unknown | None) -> tuple[str, str, str]:
     """What stands before a hazard rate, a survival, and what lies ahead: "≥ ", "≤ ", or "? " if they never fail."""
     if left_out is None:
         return "", "", ""
-    return tuple(_MARKS[word] for word in (left_out.hazard_rate, left_out.reliability, left_out.ahead))  # type: ignore[return-value]
+    return MARKS[left_out.hazard_rate], MARKS[left_out.reliability], MARKS[left_out.ahead]
 
 
-_MARKS = {"at least": "≥ ", "at most": "≤ ", IF_NEVER: "? "}
+MARKS: dict[Bound, str] = {"at least": "≥ ", "at most": "≤ ", IF_NEVER: "? "}
+"""What stands before a figure."""

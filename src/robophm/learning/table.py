@@ -41,7 +41,7 @@ class Row:
         return DataError(f"{self.table}:{self.line}: {f'{column}: ' if column else ''}{message}")
 
     def number(self, column: str, default: float | None = None) -> float:
-        """A plain number. Raises DataError where it is none, is not finite, or is missing without a default."""
+        """A plain number. Raises DataError where it is none, not finite, or missing without a default."""
         written = self.text(column)
         if not written:
             if default is None:
@@ -50,7 +50,7 @@ class Row:
         try:
             value = float(written)
         except ValueError:
-            value = math.nan
+            raise self.error(f"{written!r:.60} is no number; expected one without a unit", column) from None
         if not math.isfinite(value):
             raise self.error(f"{written!r:.60} is not a finite number", column)
         return value

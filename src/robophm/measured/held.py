@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robophm.core.signal import SECOND
+from robophm.core.signal import SECOND, no_number
 from robophm.measured.recordings import Recorded, Signal
 from robophm.transports.columns import Block
 from robophm.transports.recording import STAMP_LIMIT
@@ -121,7 +121,7 @@ def finite(samples: Samples, name: str, notes: Counter[str]) -> Samples:
     true = np.isfinite(samples.values)
     if true.all():
         return samples
-    notes[f"not finite, no sample: {name}"] += int((~true).sum())
+    notes[f"no sample, {no_number(name)}"] += int((~true).sum())
     return Samples(samples.times[true], samples.values[true])
 
 

@@ -48,8 +48,8 @@ def unknown_words(found: Sequence[Effect]) -> Iterable[str]:
     """What is to be said of failure modes of unknown rate, where there are some."""
     if count := sum(one.unknown for one in found):
         yield (
-            f"{count:,} failure mode{'s' * (count != 1)} of unknown rate: how likely they are is not stated, their "
-            "occurrence counts as 10, the highest, until it is known, and every β is at least what is stated."
+            f"{count:,} failure mode{'s' * (count != 1)} of unknown rate: how likely is not stated, occurrence "
+            "counts as 10, the highest, until it is known, and every β is at least what is stated."
         )
 
 

@@ -14,7 +14,7 @@ from robophm.health.replacement import Replacements, replacements
 from robophm.report.bars import bars_svg
 from robophm.report.markup import Html
 from robophm.report.page import figure, table_html
-from robophm.report.words import duration_text, number_text, odds_text
+from robophm.report.words import duration_text, more_text, number_text, odds_text
 
 MOST = 20
 """Parts that are shown."""
@@ -61,7 +61,7 @@ def _matters(found: Mapping[View, Importances], many: bool) -> Iterable[Html | s
     columns = ("part", "Birnbaum", "criticality", "Fussell–Vesely", "RAW", "RRW", "improvement", "Barlow–Proschan")
     rest = len(one.units) - len(most)
     caption = f"Sensor-based, within {ahead}; Barlow–Proschan: share of all failures to come that it brings about"
-    yield table_html(columns, rows, caption + (f"; {rest:,} more parts are not shown" if rest else ""), "lrrrrrrr")
+    yield table_html(columns, rows, caption + (f"; {more_text(rest, 'shown')}" if rest else ""), "lrrrrrrr")
     if one.unknown:
         yield f"{one.unknown.aside}."
     if many:
@@ -76,7 +76,7 @@ def replace_first(robot: Robot, outlooks: Mapping[View, Outlook], task: Task | N
     nominal = {one.path: one for one in found["nominal"].parts}
     some = [one for one in lived.parts if one.completion or one.median or one.mean]
     if lived.unknown:
-        yield f"{lived.unknown.aside}; what they would gain is unknown."
+        yield f"{lived.unknown.aside}."
     if not some:
         yield "Nothing gains by being replaced: no part has aged, and no redundancy may have been lost."
         return
@@ -95,11 +95,14 @@ def replace_first(robot: Robot, outlooks: Mapping[View, Outlook], task: Task | N
 
 
 def _as_it_is(found: Replacements, rest: int) -> str:
-    text = f"As it is: median remaining life {duration_text(found.median)}, mean {duration_text(found.mean)}"
+    text = f"median remaining life {duration_text(found.median)}, mean {duration_text(found.mean)}"
+    left_out = found.unknown
+    said = left_out.said_ahead(text) if left_out else text
     if found.completion_failure:
-        text += f"; the task {odds_text(found.completion_failure) or 'fails more often than 1 in 10'}"
+        fails = (odds_text(found.completion_failure) or "fails more often than 1 in 10").removeprefix("fails ")
+        said += f"; the task fails {left_out.said(left_out.failing, fails) if left_out else fails}"
     unshown = rest + found.others
-    return text + (f"; {unshown:,} more parts are not shown" if unshown else "")
+    return f"As it is: {said}" + (f"; {more_text(unshown, 'shown')}" if unshown else "")
 
 
 def _percent(share: float) -> str | None:

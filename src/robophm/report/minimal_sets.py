@@ -19,7 +19,7 @@ from robophm.health.prognosis import Outlook
 from robophm.health.report import HealthReport
 from robophm.report.markup import Html
 from robophm.report.page import table_html
-from robophm.report.words import count_text, number_text
+from robophm.report.words import count_text, more_text, number_text
 
 ORDERS = 10
 """Numbers of sets are stated of 1, 2, … so many parts."""
@@ -67,8 +67,8 @@ class Listed:
         rest = self.count - len(self.sets)
         if not rest:
             return ""
-        sums = f"their probabilities add up to {self.neglected:.3g}, of all {self.mass:.4g}"
-        return f"{count_text(rest)} more are not listed; {sums}."
+        sums = "its probability is" if rest == 1 else "their probabilities add up to"
+        return f"{more_text(rest, 'listed')}; {sums} {self.neglected:.3g}, of all {self.mass:.4g}."
 
 
 def what_it_takes_to_fail(robot: Robot, report: HealthReport) -> Iterator[Html | str]:
@@ -102,6 +102,8 @@ def what_it_takes_to_fail(robot: Robot, report: HealthReport) -> Iterator[Html |
         yield table_html(("minimal cut set", "parts", "probability", "share of 1 − R"), rows, caption, "lrrr")
         if listed.left_out():
             yield listed.left_out()
+        if unknown := report.system.unknown:
+            yield f"{unknown.of_sets}."
 
 
 def failed_of(outlook: Outlook) -> dict[str, float]:

@@ -10,7 +10,7 @@ from robophm.health.to_come import Contribution, FailuresToCome
 from robophm.report.bars import bars_svg
 from robophm.report.markup import Html
 from robophm.report.page import figure, table_html
-from robophm.report.words import duration_text, number_text, percent_text
+from robophm.report.words import duration_text, more_text, number_text, percent_text
 
 MOST = 10
 """Parts that a page shows."""
@@ -39,7 +39,7 @@ def shown(found: FailuresToCome, most: int) -> list[Contribution]:
 def notes(found: FailuresToCome, some: Sequence[Contribution]) -> Iterable[str]:
     """What is to be said beside them."""
     if found.unknown:
-        yield f"Shares are of the failures of parts whose rate is known: {found.unknown.words} left out."
+        yield f"{found.unknown.of_shares}."
     if any(one.group for one in some):
         yield "A group of parts that depend on each other is one unit."
 
@@ -68,8 +68,9 @@ def contributors(found: FailuresToCome, components: Iterable[ComponentHealth]) -
         for one in some
     ]
     columns = ("part", "quantity", "λ now nominal [1/h]", "λ now sensor [1/h]", "share nominal", "share sensor")
-    fails = percent_text(1 - found.sensor_based_failure, found.sensor_based_failure)
+    works = percent_text(1 - found.sensor_based_failure, found.sensor_based_failure)
+    says = found.unknown.said_ahead(works) if found.unknown else works
     rest = len(found.contributions) - len(some)
-    caption = f"The robot survives {ahead}, with {fails}. λ is of all equal parts together"
-    yield table_html(columns, rows, caption + (f"; {rest:,} more parts are not shown" if rest else ""), "lrrrrr")
+    caption = f"The robot survives {ahead}, with {says}. λ is of all equal parts together"
+    yield table_html(columns, rows, caption + (f"; {more_text(rest, 'shown')}" if rest else ""), "lrrrrr")
     yield from notes(found, some)

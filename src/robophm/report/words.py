@@ -43,6 +43,11 @@ def count_text(count: int) -> str:
     return f"{digits.rstrip('0').rstrip('.')}e{power}"
 
 
+def more_text(count: int, what: str) -> str:
+    """What a list leaves out: "1 more is not listed", "3 more are not listed"; ``what`` is "listed"."""
+    return f"{count_text(count)} more {'is' if count == 1 else 'are'} not {what}"
+
+
 def percent_text(p: float, failure: float | None = None) -> str:
     """A probability in percent with as many nines as it has: "99.98 %", "> 99.9999999999 %".
 

@@ -250,9 +250,25 @@ def reading(path: Path) -> Iterator[None]:
         raise SourceError(f"{path}: cannot be read: {reason}") from error
 
 
+RECORDED = frozenset({".bag", ".csv", ".db3", ".journal", ".mcap"})
+"""Suffixes of files that samples are read from."""
+
+
 def existing(path: Path) -> Path:
-    """The path itself. Raises SourceError, with the nearest name beside it, where there is nothing."""
+    """The path itself. Raises SourceError, with the nearest name beside it that could be meant, where there is nothing.
+
+    That is a recording, a folder with some, or a file of the same suffix.
+    """
     if path.exists():
         return path
+    meant = RECORDED | {path.suffix.lower() or ".bag"}
     beside: Iterable[Path] = path.parent.iterdir() if path.parent.is_dir() else ()
-    raise SourceError(f"{path}: no such file{nearest(path.name, (other.name for other in beside))}")
+    names = [one.name for one in beside if one.suffix.lower() in meant or _has_recordings(one)]
+    raise SourceError(f"{path}: no such file{nearest(path.name, names)}")
+
+
+def _has_recordings(folder: Path) -> bool:
+    try:
+        return folder.is_dir() and any(one.suffix.lower() in RECORDED for one in folder.iterdir())
+    except OSError:  # of somebody else
+        return False

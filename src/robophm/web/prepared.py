@@ -8,6 +8,7 @@ from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import asdict
 from functools import cached_property
+from typing import Literal
 
 from robophm.blocks.merging import single_points_of_failure
 from robophm.design.robot import Module, Robot
@@ -78,14 +79,18 @@ class Prepared:
         return found
 
 
-def unknown_of(found: Unknown | None) -> UnknownRates | None:
+Says = Literal["sentence", "of_tasks", "aside"]
+"""What of parts of unknown rate is to be said beside figures: of health, of tasks, of figures that are no bounds."""
+
+
+def unknown_of(found: Unknown | None, says: Says = "sentence") -> UnknownRates | None:
     """As it goes over the wire."""
-    return rates_of(found) if found else None
+    return rates_of(found, says) if found else None
 
 
-def rates_of(found: Unknown) -> UnknownRates:
+def rates_of(found: Unknown, says: Says = "sentence") -> UnknownRates:
     """The same of what is there."""
-    return UnknownRates(**asdict(found), sentence=found.sentence)
+    return UnknownRates(**asdict(found), failing=found.failing, sentence=getattr(found, says))
 
 
 def finite(value: float) -> float | None:

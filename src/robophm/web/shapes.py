@@ -64,7 +64,10 @@ class UnknownRates(Shape):
     reliability: Literal["at most"]
     ahead: Literal["at most", "if they never fail"]
     """What remaining life and task completion are."""
+    failing: Literal["at least", "if they never fail"]
+    """What the probability of failing ahead is."""
     sentence: str
+    """What is to be said of them beside these figures."""
 
 
 class LevelFigures(Shape):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+import time
 
 import pytest
 
-from ..conftest import ROOT, SMALL, serving
+from ..conftest import OTA, ROOT, SMALL, serving
 
 HORN = {"op": "put", "path": ["components", "horn"], "value": {"rate": "1 FPMH"}}
 
@@ -78,7 +79,8 @@ def test_parts_of_unknown_rate_mark_what_they_are_in_and_nothing_else(served, vi
         assert said["state"] == "warn"
         look = visit(courier)
         page = look.open("overview")
-        page.get_by_text("1 part of unknown rate is left out of the totals").wait_for()
+        page.get_by_text("1 part of unknown rate is left out of the totals: λ is at least").wait_for()
+        page.get_by_text(re.compile("it fails within that time with ≥ [0-9]")).wait_for()
         page.get_by_role("row", name="drive").get_by_text("≥ 1.6e-5 /h").first.wait_for()
         assert "≥" not in page.get_by_role("row", name="see").text_content()
         page.get_by_role("button", name="Problems of the design: 1 odd").wait_for()
@@ -86,6 +88,45 @@ def test_parts_of_unknown_rate_mark_what_they_are_in_and_nothing_else(served, vi
         page.get_by_text("mean life unknown, median unknown").wait_for()
         page = look.open("analysis")
         page.get_by_text("1 part of unknown rate is left out of the totals").first.wait_for()
+        page.get_by_role("tab", name="What matters most").click()
+        page.get_by_text(re.compile("It fails within that time with ≥ [0-9]")).wait_for()
+
+
+def test_importances_that_are_infinite_are_not_those_that_do_not_apply(served, visit):
+    lone = "schema_version: 1\nname: lone\ncomponents: {motor: {rate: 8 FPMH}}\n"
+    for text, raw, rrw in ((lone, "[0-9,.]+", "∞"), (lone.replace("8 FPMH", "unknown"), "∞", "–")):
+        with served(text) as robot:
+            look = visit(robot)
+            page = look.open("analysis")
+            page.get_by_role("tab", name="What matters most").click()
+            row = page.get_by_role("region", name="Importances").get_by_role("row", name="motor")
+            row.wait_for()
+            cells = row.get_by_role("cell").all_text_contents()
+            assert re.fullmatch(raw, cells[3])
+            assert cells[4] == rrw
+    page.get_by_text("1 part of unknown rate is left out of the totals: what is not said to be").wait_for()
+
+
+def test_tasks_are_marked_where_parts_of_unknown_rate_are_left_out(visit, tmp_path):
+    """The OTA is a series of its parts: what it leaves out can only fail more tasks."""
+    design = tmp_path / "robot.yaml"
+    design.write_text(OTA.read_text(encoding="utf-8").replace("rate: 5e-06 /h", "rate: unknown", 1))
+    with serving(design, seed=3) as ota:
+        ota.post("/api/monitoring/start", {"source": "synthetic", "speed": 1000})
+        until = time.monotonic() + 60
+        done = []
+        while not done and time.monotonic() < until:
+            time.sleep(0.2)
+            done = [one for one in ota.get("/api/tasks/arrived")["tasks"] if one["actual"]]
+        assert done[0]["actual"]["unknown"]["parts"] == 9
+        page = visit(ota).open("tasks")
+        page.get_by_text("9 parts of unknown rate are left out of the totals: every PoTC is at most").first.wait_for()
+        row = page.get_by_role("region", name="Arrived tasks").get_by_role("row").last
+        assert re.search(r"≤ \d.*nominal ≤ \d.*≤ \d.*nominal ≤ \d", row.text_content())
+        page.get_by_role("button", name="Predict").click()
+        answer = page.get_by_role("region", name="Answer").get_by_role("row").last
+        answer.wait_for()
+        assert answer.text_content().count("≤ ") == 2
 
 
 def test_saving_does_not_write_over_a_hand_edit(served, visit):

@@ -10,8 +10,9 @@ export const RATE_UNITS: Record<RateUnit, { factor: number; name: string }> = {
 
 type Value = number | null | undefined;
 
-export function numberText(value: Value, digits = 4): string {
+export function numberText(value: Value | "Infinity", digits = 4): string {
   if (value == null || Number.isNaN(value)) return "–";
+  if (value === "Infinity") return "∞";
   if (!Number.isFinite(value)) return value > 0 ? "∞" : "-∞";
   const rounded = Number(value.toExponential(digits - 1));
   if (rounded === 0) return "0";
@@ -30,12 +31,13 @@ export function rateText(rate: Value, unit: RateUnit): string {
   return `${numberText(rate * factor)} ${name}`;
 }
 
-type Unknown = { hazard_rate: string; reliability: string; ahead: string } | null | undefined;
+type Figure = "hazard_rate" | "reliability" | "ahead" | "failing";
+export type Unknown = Record<Figure, string> | null | undefined;
 
 const MARKS: Record<string, string> = { "at least": "≥ ", "at most": "≤ ", "if they never fail": "? " };
 
 /** A figure of what has parts of unknown rate in it: "≥ 3e-6 /h"; "unknown" where that would say nothing. */
-export function marked(unknown: Unknown, which: "hazard_rate" | "reliability" | "ahead", text: string): string {
+export function marked(unknown: Unknown, which: Figure, text: string): string {
   if (!unknown || text === "–" || text === "…") return text;
   return text.startsWith("0 ") || text === "for ever" ? "unknown" : `${MARKS[unknown[which]] ?? ""}${text}`;
 }
@@ -86,8 +88,13 @@ export function lastStep(path: string): string {
   return path.slice(path.lastIndexOf("/") + 1);
 }
 
-/** "99.98 % (fails 1 in 4,700)" */
-export function chanceWords(chance: { probability: number | null; failure: number | null }): string {
+/** "99.98 % (fails 1 in 4,700)"; "≤ 99.98 % …" where parts of unknown rate are left out. */
+export function chanceWords(chance: { probability: number | null; failure: number | null }, unknown: Unknown): string {
   const odds = oddsText(chance.failure);
-  return percentText(chance.probability, chance.failure) + (odds ? ` (fails ${odds})` : "");
+  return marked(unknown, "ahead", percentText(chance.probability, chance.failure) + (odds ? ` (fails ${odds})` : ""));
+}
+
+/** "1 more is not shown", "3 more are not shown". */
+export function moreText(count: number): string {
+  return `${count.toLocaleString("en-US")} more ${count === 1 ? "is" : "are"} not shown`;
 }

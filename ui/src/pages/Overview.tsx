@@ -3,7 +3,7 @@ import { get, type Health, type Shapes } from "../lib/api";
 import { horizon, useHealth } from "../lib/health";
 import { go, replaceText, sayError, useDesign, useShared, useUnit } from "../lib/store";
 import { everyPart, treeOf } from "../lib/tree";
-import { durationText, marked, momentText, numberText, oddsText, percentText, rateText, secondsText } from "../lib/words";
+import { durationText, marked, momentText, moreText, numberText, oddsText, percentText, rateText, secondsText, type Unknown } from "../lib/words";
 import { Bars } from "../parts/Bars";
 import { FileButton, Select } from "../parts/Field";
 import { State } from "../parts/Icon";
@@ -79,7 +79,7 @@ function Figures({ health }: { health: Health }): ReactNode {
       </div>
       <div className="two">
         <section className="card">
-          <ToCome found={health.to_come} />
+          <ToCome found={health.to_come} left={left} />
         </section>
         <section className="card">
           <h2>Sensors</h2>
@@ -109,7 +109,7 @@ const HORIZONS: [string, string][] = [
 ];
 
 /** Which parts the failures to come will come from, within a horizon that the user chooses. */
-function ToCome({ found }: { found: Health["to_come"] }): ReactNode {
+function ToCome({ found, left }: { found: Health["to_come"]; left: Unknown }): ReactNode {
   const ahead = useShared(horizon);
   return (
     <>
@@ -124,7 +124,7 @@ function ToCome({ found }: { found: Health["to_come"] }): ReactNode {
         <>
           <p className="small quiet">
             Share of the failures within {durationText(found.horizon)}
-            {!found.stated && ", the median remaining life,"} that a part brings about; it fails within that time with {percentText(found.sensor_based_failure)}.
+            {!found.stated && ", the median remaining life,"} that a part brings about; it fails within that time with {marked(left, "failing", percentText(found.sensor_based_failure))}.
           </p>
           <Bars
             title={`Share of the failures within ${durationText(found.horizon)}`}
@@ -136,7 +136,7 @@ function ToCome({ found }: { found: Health["to_come"] }): ReactNode {
               href: one.group ? undefined : `#/design/${encodeURI(one.path)}`,
             }))}
           />
-          <p className="small quiet">{[...found.notes, ...(found.more ? [`${found.more.toLocaleString("en-US")} more parts are not shown.`] : [])].join(" ")}</p>
+          <p className="small quiet">{[...found.notes, ...(found.more ? [`${moreText(found.more)}.`] : [])].join(" ")}</p>
         </>
       )}
     </>

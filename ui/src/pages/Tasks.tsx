@@ -2,7 +2,7 @@ import { type ReactNode, useEffect, useState } from "react";
 import { get, post, type Shapes } from "../lib/api";
 import { pulse } from "../lib/live";
 import { say, sayError, useDesign, useShared } from "../lib/store";
-import { chanceWords, durationText, momentText, numberText, oddsText, percentText } from "../lib/words";
+import { chanceWords, durationText, marked, momentText, numberText, oddsText, percentText, type Unknown } from "../lib/words";
 import { FileButton, Text } from "../parts/Field";
 import { Table } from "../parts/Table";
 import { Watching } from "../parts/Watching";
@@ -51,6 +51,7 @@ export function Tasks(): ReactNode {
 
   const add = (task: Task): void => setList((now) => [...now, task]);
   if (!design) return null;
+  const leftOut = new Set(arrived.flatMap((one) => [one.predicted?.unknown?.sentence ?? [], one.actual?.unknown?.sentence ?? []].flat()));
   return (
     <>
       <div className="head">
@@ -96,6 +97,9 @@ export function Tasks(): ReactNode {
       <section className="card" style={{ marginTop: 16 }}>
         <h2>Tasks that the robot told of</h2>
         {!arrived.length && <p className="quiet">None yet. They stand here as they come, while watching runs.</p>}
+        {[...leftOut].map((one) => (
+          <p key={one} className="small">{one}.</p>
+        ))}
         {arrived.length > 0 && <ArrivedTable tasks={arrived} add={add} />}
       </section>
     </>
@@ -145,11 +149,11 @@ function NewTask({ functions, add }: { functions: string[]; add: (task: Task) =>
 }
 
 /** A probability, and below it the odds of failing. */
-function Chance({ of }: { of: Shapes["Chance"] }): ReactNode {
+function Chance({ of, unknown }: { of: Shapes["Chance"]; unknown: Unknown }): ReactNode {
   const odds = oddsText(of.failure);
   return (
     <>
-      {percentText(of.probability, of.failure)}
+      {marked(unknown, "ahead", percentText(of.probability, of.failure))}
       {odds && <div className="small quiet">fails {odds}</div>}
     </>
   );
@@ -158,12 +162,7 @@ function Chance({ of }: { of: Shapes["Chance"] }): ReactNode {
 function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
   return (
     <div style={{ marginTop: 12 }} aria-live="polite">
-      {answer.unknown && (
-        <p className="small">
-          {answer.unknown.parts} of the parts needed are of unknown rate and left out: every probability is{" "}
-          {answer.unknown.ahead === "at most" ? "at most what is stated" : "as if they never failed, and may be more or less"}.
-        </p>
-      )}
+      {answer.unknown && <p className="small">{answer.unknown.sentence}.</p>}
       {answer.breached && <p className="state error">Less likely than the design wants: {percentText(answer.threshold)}</p>}
       <Table label="Answer" columns={["Task", ["Distance", "number"], ["Time", "number"], ["PoTC nominal", "number"], ["PoTC sensor-based", "number"]]}>
         {answer.tasks.slice(0, 50).map((one, i) => (
@@ -171,8 +170,8 @@ function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
             <th scope="row">{one.name || `task ${i + 1}`}</th>
             <td className="number">{numberText(one.distance)} m</td>
             <td className="number">{durationText(one.duration)}</td>
-            <td className="number"><Chance of={one.chance.nominal} /></td>
-            <td className="number"><Chance of={one.chance.sensor_based} /></td>
+            <td className="number"><Chance of={one.chance.nominal} unknown={answer.unknown} /></td>
+            <td className="number"><Chance of={one.chance.sensor_based} unknown={answer.unknown} /></td>
           </tr>
         ))}
         {answer.tasks.length > 1 && (
@@ -180,8 +179,8 @@ function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
             <th scope="row">all of them</th>
             <td className="number">{numberText(answer.tasks.reduce((sum, one) => sum + one.distance, 0))} m</td>
             <td className="number">{durationText(answer.tasks.reduce((sum, one) => sum + one.duration, 0))}</td>
-            <td className="number"><Chance of={answer.together.nominal} /></td>
-            <td className="number"><Chance of={answer.together.sensor_based} /></td>
+            <td className="number"><Chance of={answer.together.nominal} unknown={answer.unknown} /></td>
+            <td className="number"><Chance of={answer.together.sensor_based} unknown={answer.unknown} /></td>
           </tr>
         )}
       </Table>
@@ -197,9 +196,9 @@ function ArrivedTable({ tasks, add }: { tasks: Shapes["ArrivedTask"][]; add: (ta
   const both = (driven: Shapes["DrivenTask"] | null): ReactNode =>
     driven?.chance ? (
       <>
-        {chanceWords(driven.chance.sensor_based)}
+        {chanceWords(driven.chance.sensor_based, driven.unknown)}
         <br />
-        <span className="small quiet">nominal {chanceWords(driven.chance.nominal)}</span>
+        <span className="small quiet">nominal {chanceWords(driven.chance.nominal, driven.unknown)}</span>
       </>
     ) : (
       "–"

@@ -110,7 +110,8 @@ class Expressions:
         try:
             number = float(text) if said.tag != "bool" else math.nan
         except ValueError:
-            number = math.nan
+            says = f"{said.tag} value {text!r:.60} is no number; expected one without a unit"
+            raise self.file.fault(said.line, says) from None
         if not math.isfinite(number):
             raise self.file.fault(said.line, f"{said.tag} value {text!r:.60} is not a finite number")
         return number

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from fastapi import APIRouter, Query
@@ -15,8 +15,8 @@ from robophm.blocks.fault_tree import FaultTree
 from robophm.core.errors import DesignError, nearest
 from robophm.health.importance import LIFELONG, Drawn, importances, usual_hours
 from robophm.health.prognosis import Outlook, outlooks
-from robophm.health.report import VIEWS
-from robophm.health.unknown import IF_NEVER, unknown
+from robophm.health.report import VIEWS, plain
+from robophm.health.unknown import unknown
 from robophm.report.minimal_sets import MOST_PARTS, STEPS, Listed, failed_of
 from robophm.web.health import Life, life_of
 from robophm.web.prepared import Prepared, finite, unknown_of
@@ -64,6 +64,10 @@ class LifeOf(Shape):
     unknown: UnknownRates | None
 
 
+Ratio = float | Literal["Infinity"] | None
+"""Null where it does not apply. JSON has no infinite number: what removes every failure has a reduction worth of it."""
+
+
 class Importance(Shape):
     """How much one part matters; null where that says nothing."""
 
@@ -71,8 +75,8 @@ class Importance(Shape):
     birnbaum: float | None
     criticality: float | None
     fussell_vesely: float | None
-    achievement: float | None
-    reduction: float | None
+    achievement: Ratio
+    reduction: Ratio
     improvement: float | None
     barlow_proschan: float | None
 
@@ -222,21 +226,13 @@ def get_importance(
     drawn = Drawn(prepared.plant, diagram)
     ahead = hours or usual_hours(lived, lived.remaining_life(diagram).median)
     found = importances(lived, drawn, ahead, lifelong=len(drawn.structure.names) <= LIFELONG)
-    measures = (
-        "birnbaum",
-        "criticality",
-        "fussell_vesely",
-        "achievement",
-        "reduction",
-        "improvement",
-        "barlow_proschan",
-    )
     ranked = found.ranked()
+    measures = Importance.model_fields.keys() - {"part"}
     parts = [
-        Importance(part=one.unit, **{name: finite(getattr(one, name)) for name in measures}) for one in ranked[:most]
+        Importance(part=one.unit, **{name: plain(getattr(one, name)) for name in measures}) for one in ranked[:most]
     ]
     return ImportanceList(hours=ahead, failure=finite(found.failure), parts=parts, more=len(ranked) - len(parts),
-                          refused=found.refused, unknown=unknown_of(found.unknown))  # fmt: skip
+                          refused=found.refused, unknown=unknown_of(found.unknown, "aside"))  # fmt: skip
 
 
 @router.get("/cut-sets", responses=REFUSED)
@@ -253,5 +249,5 @@ def get_cut_sets(service: Served, most: Annotated[int, Query(ge=1, le=1000)] = 2
     listed = Listed(sets, np.array([failed[name] for name in sets.names]), most)
     found = [CutSet(parts=list(one.names), probability=finite(one.probability)) for one in listed.sets]
     rates = prepared.unknown.get("")
-    says = f"{rates.words} in them: probabilities are {IF_NEVER}." if rates else ""
+    says = f"{rates.of_sets}." if rates else ""
     return CutSets(counted=listed.counted("cut"), sets=found, left_out=listed.left_out(), unknown=says)

@@ -18,7 +18,8 @@ from robophm.design.task_file import parse_plan, plan_from_csv
 from robophm.health.mission import Completion, repetitions
 from robophm.health.prognosis import FutureName, View, outlooks
 from robophm.health.report import VIEWS
-from robophm.health.task_report import task_report
+from robophm.health.task_report import task_report, unknown_in
+from robophm.health.unknown import Unknown
 from robophm.task_history import TaskRecord
 from robophm.transports.sink import JudgedTask
 from robophm.web.jobs import Job
@@ -161,6 +162,8 @@ class Prognosis(Shape):
     nominal: RepeatedView
     sensor_based: RepeatedView
     threshold: float | None
+    unknown: UnknownRates | None
+    """What parts of unknown rate make of the completion of all."""
 
 
 class DrivenTask(Shape):
@@ -169,6 +172,8 @@ class DrivenTask(Shape):
     distance: float
     duration: float
     chance: BothChances | None
+    unknown: UnknownRates | None
+    """In the functions that are needed."""
 
 
 class ArrivedTask(Shape):
@@ -217,7 +222,7 @@ def predict(asked: Asked, service: Served) -> Answer:
         deciding=[Decides(path=one.path, share=finite(one.share)) for one in found.deciding[:20]],
         threshold=found.threshold,
         breached=found.breached,
-        unknown=unknown_of(found.unknown),
+        unknown=unknown_of(found.unknown, "of_tasks"),
     )  # fmt: skip
 
 
@@ -266,7 +271,8 @@ def _told(judged: Sequence[JudgedTask]) -> list[ArrivedTask]:
     waiting: dict[str, ArrivedTask] = {}
     for one in judged:
         robot, driven = one.topic.rpartition("/")[0], DrivenTask(
-            distance=one.distance, duration=one.duration, chance=_both(one.completion)
+            distance=one.distance, duration=one.duration, chance=_both(one.completion),
+            unknown=unknown_of(one.unknown, "of_tasks"),
         )  # fmt: skip
         if not one.done:
             waiting[robot] = ArrivedTask(arrived=one.time / SECOND, start=None, end=None, predicted=driven, actual=None)
@@ -296,13 +302,14 @@ def _arrived(record: TaskRecord, now: int) -> ArrivedTask:
         arrived=seconds(record.arrived),
         start=seconds(record.start),
         end=seconds(record.end) if done else None,
-        predicted=_driven(planned, record.predicted) if planned else None,
-        actual=_driven(driven, record.actual) if done and driven else None,
+        predicted=_driven(planned, record.predicted, record.unknown) if planned else None,
+        actual=_driven(driven, record.actual, record.unknown) if done and driven else None,
     )
 
 
-def _driven(task: Task, chance: Mapping[View, Completion] | None) -> DrivenTask:
-    return DrivenTask(distance=task.distance, duration=task.duration, chance=_both(chance) if chance else None)
+def _driven(task: Task, chance: Mapping[View, Completion] | None, left_out: Unknown | None) -> DrivenTask:
+    return DrivenTask(distance=task.distance, duration=task.duration, chance=_both(chance) if chance else None,
+                      unknown=unknown_of(left_out, "of_tasks"))  # fmt: skip
 
 
 def _both(chances: Mapping[View, Completion]) -> BothChances:
@@ -322,6 +329,8 @@ def prognosis(asked: PrognosisAsked, service: Served) -> JobState:
     threshold = asked.threshold or prepared.robot.thresholds.completion
     views = outlooks(prepared.plant, exposure, ledger, future=future, knowledge=plan.knowledge)
 
+    left_out = unknown_in(views["sensor_based"], Task(tuple(leg for task in plan.tasks for leg in task.legs)))
+
     def work(job: Job) -> Prognosis:
         done: dict[View, Any] = {}
         for i, view in enumerate(VIEWS):
@@ -330,12 +339,12 @@ def prognosis(asked: PrognosisAsked, service: Served) -> JobState:
                 chunks.append(chunk)
                 job.advance((i + sum(one.shape[1] for one in chunks) / asked.repeat) / len(VIEWS))
             done[view] = np.concatenate(chunks, axis=1)
-        return _prognosis(done, threshold)
+        return _prognosis(done, threshold, left_out)
 
     return _state(service.jobs.begin("prognosis", work))
 
 
-def _prognosis(done: Mapping[View, Any], threshold: float | None) -> Prognosis:
+def _prognosis(done: Mapping[View, Any], threshold: float | None, left_out: Unknown | None) -> Prognosis:
     longest = max(found.shape[1] for found in done.values())
     listed = np.unique(np.linspace(0, max(longest - 1, 0), MOST_POINTS).astype(int)) if longest else np.empty(0, int)
 
@@ -354,7 +363,8 @@ def _prognosis(done: Mapping[View, Any], threshold: float | None) -> Prognosis:
         )
 
     return Prognosis(repetitions=[int(i) + 1 for i in listed], nominal=view(done["nominal"]),
-                     sensor_based=view(done["sensor_based"]), threshold=threshold)  # fmt: skip
+                     sensor_based=view(done["sensor_based"]), threshold=threshold,
+                     unknown=unknown_of(left_out, "aside"))  # fmt: skip
 
 
 NOT_THERE: dict[int | str, dict[str, Any]] = {404: {"model": Trouble, "description": "No such work"}}

@@ -1,7 +1,7 @@
 import { type ReactNode, useEffect, useState } from "react";
 import { get, type Shapes } from "../../lib/api";
 import { useDesign } from "../../lib/store";
-import { numberText } from "../../lib/words";
+import { marked, moreText, numberText } from "../../lib/words";
 import { Bars } from "../../parts/Bars";
 import { LevelSelect } from "../parts/LevelSelect";
 
@@ -44,9 +44,9 @@ export function Importance(): ReactNode {
           <section className="card scroll" tabIndex={0} role="region" aria-label="Importances">
             <table>
               <caption>
-                It fails within that time with {percent(found.failure)}. Causes: share of all failures to come that its own failure brings about (Barlow–Proschan).
-                {found.more > 0 && ` ${found.more} more parts are not shown.`} {found.refused}
-                {found.unknown && ` ${found.unknown.parts} parts of unknown rate left out: what is stated is as if they never fail.`}
+                It fails within that time with {marked(found.unknown, "failing", percent(found.failure))}. Causes: share of all failures to come that its own failure brings about (Barlow–Proschan).
+                {found.more > 0 && ` ${moreText(found.more)}.`} {found.refused}
+                {found.unknown && ` ${found.unknown.sentence}.`}
               </caption>
               <thead>
                 <tr>

@@ -68,7 +68,7 @@ function HowLong({ path, state }: { path: string; state: number }): ReactNode {
     <span className="small" style={{ display: "block" }}>
       mean life {text(found.life.mean)}, median {text(found.life.median)}
       <span className="quiet"> of calendar time when new</span>
-      {found.unknown && <span className="quiet"> ({found.unknown.parts === 1 ? "a rate in it is" : `${found.unknown.parts} rates in it are`} unknown)</span>}
+      {found.unknown && <span className="quiet">. {found.unknown.sentence}</span>}
     </span>
   );
 }

@@ -68,10 +68,11 @@ export function Prognosis({ tasks, ready }: { tasks: Shapes["SaidTask"][]; ready
         <div aria-live="polite">
           {([["nominal", found.nominal], ["sensor-based", found.sensor_based]] as const).map(([name, one]) => (
             <p key={name}>
-              <strong>{name}</strong>: all {one.done.toLocaleString("en-US")} are completed with {chanceWords(one.together)}
+              <strong>{name}</strong>: all {one.done.toLocaleString("en-US")} are completed with {chanceWords(one.together, found.unknown)}
               {found.threshold != null && (one.below_at ? `; below ${percentText(found.threshold)} from repetition ${one.below_at.toLocaleString("en-US")} on` : `; never below ${percentText(found.threshold)}`)}
             </p>
           ))}
+          {found.unknown && <p className="small">{found.unknown.sentence}.</p>}
           <Plot title="PoTC of each repetition" curves={curves} xLabel="repetition" yLabel={log ? "1 − PoTC" : "PoTC, given that all before succeeded"} log={log} />
         </div>
       )}
