@@ -52,7 +52,7 @@ test-fresh:
 	@sh tools/test-fresh
 
 fuzz: setup
-	@$(BIN)/python -m tests.transports.columns.fuzz
+	@$(BIN)/python -m tests.transports.recordings.columns.fuzz
 
 calibrate: setup
 	@$(BIN)/python -m benchmarks.honesty

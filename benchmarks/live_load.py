@@ -51,7 +51,7 @@ print(json.dumps({{"messages": count[0] - before, "cpu": cpu}}))
 
 def send(ros: str, seconds: float) -> None:
     """All topics in turn, by their numbers, until the time is over."""
-    from robophm.transports.live import open_live
+    from robophm.transports.running_ros import open_live
 
     live = open_live(ros)
     with live.node("/sender") as node:
@@ -114,12 +114,12 @@ def listen(ros: str, seconds: float, journal: str) -> None:
     from robophm.core.signal import CLOCK, Sample
     from robophm.design.file import parse
     from robophm.health.report import HealthReport
-    from robophm.monitor import Monitor
-    from robophm.transports.journal import Journal
-    from robophm.transports.live import open_live
-    from robophm.transports.sink import JudgedTask, ReportSink
-    from robophm.transports.source import LiveItem, LiveSource, TopicInfo
-    from robophm.watching import watch
+    from robophm.monitoring.live_loop import watch
+    from robophm.monitoring.monitor import Monitor
+    from robophm.transports.recordings.journal import Journal
+    from robophm.transports.running_ros import open_live
+    from robophm.transports.signals.sink import JudgedTask, ReportSink
+    from robophm.transports.signals.source import LiveItem, LiveSource, TopicInfo
 
     class Tapped(LiveSource):
         """How late the clock's samples are where they are taken, for a tick begins with one."""

@@ -13,10 +13,10 @@ from benchmarks import Line, agree, benchmark, race
 from benchmarks.mcap_cpp import mcap_cpp
 from robophm.core.signal import split_signal
 from robophm.design.file import load
-from robophm.replaying import replay
+from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
-from robophm.transports.columns import read_columns
-from robophm.transports.source import open_source
+from robophm.transports.recordings.columns import read_columns
+from robophm.transports.recordings.opening import open_source
 from robophm.transports.synthetic import SyntheticOta
 
 DESIGN = Path(__file__).parent.parent / "examples/ota/robot.yaml"

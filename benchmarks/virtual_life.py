@@ -20,14 +20,14 @@ from robophm.core.signal import HOUR, SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.hazard.acceleration import BOLTZMANN
-from robophm.monitor import Monitor
-from robophm.replaying import replay
+from robophm.monitoring.by_block import VirtualLife
+from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
-from robophm.transports.recording import Recording
-from robophm.transports.source import Heard, SignalSource, TopicInfo
+from robophm.transports.recordings.recording import Recording
+from robophm.transports.signals.source import Heard, SignalSource, TopicInfo
 from robophm.transports.synthetic import SyntheticOta
-from robophm.virtual_life import VirtualLife
 
 CHANNELS = 20
 RATE = 10  # samples a second, of each channel

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from robophm.health.fleet import Fleet
     from robophm.health.report import HealthReport
     from robophm.life import life_distribution
-    from robophm.monitor import Monitor
-    from robophm.replaying import replay
-    from robophm.transports.source import open_source
+    from robophm.monitoring.monitor import Monitor
+    from robophm.monitoring.replay import replay
+    from robophm.transports.recordings.opening import open_source
 
 __all__ = [
     "Fleet",
@@ -59,9 +59,9 @@ _HOMES = {
     "health.fleet": ("Fleet",),
     "health.report": ("HealthReport",),
     "life": ("life_distribution",),
-    "monitor": ("Monitor",),
-    "replaying": ("replay",),
-    "transports.source": ("open_source",),
+    "monitoring.monitor": ("Monitor",),
+    "monitoring.replay": ("replay",),
+    "transports.recordings.opening": ("open_source",),
 }
 
 

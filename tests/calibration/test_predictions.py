@@ -6,7 +6,7 @@ import pytest
 from robophm.calibration.predictions import LEVELS, MOST_ROWS, read_predictions
 from robophm.calibration.score import score
 from robophm.core.errors import SourceError
-from robophm.transports.source import LONGEST_LINE
+from robophm.transports.recordings.text import LONGEST_LINE
 
 QUANTILES = ",".join(f"q{level:g}" for level in LEVELS)
 LIFE = f"robot,kind,time,{QUANTILES},fraction,observed,censored"

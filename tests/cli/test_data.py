@@ -10,7 +10,7 @@ from mcap.reader import make_reader
 
 from robophm.cli import INVALID, OK, USAGE
 from robophm.core.signal import SECOND
-from robophm.transports.recording import Recording
+from robophm.transports.recordings.recording import Recording
 
 POWER = "/ota/power/temperature.temperature"
 

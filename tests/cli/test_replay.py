@@ -168,7 +168,7 @@ def test_breached_and_still_kept(run, design, recording, tmp_path):
 SLOW = """
 import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)
-import robophm.replaying as replaying
+import robophm.monitoring.replay as replaying
 replaying.SAVE_EVERY = -1.0
 report = replaying.Monitor.report
 def slow(*arguments, **options):

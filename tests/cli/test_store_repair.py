@@ -8,7 +8,7 @@ import pytest
 
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import load
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 from robophm.stores.sqlite import SqliteStore
 
 START, IN_2038 = 1_795_000_020 * SECOND, 2_147_483_000 * SECOND

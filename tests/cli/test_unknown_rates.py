@@ -18,10 +18,10 @@ from robophm.cli.watch import Watched, _Lines
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import load
 from robophm.health.mission import Completion
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.task_history import judge_on_the_way
 from robophm.stores.sqlite import SqliteStore
-from robophm.task_history import judge_on_the_way
-from robophm.transports.sink import JudgedTask
+from robophm.transports.signals.sink import JudgedTask
 from robophm.transports.tasks import PlannedTask
 from robophm.transports.tasks.told import PlannedLeg
 

@@ -27,7 +27,7 @@ from robophm.health.ledger import Ledger, Total
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, outlooks
 from robophm.health.stretch import Stretch
-from robophm.monitor import WINDOW, Monitor
+from robophm.monitoring.monitor import WINDOW, Monitor
 
 START = 1_700_000_000 * SECOND
 Figures = dict[str, tuple[mpf, mpf, mpf]]

@@ -25,7 +25,7 @@ from robophm.health.report import VIEWS, HealthReport
 from robophm.health.subject import Figures
 from robophm.health.subject import figures as all_figures
 from robophm.health.uncertainty import life_uncertainty
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 
 START = 1_700_000_000 * SECOND
 

@@ -17,7 +17,7 @@ from robophm.health.mission import completion
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed, outlooks
 from robophm.health.replacement import Replacement, replacements
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 
 
 def robot(components: dict[str, Any], **more: Any) -> Robot:

@@ -15,7 +15,7 @@ from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.task import Leg, Plan, Task
 from robophm.health.report import VIEWS, HealthReport, health_now
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 
 START = 1_700_000_040 * SECOND
 WORN = {"rate": "1e-3 /h", "initial_exposure": "100 h"}  # R since new is exp(−0.1)

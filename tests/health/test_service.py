@@ -13,7 +13,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.plant import Plant
 from robophm.health.prognosis import outlooks
 from robophm.health.service import repair, replace, stretches
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 
 DESIGN = """
 schema_version: 1

@@ -13,7 +13,7 @@ from mpmath import mp, mpf
 from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 
 START = 1_700_000_040 * SECOND
 T, V = "/t.c", "/v.u"

@@ -21,7 +21,7 @@ from robophm.health.importance import Drawn, importances
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.health.to_come import FailuresToCome, failures_to_come
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 
 
 def robot(components: dict[str, Any], **more: Any) -> Robot:

@@ -18,7 +18,7 @@ from robophm.health.prognosis import as_designed
 from robophm.health.report import HealthReport
 from robophm.health.task_report import task_report
 from robophm.health.unknown import IF_NEVER, Unknown, unknown
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 
 from .test_to_come import draw
 

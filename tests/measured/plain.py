@@ -6,7 +6,7 @@ from mcap.writer import Writer
 from rosbags.typesys import Stores, get_typestore
 
 from robophm.core.signal import SECOND
-from robophm.transports.recording import Recording
+from robophm.transports.recordings.recording import Recording
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 START = 1_700_000_000 * SECOND

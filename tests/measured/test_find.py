@@ -11,7 +11,7 @@ from robophm.core.errors import RobophmError, SourceError
 from robophm.core.signal import SECOND
 from robophm.measured.find import MOST_HITS, Condition, find
 from robophm.measured.recordings import recordings, signal_of
-from robophm.transports.recording import Recording
+from robophm.transports.recordings.recording import Recording
 
 from .plain import BARE, START, TEMPERATURE, hits, samples, write
 

@@ -7,7 +7,7 @@ import numpy as np
 from robophm.core.signal import SECOND
 from robophm.measured.held import InOrder
 from robophm.measured.recordings import Recorded, Signal
-from robophm.transports.columns import TopicColumns
+from robophm.transports.recordings.columns import TopicColumns
 
 T = Signal("/t.temperature", "/t", "temperature", "degC")
 RECORDED = Recorded("x", (), {"/t": ("sensor_msgs/msg/Temperature", ("header.stamp.sec", "temperature"))})

@@ -8,7 +8,7 @@ import pytest
 from robophm.core.signal import SECOND
 from robophm.measured.overview import MOST_GAPS, overview, per_second
 from robophm.measured.recordings import recordings
-from robophm.transports.recording import Recording
+from robophm.transports.recordings.recording import Recording
 
 from .plain import START, write
 

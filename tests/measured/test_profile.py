@@ -16,8 +16,8 @@ from robophm.measured import profile
 from robophm.measured.levels import marginal
 from robophm.measured.profile import lived, task_text
 from robophm.measured.recordings import recordings
-from robophm.monitor import Monitor
-from robophm.transports.recording import Recording
+from robophm.monitoring.monitor import Monitor
+from robophm.transports.recordings.recording import Recording
 
 from .plain import START, samples, stretches, write
 

@@ -17,7 +17,7 @@ from robophm.measured.levels import MOST_STEPS, Levels, marginal
 from robophm.measured.recordings import recordings, signal_of
 from robophm.measured.series import MOST_COLUMNS, Series
 from robophm.measured.statistics import Look, statistics
-from robophm.transports.columns import pieces
+from robophm.transports.recordings.columns import pieces
 
 from .plain import BARE, START, TEMPERATURE, samples, stretches, write
 

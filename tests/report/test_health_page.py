@@ -7,8 +7,8 @@ import pytest
 
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.file import parse
-from robophm.monitor import Monitor
-from robophm.replaying import replay
+from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.replay import replay
 from robophm.report.health_page import health_page
 from robophm.stores.memory import MemoryStore
 from robophm.transports.synthetic import SyntheticOta

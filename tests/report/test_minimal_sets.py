@@ -11,8 +11,8 @@ from robophm.blocks.cut_sets import MinimalSets
 from robophm.blocks.diagram import Parallel, Series, Unit
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.file import parse
-from robophm.monitor import Monitor
-from robophm.replaying import replay
+from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.replay import replay
 from robophm.report import minimal_sets
 from robophm.report.health_page import health_page
 from robophm.report.minimal_sets import Listed, what_it_takes_to_fail

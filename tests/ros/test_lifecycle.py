@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from robophm.design.file import parse
-from robophm.replaying import replay
+from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
 

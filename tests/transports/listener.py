@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from robophm.core.signal import Sample
-from robophm.transports.source import LiveSource
+from robophm.transports.signals.source import LiveSource
 
 
 def within(seconds: float, what: Callable[[], object]) -> None:

@@ -12,7 +12,7 @@ import pytest
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, Sample
 from robophm.transports import SignalSource, open_source
-from robophm.transports.journal import Journal
+from robophm.transports.recordings.journal import Journal
 from robophm.transports.synthetic import SyntheticOta
 
 from .conftest import SIGNALS

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import HOUR, SECOND
-from robophm.transports.recording import Recording
+from robophm.transports.recordings.recording import Recording
 from robophm.transports.synthetic import MODULES, STATIONS, SyntheticOta, _first_order
 from robophm.transports.tasks import DoneTask, PlannedTask, tasks_of
 

@@ -10,7 +10,7 @@ import time
 from drive import Ota
 from ros import Ros, header
 
-from robophm.transports.source import Told
+from robophm.transports.signals.source import Told
 
 RATE = 20
 """Messages a second."""

@@ -11,7 +11,7 @@ from robophm.core.signal import SECOND, Sample
 from robophm.transports.health_topics import Outlet
 from robophm.transports.health_topics.compose import compose
 from robophm.transports.health_topics.definitions import typestore
-from robophm.transports.source import LiveSource, Told
+from robophm.transports.signals.source import LiveSource, Told
 
 
 class Ros:

@@ -39,7 +39,9 @@ from robophm.health.mission import Completion, Steps, completion_of_steps, plan_
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, as_lived
 from robophm.health.uncertainty import completion_at_rates
-from robophm.transports.source import LONGEST_LINE, existing, open_source, reading
+from robophm.transports.recordings.files import existing, reading
+from robophm.transports.recordings.opening import open_source
+from robophm.transports.recordings.text import LONGEST_LINE
 
 Array = npt.NDArray[np.float64]
 

@@ -23,7 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.core.errors import ModelError, SourceError, nearest
-from robophm.transports.source import LONGEST_LINE, existing, reading
+from robophm.transports.recordings.files import existing, reading
+from robophm.transports.recordings.text import LONGEST_LINE
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

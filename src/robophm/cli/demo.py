@@ -19,13 +19,13 @@ from robophm.core.errors import RobophmError
 from robophm.core.files import shipped
 from robophm.core.signal import split_signal
 from robophm.design.file import load
-from robophm.monitor import Monitor
-from robophm.replaying import replay
+from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.replay import replay
 from robophm.report.curve import sparkline
 from robophm.report.health_page import health_page
 from robophm.report.words import rate_text
 from robophm.stores.sqlite import SqliteStore
-from robophm.transports.recording import Recording
+from robophm.transports.recordings.recording import Recording
 from robophm.transports.synthetic import SyntheticOta
 
 PAGE_SECONDS = 2.0

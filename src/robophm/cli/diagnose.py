@@ -23,7 +23,7 @@ from robophm.health.unknown import Unknown, alone, marks, named, unknown
 from robophm.learning.sensor_choice import Choice, choose, explained
 from robophm.learning.sensors import coverage, read_sensors, seen
 from robophm.learning.suspects import Diagnosis, Sensor, suspects
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 from robophm.report.fmeca_page import effect_text, fmeca_csv, fmeca_page, unknown_words
 from robophm.report.words import more_text, number_text, percent_text
 

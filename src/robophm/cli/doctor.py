@@ -62,7 +62,7 @@ def _store() -> None:
 
 def _recording() -> None:
     from robophm.core.signal import SECOND
-    from robophm.transports.recording import Recording
+    from robophm.transports.recordings.recording import Recording
     from robophm.transports.synthetic import SyntheticOta
 
     with tempfile.TemporaryDirectory() as folder:

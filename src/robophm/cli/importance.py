@@ -21,7 +21,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.prognosis import FutureName, View, outlooks
 from robophm.health.replacement import Replacements, replacements
 from robophm.health.report import VIEWS, plain
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 from robophm.report.words import duration_text, more_text, number_text, percent_text, probability_text
 
 MEASURES = {

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from robophm.cli.output import health_table, mark_lines
 from robophm.health.report import HealthReport
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 from robophm.report.curve import sparkline
 
 REDRAW = 0.25

@@ -26,7 +26,7 @@ from robophm.learning.maintenance import Costs, Policy, Visit, best_age, rescale
 from robophm.learning.spares import spares
 from robophm.learning.standing import Standing
 from robophm.life.distribution import LifeDistribution
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 from robophm.report.words import duration_text, number_text
 
 MOST_LIVES = 2e9

@@ -11,7 +11,7 @@ from robophm.design.robot import Robot
 from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger
 from robophm.health.subject import silence
-from robophm.replaying import kept_ledger
+from robophm.monitoring.replay import kept_ledger
 
 if TYPE_CHECKING:
     from robophm.stores.sqlite import SqliteStore

@@ -17,7 +17,7 @@ from robophm.design.fault import Fault
 from robophm.design.file import load
 from robophm.design.task import Plan
 from robophm.design.task_file import load_plan
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 
 
 @dataclass(frozen=True)

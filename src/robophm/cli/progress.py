@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 
 
 @contextmanager

@@ -11,8 +11,8 @@ from robophm.cli.output import console, may_write, print_json, print_report, pro
 from robophm.cli.progress import progress
 from robophm.cli.unused import only
 from robophm.design.file import load
-from robophm.drives import drives_of
-from robophm.replaying import replay_drives
+from robophm.monitoring.recorded_drives import drives_of
+from robophm.monitoring.replay import replay_drives
 from robophm.report.health_page import health_page
 from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore

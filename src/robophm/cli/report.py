@@ -7,7 +7,7 @@ from pathlib import Path
 from robophm.cli.output import console, may_make, print_unknown, warn, write
 from robophm.cli.past import kept
 from robophm.design.file import load
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 from robophm.report.health_page import health_page
 from robophm.report.pdf import Printer
 

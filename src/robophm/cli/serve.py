@@ -71,8 +71,7 @@ def started(service: Service, source: str, speed: float) -> None:
 
 def files_of(paths: Sequence[Path]) -> tuple[Path, ...]:
     """Recordings, and those in folders, in the order of their names. Raises SourceError where there is none."""
-    from robophm.transports.recording import parts_of
-    from robophm.transports.source import existing
+    from robophm.transports.recordings.files import existing, parts_of
 
     found: list[Path] = []
     for path in paths:

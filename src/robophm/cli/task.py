@@ -28,7 +28,7 @@ from robophm.health.report import VIEWS
 from robophm.health.task_report import TaskReport, task_report
 from robophm.health.uncertainty import Interval
 from robophm.health.unknown import marks
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 from robophm.report.words import duration_text, number_text, odds_text, percent_text, probability_text
 
 MOST_NAMED = 5

@@ -20,9 +20,9 @@ from robophm.health.mission import Completion
 from robophm.health.prognosis import View
 from robophm.health.report import VIEWS, task_to_json
 from robophm.health.unknown import MARKS, Unknown, marked
+from robophm.monitoring.task_history import TaskRecord, judge_tasks
 from robophm.report.words import duration_text, number_text, odds_text, percent_text
-from robophm.task_history import TaskRecord, judge_tasks
-from robophm.transports.recording import Recording
+from robophm.transports.recordings.recording import Recording
 from robophm.transports.tasks import TEXT_TOPICS, PlannedTask, driven_task, tasks_of
 from robophm.transports.tasks.listener import PATH, TEXT, tells_of_tasks, topics_of
 

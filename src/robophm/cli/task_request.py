@@ -18,8 +18,8 @@ from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.design.task import Plan
 from robophm.design.task_file import load_plan
-from robophm.transports.columns.salvage import Salvage
-from robophm.transports.recording import SUFFIXES
+from robophm.transports.recordings.files import SUFFIXES
+from robophm.transports.recordings.salvage import Salvage
 
 _ALWAYS = ("tasks", "store", "failed", "working", "legacy")  # used, whether tasks are listed or recorded
 

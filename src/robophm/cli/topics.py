@@ -8,9 +8,9 @@ import time
 from robophm.cli.output import console, print_json, print_table, table, warn
 from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
 from robophm.report.words import number_text
-from robophm.transports.live import open_live
-from robophm.transports.named import names_in
-from robophm.transports.source import Told, TopicInfo
+from robophm.transports.running_ros import open_live
+from robophm.transports.signals.element_names import names_in
+from robophm.transports.signals.source import Told, TopicInfo
 
 SHOWN = 6
 """Numbers of one topic in the table; JSON has all."""

@@ -20,17 +20,17 @@ from robophm.cli.output import console, may_write, print_json, print_report, war
 from robophm.cli.task_request import known_functions, stated_speed
 from robophm.cli.unused import only
 from robophm.design.file import load
-from robophm.drives import lacking
 from robophm.health.report import HealthReport, plain
 from robophm.health.unknown import marked, marks
+from robophm.monitoring.live_loop import watch
+from robophm.monitoring.recorded_drives import lacking
 from robophm.report.words import duration_text, number_text, probability_text, rate_text
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.health_topics import HealthTopics, Outlet
-from robophm.transports.journal import Journal
-from robophm.transports.live import open_live
-from robophm.transports.sink import JudgedTask, ReportSink
+from robophm.transports.recordings.journal import Journal
+from robophm.transports.running_ros import open_live
+from robophm.transports.signals.sink import JudgedTask, ReportSink
 from robophm.transports.tasks.listener import known_topics, topics_of
-from robophm.watching import watch
 
 
 @dataclass(frozen=True)

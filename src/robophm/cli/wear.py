@@ -25,10 +25,10 @@ from robophm.learning.change import CORRELATED, Cusum, design
 from robophm.learning.evidence import named_mode
 from robophm.learning.wear import FEWEST, Array, Process, Wear, at_load, wear
 from robophm.learning.wear_data import Readings, read_readings
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.wear_history import WearHistory, wear_history, worn_modes
 from robophm.report.curve import sparkline
 from robophm.report.words import duration_text, moment_text, number_text
-from robophm.wear_history import WearHistory, wear_history, worn_modes
 
 TABLES = (".csv", ".tsv", ".yaml", ".yml")
 """Suffixes of tables of readings; all else is recordings."""

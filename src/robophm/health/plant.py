@@ -26,7 +26,7 @@ from robophm.core.errors import StructureError, nearest
 from robophm.core.given import instance
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
-from robophm.health.dependent import Held, ModeOf
+from robophm.health.dependent_group import Held, ModeOf
 from robophm.life.distribution import LifeDistribution
 from robophm.life.side_by_side import Lives, kind
 

@@ -19,9 +19,10 @@ from robophm.blocks.diagram import Block
 from robophm.blocks.reliability import State
 from robophm.core.waiting_time import Curve, mean_time, time_at
 from robophm.design.task import Knowledge
-from robophm.health.dependent import Held, Standing
+from robophm.health.dependent_group import Held
 from robophm.health.exposure import Exposure
 from robophm.health.future import Future
+from robophm.health.group_state import Standing
 from robophm.health.ledger import Ledger
 from robophm.health.plant import Modes, Parts, Plant, System, column, finite, infinite
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from robophm.core.signal import SECOND, no_number
 from robophm.measured.recordings import Recorded, Signal
-from robophm.transports.columns import Block
-from robophm.transports.recording import STAMP_LIMIT
+from robophm.transports.recordings.columns import Block
+from robophm.transports.signals.source import STAMP_LIMIT
 
 MAX_AGE = 5 * SECOND
 """Nanoseconds that a value holds where nothing else is stated: the ``max_age`` of a design's signals."""

@@ -13,8 +13,8 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.measured.held import Ints
 from robophm.measured.recordings import Recorded
-from robophm.transports.message_units import field_unit
-from robophm.transports.recording import Recording
+from robophm.transports.recordings.recording import Recording
+from robophm.transports.signals.message_units import field_unit
 
 GAP = 10.0
 """Times a topic's median interval: so long without a message is a gap, where nothing else is stated."""

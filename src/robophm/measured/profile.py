@@ -19,15 +19,15 @@ import numpy as np
 from robophm.core.errors import RobophmError, SourceError
 from robophm.core.signal import split_signal
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
-from robophm.drives import bound
 from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger
 from robophm.measured.held import Floats
 from robophm.measured.levels import Levels, shares
 from robophm.measured.recordings import Recorded, Signal
-from robophm.monitor import Monitor
-from robophm.transports.columns.columns import by_signal
-from robophm.virtual_life import VirtualLife
+from robophm.monitoring.by_block import VirtualLife
+from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.recorded_drives import bound
+from robophm.transports.recordings.columns.columns import by_signal
 
 MOST_LEGS = 10_000
 """Of a task, as the design file has it."""

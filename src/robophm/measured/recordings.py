@@ -10,10 +10,10 @@ from pathlib import Path
 from robophm.core.errors import SourceError, UnitError, nearest
 from robophm.core.signal import any_element, named, split_signal
 from robophm.core.units import quantity
-from robophm.transports.columns import Columns, read_columns, recorded_topics
-from robophm.transports.message_units import field_unit
-from robophm.transports.recording import fingerprint_of, parts_of
-from robophm.transports.source import existing, open_source, reading
+from robophm.transports.recordings.columns import Columns, read_columns, recorded_topics
+from robophm.transports.recordings.files import existing, fingerprint_of, parts_of, reading
+from robophm.transports.recordings.opening import open_source
+from robophm.transports.signals.message_units import field_unit
 
 
 @dataclass(frozen=True)

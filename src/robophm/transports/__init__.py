@@ -1,15 +1,14 @@
-"""Where samples come from. A plug is a file with one class that is a SignalSource.
+"""What robots say, and what is said to them.
 
-``source.py`` holds the interface, ``sink.py`` that of what tells others. ``message_type.py`` is how messages decode,
-``message_units.py`` the units of well-known ones, ``paced.py`` a recording as if it were live, ``tasks/`` what robots
-say of their tasks, ``columns/`` recordings as columns, ``health_topics/`` health as topics. Live transports share
-``hearing.py``, ``reading.py`` and ``notes.py``; ``live.py`` opens the one of the ROS that runs. Every other file or
-folder is one transport, imported when it is first used: recording, csv, journal, synthetic, ros1, ros2_dds,
-ros2_rclpy.
+``signals/`` is what all share: the interfaces of sources and sinks and their records. ``recordings/`` reads files,
+``ros1/``, ``ros2_dds/`` and ``ros2_rclpy.py`` listen to robots that run, with what they share in ``live/``.
+``synthetic.py`` is a robot that does not exist. ``tasks/`` is what robots say of their tasks, ``health_topics/`` health
+as topics for others. Each transport is imported when it is first used.
 """
 
 from __future__ import annotations
 
-from robophm.transports.source import SignalSource, TopicInfo, open_source
+from robophm.transports.recordings.opening import open_source
+from robophm.transports.signals.source import SignalSource, TopicInfo
 
 __all__ = ["SignalSource", "TopicInfo", "open_source"]

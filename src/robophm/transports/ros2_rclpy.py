@@ -15,7 +15,6 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from robophm.core.errors import SourceError
-from robophm.transports.notes import UnknownTypeError
 from robophm.transports.ros2_dds.cyclone import HISTORY, PUBLISHED, Message, Offer
 from robophm.transports.ros2_dds.definition import Definition, dds_name, name_of_dds
 from robophm.transports.ros2_dds.environment import place
@@ -23,6 +22,7 @@ from robophm.transports.ros2_dds.graph import DISCOVERY_SECONDS
 from robophm.transports.ros2_dds.node import Node as DdsNode
 from robophm.transports.ros2_dds.publisher import Publisher
 from robophm.transports.ros2_dds.source import Ros2
+from robophm.transports.signals.incidents import UnknownTypeError
 
 __all__ = ["Node", "Publisher", "Ros2Rclpy"]
 

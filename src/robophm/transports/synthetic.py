@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import HOUR, SECOND, Sample, split_signal
-from robophm.transports.source import SignalSource, TopicInfo
+from robophm.transports.signals.source import SignalSource, TopicInfo
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import Typesdict
@@ -266,7 +266,7 @@ class SyntheticOta(SignalSource):
 
     def topics(self) -> list[TopicInfo]:
         """The topics that the robot sends; times are receipt times [ns]."""
-        from robophm.transports.message_type import numeric_fields
+        from robophm.transports.signals.message_type import numeric_fields
 
         definitions = _typestore(2).fielddefs
         found = []
@@ -291,7 +291,7 @@ class SyntheticOta(SignalSource):
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
         """The samples of these signals, as a recording of the drive yields them."""
-        from robophm.transports.message_type import field_getter
+        from robophm.transports.signals.message_type import field_getter
 
         wanted: dict[str, list[tuple[str, str]]] = {}
         for signal in sorted(set(signals)):

@@ -17,15 +17,15 @@ from robophm.core.signal import CLOCK, Sample
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport, health_report
-from robophm.monitor import Monitor
-from robophm.replaying import kept_ledger
+from robophm.monitoring.live_loop import watch
+from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.replay import kept_ledger
+from robophm.monitoring.task_history import TaskRecord, judge_on_the_way
 from robophm.stores.sqlite import SqliteStore
-from robophm.task_history import TaskRecord, judge_on_the_way
-from robophm.transports.journal import Journal
-from robophm.transports.sink import JudgedTask
-from robophm.transports.source import LiveItem, LiveSource, SignalSource, TopicInfo
+from robophm.transports.recordings.journal import Journal
+from robophm.transports.signals.sink import JudgedTask
+from robophm.transports.signals.source import LiveItem, LiveSource, SignalSource, TopicInfo
 from robophm.transports.tasks.listener import known_topics
-from robophm.watching import watch
 from robophm.web.series import Board
 from robophm.web.sources import Choice
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from robophm.core.errors import SourceError, nearest
-from robophm.transports.columns.salvage import Salvage
-from robophm.transports.paced import Paced
-from robophm.transports.source import SignalSource, open_source
+from robophm.transports.recordings.opening import open_source
+from robophm.transports.recordings.paced import Paced
+from robophm.transports.recordings.salvage import Salvage
+from robophm.transports.signals.source import SignalSource
 from robophm.transports.tasks import DoneTask, PlannedTask, tasks_of
 
 Told = Sequence[PlannedTask | DoneTask]
@@ -73,6 +74,6 @@ def _synthetic_tasks(seed: int) -> Told:
 
 
 def _live(generation: str) -> SignalSource:
-    from robophm.transports.live import open_live
+    from robophm.transports.running_ros import open_live
 
     return open_live(generation).source

@@ -13,7 +13,7 @@ from robophm.design.file import parse
 from robophm.health.mission import Completion
 from robophm.health.report import HealthReport
 from robophm.health.unknown import alone
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 from robophm.transports.health_topics.compose import compose
 from robophm.transports.health_topics.definitions import typestore
 from robophm.transports.health_topics.messages import (
@@ -25,7 +25,7 @@ from robophm.transports.health_topics.messages import (
     task_completion,
     task_completions,
 )  # fmt: skip
-from robophm.transports.sink import JudgedTask
+from robophm.transports.signals.sink import JudgedTask
 
 WARN, STALE = 1, 3
 

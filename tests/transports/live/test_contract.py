@@ -21,7 +21,7 @@ import pytest
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
-from robophm.transports.source import LiveSource, Told
+from robophm.transports.signals.source import LiveSource, Told
 
 from ...conftest import NO_RCLPY
 from ..listener import Heard, within

@@ -10,7 +10,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 
 from robophm.core.errors import SourceError
-from robophm.transports.live import generation_here, open_live
+from robophm.transports.running_ros import generation_here, open_live
 
 LOOPBACK = "127.0.0.1"
 

@@ -26,7 +26,7 @@ import pytest
 from robophm.core.errors import SourceError
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.file import parse
-from robophm.replaying import replay
+from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.ros1 import Node, Publisher

@@ -16,12 +16,12 @@ from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.health.mission import Completion
 from robophm.health.report import HealthReport, health_now
-from robophm.monitor import Monitor
+from robophm.monitoring.monitor import Monitor
 from robophm.transports.health_topics import HealthTopics, Outlet
 from robophm.transports.health_topics.definitions import PACKAGE, definition
 from robophm.transports.ros1 import Node, Publisher
 from robophm.transports.ros1.definition import md5_of
-from robophm.transports.sink import JudgedTask
+from robophm.transports.signals.sink import JudgedTask
 
 from ..listener import within
 from .conftest import System

@@ -13,7 +13,7 @@ import pytest
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
-from robophm.transports.recording import Recording
+from robophm.transports.recordings.recording import Recording
 from robophm.transports.ros1 import Ros1
 
 from ..listener import Heard, within

@@ -9,10 +9,10 @@ import pytest
 
 from robophm.design.file import parse
 from robophm.health.report import HealthReport
+from robophm.monitoring.live_loop import watch
 from robophm.transports.ros1 import Ros1
-from robophm.transports.sink import JudgedTask, ReportSink
+from robophm.transports.signals.sink import JudgedTask, ReportSink
 from robophm.transports.tasks.listener import topics_of
-from robophm.watching import watch
 
 from ..listener import within
 from .conftest import System

@@ -9,12 +9,12 @@ from contextlib import suppress
 import pytest
 
 from robophm.core.errors import SourceError
-from robophm.transports.notes import Notes
 from robophm.transports.ros1.environment import Place, place
 from robophm.transports.ros1.listening import wait_after
 from robophm.transports.ros1.loop import Loop, Peer
 from robophm.transports.ros1.tcpros import decoded, encoded
 from robophm.transports.ros1.xmlrpc import body_length
+from robophm.transports.signals.incidents import Notes
 
 
 @pytest.mark.parametrize(

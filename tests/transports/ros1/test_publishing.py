@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from robophm.core.errors import SourceError
-from robophm.transports.recording import Recording
+from robophm.transports.recordings.recording import Recording
 from robophm.transports.ros1 import Node, Publisher, Ros1
 from robophm.transports.ros1.definition import known_definition, md5_of
 

@@ -17,10 +17,10 @@ import pytest
 from robophm.core.signal import CLOCK
 from robophm.design.file import parse
 from robophm.design.robot import Robot
-from robophm.replaying import replay
+from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
-from robophm.transports.journal import JournalRecording
+from robophm.transports.recordings.journal import JournalRecording
 
 from ..listener import within
 from .conftest import System

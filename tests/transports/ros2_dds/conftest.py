@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from robophm.transports.source import LiveSource
+from robophm.transports.signals.source import LiveSource
 
 from ..listener import within
 

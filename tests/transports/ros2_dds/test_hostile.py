@@ -7,7 +7,7 @@ import struct
 
 import pytest
 
-from robophm.transports.source import LiveSource
+from robophm.transports.signals.source import LiveSource
 
 from ..listener import Heard, within
 from .conftest import FLOAT64, TEMPERATURE, Peer, published

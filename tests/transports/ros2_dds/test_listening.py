@@ -12,7 +12,7 @@ import pytest
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
-from robophm.transports.source import LiveSource
+from robophm.transports.signals.source import LiveSource
 
 from ..listener import Heard, within
 from .conftest import FLOAT64, TEMPERATURE, Peer, published

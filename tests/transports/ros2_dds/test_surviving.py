@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from robophm.core.signal import SECOND
 from robophm.transports.ros2_dds import Ros2Dds
-from robophm.transports.source import LiveSource
+from robophm.transports.signals.source import LiveSource
 
 from ..listener import Heard, within
 from .conftest import FLOAT64, TEMPERATURE, Peer, published

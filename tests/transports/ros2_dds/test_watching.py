@@ -15,7 +15,7 @@ import pytest
 
 from robophm.core.signal import SECOND
 from robophm.design.file import parse
-from robophm.replaying import replay
+from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
 

@@ -12,7 +12,8 @@ from typing import Any, Literal
 
 from robophm.core.errors import DesignError, nearest
 from robophm.design.bom.references import are_references
-from robophm.design.bom.tables import DELIMITERS, Row, Sheet, SheetError, read_sheets
+from robophm.design.bom.sheets import SheetError
+from robophm.design.bom.tables import DELIMITERS, Row, Sheet, read_sheets
 
 HEADER_WITHIN = 50
 """Rows, blank ones not counted, within which a header is looked for; what stands before it is titles."""

@@ -16,7 +16,7 @@ from functools import partial
 from typing import Any
 from xml.parsers import expat
 
-from robophm.design.bom.tables import MAX_COLUMNS, MAX_ROWS, SheetError
+from robophm.design.bom.sheets import MAX_COLUMNS, MAX_ROWS, SheetError
 
 MAX_UNPACKED = 100_000_000
 """Bytes of one part of the archive."""

@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from robophm.core.errors import DesignError, nearest
+from robophm.design.bom.sheets import MAX_COLUMNS, MAX_ROWS, SheetError
+from robophm.design.bom.spreadsheets import workbook
 
 MAX_BYTES = 20_000_000
 """A larger file is refused before it is parsed."""
 
-MAX_ROWS = 100_000
-MAX_COLUMNS = 1_000
 
 LONGEST_CELL = 100_000
 """Characters; a list of references may be long."""
@@ -43,10 +43,6 @@ class Sheet:
     rows: Callable[[], Iterator[Row]]
 
 
-class SheetError(ValueError):
-    """What is wrong with a file, before its name is known."""
-
-
 def read_sheets(path: Path) -> list[Sheet]:
     """The ways in which a file can be read. Raises DesignError for what is no table, too large or broken.
 
@@ -55,8 +51,6 @@ def read_sheets(path: Path) -> list[Sheet]:
     content = _content(path)
     try:
         if content.startswith(b"PK\x03\x04"):
-            from robophm.design.bom.spreadsheets import workbook
-
             return [Sheet(name, partial(_bounded, rows)) for name, rows in workbook(content)]
         text = _decoded(content)
     except SheetError as error:

@@ -12,7 +12,7 @@ from robophm.health.prognosis import RemainingLife, View
 from robophm.health.report import VIEWS, ComponentHealth, HealthReport
 from robophm.health.subject import STALE, State, Subject
 from robophm.health.unknown import Unknown, marked, marks
-from robophm.transports.sink import JudgedTask
+from robophm.transports.signals.sink import JudgedTask
 
 Fields = Mapping[str, Any]
 

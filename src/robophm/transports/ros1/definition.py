@@ -8,10 +8,10 @@ from collections.abc import Collection, Mapping
 from functools import lru_cache
 
 from robophm.core.errors import SourceError
-from robophm.transports.message_type import MessageType, message_type
-from robophm.transports.notes import Notes, PeerError, TypeRefusedError
-from robophm.transports.reading import Reading
+from robophm.transports.live.decoding import Reading
 from robophm.transports.ros1.tcpros import ANY
+from robophm.transports.signals.incidents import Notes, PeerError, TypeRefusedError
+from robophm.transports.signals.message_type import MessageType, message_type
 
 MOST_PARTS = 200
 """Types in a type, beyond which a definition is taken to be damaged."""

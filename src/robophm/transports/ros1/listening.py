@@ -10,13 +10,13 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
 from robophm.core.errors import SourceError
-from robophm.transports.hearing import CLOCK_TOPIC, Hearing
-from robophm.transports.notes import PeerError, TypeRefusedError
-from robophm.transports.reading import Reading
+from robophm.transports.live.decoding import Reading
+from robophm.transports.live.receiving import CLOCK_TOPIC, Hearing
 from robophm.transports.ros1.definition import reading_of
 from robophm.transports.ros1.node import Node
 from robophm.transports.ros1.stream import Stream
 from robophm.transports.ros1.tcpros import connect
+from robophm.transports.signals.incidents import PeerError, TypeRefusedError
 
 FIRST_WAIT, LONGEST_WAIT = 0.25, 10.0
 """Seconds before a connection is tried again: doubled with every failure."""

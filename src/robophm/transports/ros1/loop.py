@@ -11,8 +11,8 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 
-from robophm.transports.hearing import TICK, TOGETHER
-from robophm.transports.notes import Notes
+from robophm.transports.live.receiving import TICK, TOGETHER
+from robophm.transports.signals.incidents import Notes
 
 MOST_HELD = 128 << 20
 """Bytes of unfinished messages over all sockets, beyond which the one that holds most is closed."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from robophm.transports.notes import PeerError
 from robophm.transports.ros1.xmlrpc import call
+from robophm.transports.signals.incidents import PeerError
 
 Nodes = dict[str, list[str]]
 """By topic: the names of nodes."""

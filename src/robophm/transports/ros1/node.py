@@ -12,13 +12,13 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Self
 
 from robophm.core.errors import SourceError
-from robophm.transports.notes import Notes, PeerError
 from robophm.transports.ros1.environment import place
 from robophm.transports.ros1.loop import Loop
 from robophm.transports.ros1.master import system_state
 from robophm.transports.ros1.slave import Caller, Slave, believed
 from robophm.transports.ros1.subscriber import Greeting
 from robophm.transports.ros1.xmlrpc import call
+from robophm.transports.signals.incidents import Notes, PeerError
 
 if TYPE_CHECKING:
     from robophm.transports.ros1.publisher import Publisher

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, Self
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import signal_name
-from robophm.transports.message_type import serialized
 from robophm.transports.ros1.definition import compiled, known_definition, md5_of
 from robophm.transports.ros1.subscriber import Subscriber
 from robophm.transports.ros1.tcpros import encoded
+from robophm.transports.signals.message_type import serialized
 
 if TYPE_CHECKING:
     from robophm.transports.ros1.node import Node

@@ -8,9 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
 from robophm.core.errors import SourceError
-from robophm.transports.hearing import QUEUE, TICK, Count, Hearing, Queue, RosSource, Run, by_topic, tick_of
-from robophm.transports.message_type import MessageType, numeric_fields
-from robophm.transports.notes import Notes, PeerError
+from robophm.transports.live.receiving import QUEUE, TICK, Count, Hearing, Queue, RosSource, Run, by_topic, tick_of
 from robophm.transports.ros1.definition import ros2_name, type_of
 from robophm.transports.ros1.environment import place
 from robophm.transports.ros1.listening import CONNECTORS, Listening
@@ -18,7 +16,9 @@ from robophm.transports.ros1.master import published_topics, system_state
 from robophm.transports.ros1.node import Node
 from robophm.transports.ros1.tcpros import connect
 from robophm.transports.ros1.xmlrpc import call
-from robophm.transports.source import LiveItem, TopicInfo
+from robophm.transports.signals.incidents import Notes, PeerError
+from robophm.transports.signals.message_type import MessageType, numeric_fields
+from robophm.transports.signals.source import LiveItem, TopicInfo
 
 START_SECONDS = 8.0
 """Within which what is published when listening begins is connected, or is left for later."""

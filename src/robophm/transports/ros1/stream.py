@@ -6,7 +6,7 @@ import socket
 import struct
 from typing import TYPE_CHECKING
 
-from robophm.transports.reading import Reading
+from robophm.transports.live.decoding import Reading
 from robophm.transports.ros1.loop import Loop, Peer
 from robophm.transports.ros1.tcpros import LONGEST_MESSAGE
 

@@ -7,8 +7,8 @@ import struct
 import time
 from collections.abc import Mapping
 
-from robophm.transports.notes import PeerError
 from robophm.transports.ros1.xmlrpc import CALL_SECONDS, call, receive
+from robophm.transports.signals.incidents import PeerError
 
 LONGEST_HEADER = 1 << 20
 """Bytes of a connection header; the longest definitions in use take about 100,000."""

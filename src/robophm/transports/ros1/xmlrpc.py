@@ -8,8 +8,8 @@ import xmlrpc.client
 from typing import Any
 
 from robophm.core.errors import SourceError
-from robophm.transports.notes import PeerError
 from robophm.transports.ros1.environment import address
+from robophm.transports.signals.incidents import PeerError
 
 LONGEST_BODY = 8 << 20
 """Bytes of a call or an answer. The state of a system of 1,000 topics takes about 200,000."""

@@ -14,8 +14,8 @@ from collections import Counter
 from typing import Any, NamedTuple, cast
 
 from robophm.core.errors import SourceError
-from robophm.transports.notes import Notes
 from robophm.transports.ros2_dds.definition import Definition, dds_name
+from robophm.transports.signals.incidents import Notes
 
 BLOCKED = 0
 """Nanoseconds that a writer waits for slow readers: it never does."""

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from robophm.core.errors import SourceError
 from robophm.transports.health_topics.definitions import PACKAGE, definition, typestore
-from robophm.transports.message_type import MessageType, message_type
+from robophm.transports.signals.message_type import MessageType, message_type
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore

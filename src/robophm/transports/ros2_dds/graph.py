@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from robophm.core.errors import SourceError
-from robophm.transports.message_type import serialized
 from robophm.transports.ros2_dds.cyclone import Discovery, Participant, Reader, Waiting, Writer
 from robophm.transports.ros2_dds.definition import Definition, known
 from robophm.transports.ros2_dds.environment import Place, place
+from robophm.transports.signals.message_type import serialized
 
 TOPIC = "ros_discovery_info"
 """Where every participant tells of its nodes (rmw_dds_common)."""

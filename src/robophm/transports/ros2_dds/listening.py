@@ -9,12 +9,12 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 from robophm.core.errors import SourceError
-from robophm.transports.hearing import CLOCK_TOPIC, TICK, TOGETHER, Hearing
-from robophm.transports.notes import TypeRefusedError
-from robophm.transports.reading import Reading
+from robophm.transports.live.decoding import Reading
+from robophm.transports.live.receiving import CLOCK_TOPIC, TICK, TOGETHER, Hearing
 from robophm.transports.ros2_dds.cyclone import AT_ONCE, HISTORY, Offer, Reader
 from robophm.transports.ros2_dds.definition import Definition, known, name_of_dds
 from robophm.transports.ros2_dds.node import Node
+from robophm.transports.signals.incidents import TypeRefusedError
 
 FAIR = 4
 """Times that one topic is taken from before the others have their turn."""

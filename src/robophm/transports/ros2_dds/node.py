@@ -8,8 +8,8 @@ import uuid
 from typing import TYPE_CHECKING, Self
 
 from robophm.core.errors import SourceError
-from robophm.transports.notes import Notes
 from robophm.transports.ros2_dds.graph import Graph, join
+from robophm.transports.signals.incidents import Notes
 
 if TYPE_CHECKING:
     from robophm.transports.ros2_dds.publisher import Publisher

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Self
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import signal_name
-from robophm.transports.message_type import serialized
 from robophm.transports.ros2_dds.definition import defined, known, ros2_name
+from robophm.transports.signals.message_type import serialized
 
 if TYPE_CHECKING:
     from robophm.transports.ros2_dds.node import Node

@@ -8,14 +8,24 @@ from collections.abc import Collection, Iterator
 from typing import ClassVar
 
 from robophm.core.errors import SourceError
-from robophm.transports.hearing import CLOCK_TOPIC, QUEUE, TICK, Hearing, Queue, RosSource, Run, by_topic, tick_of
-from robophm.transports.message_type import numeric_fields
-from robophm.transports.notes import Notes
+from robophm.transports.live.receiving import (
+    CLOCK_TOPIC,
+    QUEUE,
+    TICK,
+    Hearing,
+    Queue,
+    RosSource,
+    Run,
+    by_topic,
+    tick_of,
+)
 from robophm.transports.ros2_dds.cyclone import Offer
 from robophm.transports.ros2_dds.definition import name_of_dds
 from robophm.transports.ros2_dds.listening import Listening, definition_of, told_hash
 from robophm.transports.ros2_dds.node import Node
-from robophm.transports.source import LiveItem, TopicInfo
+from robophm.transports.signals.incidents import Notes
+from robophm.transports.signals.message_type import numeric_fields
+from robophm.transports.signals.source import LiveItem, TopicInfo
 
 
 class Ros2(RosSource):

@@ -8,8 +8,8 @@ from typing import Any
 
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import HOUR, SECOND
-from robophm.transports.recording import Recording
-from robophm.transports.source import SignalSource
+from robophm.transports.recordings.recording import Recording
+from robophm.transports.signals.source import SignalSource
 from robophm.transports.tasks.listener import (
     ACTIONS,
     LONGEST_MESSAGE,

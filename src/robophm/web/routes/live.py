@@ -16,7 +16,7 @@ from robophm.core.units import conversion
 from robophm.design.robot import Robot
 from robophm.health.report import health_report
 from robophm.health.to_come import LONGEST
-from robophm.transports.message_units import field_unit
+from robophm.transports.signals.message_units import field_unit
 from robophm.web.health import Freshness, Health, health_of
 from robophm.web.routes.design import REFUSED
 from robophm.web.service import Served, Service

@@ -20,8 +20,8 @@ from robophm.health.prognosis import FutureName, View, outlooks
 from robophm.health.report import VIEWS
 from robophm.health.task_report import task_report, unknown_in
 from robophm.health.unknown import Unknown
-from robophm.task_history import TaskRecord
-from robophm.transports.sink import JudgedTask
+from robophm.monitoring.task_history import TaskRecord
+from robophm.transports.signals.sink import JudgedTask
 from robophm.web.jobs import Job
 from robophm.web.prepared import finite, unknown_of
 from robophm.web.routes.design import REFUSED

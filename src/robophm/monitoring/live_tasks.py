@@ -1,0 +1,87 @@
+"""The tasks of a robot that runs: judged when they arrive, and again when they are done."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from robophm.core.signal import HOUR
+from robophm.health.ledger import Ledger
+from robophm.health.mission import completion
+from robophm.health.prognosis import outlooks
+from robophm.health.report import VIEWS
+from robophm.health.task_report import unknown_in
+from robophm.health.window import Window
+from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.task_evaluation import completion_as_done, task_as_done, task_as_planned
+from robophm.transports.signals.sink import JudgedTask
+from robophm.transports.signals.source import Told
+from robophm.transports.tasks import DoneTask, PlannedTask, TaskTopics
+
+FINENESS = 50
+"""What is remembered of a time so long ago is at most a fiftieth of that off."""
+
+LONGEST = 24 * HOUR
+"""Nanoseconds that the past is remembered for: of a task that began before, it is not known what it took."""
+
+
+class LiveTasks:
+    """Hears what the robot says of its tasks; what is not judged is counted in ``notes``, with the reason.
+
+    ``speed`` [m/s] is of planned legs that state none; ``functions`` are what tasks need, the whole robot unless given.
+    """
+
+    def __init__(self, monitor: Monitor, *, speed: float | None = None, functions: Sequence[str] = ()) -> None:
+        self.notes: Counter[str] = Counter()
+        self._monitor = monitor
+        self._speed = speed
+        self._functions = tuple(functions)
+        self._topics = TaskTopics(self.notes)
+        self._past: list[tuple[int, Ledger]] = []
+
+    def remember(self) -> None:
+        """After each tick: where the ledger stands, since a task is known to have begun when it is done."""
+        ledger = self._monitor.ledger
+        now = ledger.integrated_to
+        if now is None:
+            return
+        copy = ledger.copy()
+        copy.pending = Window()
+        self._past.append((now, copy))
+        kept: list[tuple[int, Ledger]] = []
+        for (at, then), following in zip(self._past, [*self._past[1:], None], strict=True):
+            between = following[0] - kept[-1][0] if following and kept else 0
+            if now - at <= LONGEST and (not (following and kept) or between * FINENESS > now - at):
+                kept.append((at, then))
+        self._past = kept
+
+    def hear(self, told: Told) -> JudgedTask | None:
+        """The task that a message completes, judged by the ledger up to the newest sample."""
+        task = self._topics.hear(*told)
+        if isinstance(task, PlannedTask):
+            return self._planned(task)
+        return self._done(task) if task else None
+
+    def _planned(self, told: PlannedTask) -> JudgedTask | None:
+        task = task_as_planned(told, self._speed, self._functions)
+        if task is None:
+            self.notes[f"{told.topic}: a task that states no speed; expected one, e.g. --speed 0.3"] += 1
+            return None
+        monitor = self._monitor
+        views = outlooks(monitor.plant, monitor.exposure, monitor.exposure.settled(monitor.ledger))
+        judged = {view: completion(views[view], task) for view in VIEWS}
+        return JudgedTask(False, told.time, told.topic, task.duration, task.distance, judged,
+                          unknown_in(views["sensor_based"], task))  # fmt: skip
+
+    def _done(self, told: DoneTask) -> JudgedTask | None:
+        monitor = self._monitor
+        begun = next((ledger for at, ledger in reversed(self._past) if at <= told.start), None)
+        if begun is None:
+            self.notes[f"{told.topic}: a task that began before anything was known of the robot"] += 1
+            return None
+        task = task_as_done(told, self._functions)
+        views = outlooks(monitor.plant, monitor.exposure, begun)
+        ended = monitor.exposure.settled(monitor.ledger)
+        found = completion_as_done(monitor.plant, views, task, begun, ended)
+        return JudgedTask(True, told.end, told.topic, task.duration, task.distance, found,
+                          unknown_in(views["sensor_based"], task))  # fmt: skip

@@ -1,0 +1,194 @@
+"""A robot's health after recordings: their samples go into the ledger, which a store keeps as the replay goes."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+from robophm.core.errors import SourceError, StoreError
+from robophm.core.given import instance, number
+from robophm.core.signal import REORDERED, SECOND
+from robophm.design.robot import Robot
+from robophm.health.ledger import Ledger
+from robophm.health.report import HealthReport
+from robophm.monitoring.by_block import VirtualLife
+from robophm.monitoring.monitor import LONGEST_PERIOD, Monitor
+from robophm.monitoring.recorded_drives import Drive, Recorded, drives_of, living
+from robophm.stores.store import Progress, Store
+
+SAVE_EVERY = 2.0
+"""Seconds between two checkpoints of a replay."""
+
+REPORT_STEP = 600 * SECOND
+"""Nanoseconds of the robot's time between two reports that are kept, unless there is much of it."""
+
+MOST_REPORTS = 1000
+"""Reports that are kept of one replay, unless more are asked for."""
+
+
+REPAIR = "where its clock had jumped ahead, robophm store repair takes that out"
+
+
+_ENDED = "end of the recording that was heard last"
+"""What its time is kept under in a store, with the newest sample that it is of."""
+
+
+class Course:
+    """The reports of a robot's time that are to be kept: after the first tick, and after the first in every step."""
+
+    def __init__(self, step: int, ledger: Ledger | None) -> None:
+        """``step`` [ns]; a ledger that is gone on from has its report."""
+        self.reports: list[dict[str, Any]] = []
+        """Not yet saved."""
+        self._step = step
+        self._reported = ledger.integrated_to if ledger else None
+
+    def follow(self, monitor: Monitor) -> None:
+        """Take a report where it is time to."""
+        now = monitor.ledger.integrated_to or 0
+        if self._reported is None or now // self._step > self._reported // self._step:
+            self.reports.append(monitor.report(remaining_life=False, settled=False).to_json())
+        self._reported = now
+
+
+def replay(
+    robot: Robot,
+    recorded: Recorded | Sequence[Recorded],
+    *,
+    store: Store | None = None,
+    period: float = 60.0,
+    skip_missing: bool = False,
+    report_every: float | None = None,
+    on_tick: Callable[[Monitor], None] | None = None,
+) -> HealthReport:
+    """A robot's health after recordings, from new or from where the store's ledger stands.
+
+    Files and folders of them are gone through in the order of their time; those that overlap are one drive. A source
+    that has columns is gone through by the column, with the ledger that its samples give one by one, bit for bit.
+
+    With a store the ledger, the progress and a report for every ``report_every`` [s] of the robot's time are kept
+    as the replay goes, so that one that was killed goes on where it was, and a drive that is done is not counted
+    again. By default that is ten minutes, or as many as make some thousand reports.
+    ``skip_missing``: signals that all recordings lack stay silent instead of being an error.
+
+    Raises SourceError where the recordings lack a bound signal or its messages measure something else.
+    """
+    if store is not None:
+        instance(store, Store, "store", "a store, such as robophm.stores.sqlite.SqliteStore(path)", StoreError)
+    number(period, "period", above=True, high=LONGEST_PERIOD)
+    if report_every is not None:
+        number(report_every, "report_every", above=True)
+    drives = drives_of(robot, recorded, skip_missing=skip_missing)
+    return replay_drives(robot, drives, store=store, period=period, report_every=report_every, on_tick=on_tick)
+
+
+def kept_ledger(robot: Robot, store: Store) -> Ledger | None:
+    """A robot's ledger in a store, to go on from; it knows whether a recording was heard last, and when that ended."""
+    kept = store.ledger(robot.name)
+    if kept is None:
+        return None
+    ledger, end = Ledger.of(robot, kept), store.progress(robot.name, _ENDED)
+    if end.complete and end.notes.get("newest") == ledger.newest:
+        ledger.ended = end.position
+    return ledger
+
+
+def replay_drives(
+    robot: Robot,
+    drives: Sequence[Drive],
+    *,
+    store: Store | None = None,
+    period: float = 60.0,
+    report_every: float | None = None,
+    on_tick: Callable[[Monitor], None] | None = None,
+) -> HealthReport:
+    """The same of drives that have been looked through. Raises SourceError as ``replay``."""
+    ledger = kept_ledger(robot, store) if store else None
+    step = round(report_every * SECOND) if report_every else _report_step(drives) if store else REPORT_STEP
+    decided: Counter[str] = Counter()
+    for drive in drives:
+        monitor, notes = _go_through(robot, drive, ledger, store, period, step, on_tick)
+        ledger = monitor.ledger
+        decided.update(notes)
+    report = monitor.report()
+    return replace(report, notes=report.notes + tuple(f"{what} ({n} times)" for what, n in sorted(decided.items())))
+
+
+def _go_through(
+    robot: Robot,
+    drive: Drive,
+    ledger: Ledger | None,
+    store: Store | None,
+    period: float,
+    step: int,
+    on_tick: Callable[[Monitor], None] | None,
+) -> tuple[Monitor, Counter[str]]:
+    """The monitor after a drive, and what had to be decided on the way."""
+    progress = store.progress(robot.name, drive.key) if store else Progress(drive.key)
+    decided = Counter(progress.notes)
+    if progress.complete:
+        return Monitor(robot, ledger, period=period), decided
+    if ledger and ledger.integrated_to is not None and not progress.position:
+        _not_before(drive, ledger.integrated_to)
+    position = progress.position
+    decided |= Counter(drive.lost)
+    course = Course(step, ledger)
+    saved = time.monotonic()
+
+    def save(*, complete: bool) -> None:
+        nonlocal saved
+        if store:
+            state = Progress(drive.key, position, complete, decided + source.notes)
+            store.save(robot.name, monitor.ledger.to_json(), state, course.reports)
+            course.reports.clear()
+            saved = time.monotonic()
+
+    def tick(monitor: Monitor) -> None:
+        nonlocal position
+        if store:
+            course.follow(monitor)
+        if time.monotonic() - saved > SAVE_EVERY:
+            position = position if life.arrived is None else life.arrived + 1
+            save(complete=False)
+        if on_tick:
+            on_tick(monitor)
+
+    monitor = Monitor(robot, ledger, period=period, on_tick=tick if store or on_tick else None)
+    life = VirtualLife(monitor, step)
+    with living(monitor, drive, anew=not position) as source:
+        if (blocks := source.columns(drive.signals, position)) is not None:
+            for block in blocks:
+                life.observe(block)
+            life.finish()
+        else:
+            for sample in itertools.islice(source.samples(drive.signals), position, None):
+                position += 1
+                monitor.observe(sample)
+        for reason in [reason for reason in source.notes if reason.startswith(REORDERED)]:
+            monitor.ledger.counts[reason] += source.notes.pop(reason)  # it qualifies what is in the ledger
+    save(complete=True)
+    if store and (ended := monitor.ledger.ended) is not None:
+        end = Progress(_ENDED, ended, complete=True, notes={"newest": monitor.ledger.newest or 0})
+        store.save(robot.name, monitor.ledger.to_json(), end)
+    return monitor, decided + source.notes
+
+
+def _report_step(drives: Sequence[Drive]) -> int:
+    """Ten minutes, or as many as leave at most MOST_REPORTS."""
+    span = sum(drive.last - drive.first for drive in drives if drive.first is not None and drive.last is not None)
+    return REPORT_STEP * max(1, math.ceil(span / (MOST_REPORTS * REPORT_STEP)))
+
+
+def _not_before(drive: Drive, integrated_to: int) -> None:
+    """Raises SourceError where a drive ends before the ledger does: all of it would be too late to count."""
+    if drive.last is not None and drive.last <= integrated_to:
+        early = (integrated_to - drive.last) / SECOND
+        raise SourceError(
+            f"{drive.name} ends {early:,.0f} s before the robot's ledger does, and would not count; "
+            f"expected recordings in the order of their time, or another store; {REPAIR}"
+        )

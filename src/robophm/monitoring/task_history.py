@@ -1,0 +1,166 @@
+"""What was predicted of a robot's tasks when they came, and what is known of them now that they are done.
+
+*Predicted*: when the task arrived, for the legs that were planned. *Actual*: from the ledger at the task's start, with
+the distance, time and stresses that were then observed. Both nominal and sensor-based.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from operator import itemgetter
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import SECOND
+from robophm.design.robot import Robot
+from robophm.design.task import Knowledge, Task
+from robophm.health.ledger import Ledger
+from robophm.health.mission import Completion, completion
+from robophm.health.prognosis import Outlook, View, outlooks
+from robophm.health.report import VIEWS
+from robophm.health.task_report import unknown_in
+from robophm.health.unknown import Unknown
+from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.recorded_drives import drives_of, living
+from robophm.monitoring.task_evaluation import completion_as_done, task_as_done, task_as_planned
+from robophm.transports.signals.source import SignalSource
+from robophm.transports.tasks import DoneTask, PlannedTask
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TaskRecord:
+    """A task that was planned, or done, or both; times in nanoseconds since the epoch."""
+
+    arrived: int | None
+    """None where it was never planned."""
+    start: int | None
+    end: int | None
+    """Both None where it is not known to be done."""
+    planned: Task | None
+    predicted: Mapping[View, Completion] | None
+    """None where nothing says how long it would take."""
+    done: Task | None
+    actual: Mapping[View, Completion] | None
+    unknown: Unknown | None = None
+    """What parts of unknown rate make of both."""
+
+
+def judge_tasks(
+    robot: Robot, source: SignalSource, told: Sequence[PlannedTask | DoneTask], *,
+    speed: float | None = None, functions: Sequence[str] = (), knowledge: Knowledge | None = None,
+    ledger: Ledger | None = None, skip_missing: bool = False, on_tick: Callable[[Monitor], None] | None = None,
+) -> tuple[list[TaskRecord], Monitor]:  # fmt: skip
+    """What a recording's tasks asked of the robot that made it, and the monitor at the recording's end.
+
+    ``speed`` [m/s] is of planned legs that state none; ``functions`` are what the tasks need. A task done without a
+    plan is predicted at its start with the distance and time that it took. Raises SourceError as ``replay``, and where
+    ``ledger`` has lived through a task already.
+    """
+    (drive,) = drives_of(robot, source, skip_missing=skip_missing)
+    monitor = Monitor(robot, ledger, on_tick=on_tick)
+    records = judge_on_the_way(monitor, told, speed=speed, functions=functions, knowledge=knowledge)
+    marks = monitor.marks
+    if (
+        ledger
+        and ledger.integrated_to is not None
+        and marks
+        and (first := min(mark[0] for mark in marks)) < ledger.integrated_to
+    ):
+        late = (ledger.integrated_to - first) / SECOND
+        raise SourceError(
+            f"the robot's past that is kept goes on for {late:.6g} s beyond the first task's beginning; expected one "
+            "that ends before it, or none"
+        )
+    with living(monitor, drive):
+        for sample in source.samples(drive.signals):
+            monitor.observe(sample)
+    monitor.reach_marks()
+    if told and monitor.ledger.newest is None:
+        raise SourceError("the recording has no sample of the robot; expected some beside its tasks")
+    return records(), monitor
+
+
+def judge_on_the_way(
+    monitor: Monitor, told: Sequence[PlannedTask | DoneTask], *,
+    speed: float | None = None, functions: Sequence[str] = (), knowledge: Knowledge | None = None,
+) -> Callable[[], list[TaskRecord]]:  # fmt: skip
+    """Have a monitor judge tasks as it comes to their times; what is called tells what is known of them so far."""
+    drafts = [_Draft(monitor, plan, done, speed, functions, knowledge) for plan, done in _pairs(told)]
+    monitor.marks = sorted((mark for draft in drafts for mark in draft.marks()), key=itemgetter(0))
+    return lambda: [draft.record() for draft in drafts]
+
+
+class _Draft:
+    """One task while its recording is lived through; a ledger is kept only while its task is under way."""
+
+    def __init__(
+        self, monitor: Monitor, plan: PlannedTask | None, done: DoneTask | None,
+        speed: float | None, functions: Sequence[str], knowledge: Knowledge | None,
+    ) -> None:  # fmt: skip
+        self.monitor, self.plan, self.done, self.knowledge = monitor, plan, done, knowledge
+        self.planned = task_as_planned(plan, speed, functions) if plan else None
+        self.driven = task_as_done(done, functions) if done else None
+        self.predicted: dict[View, Completion] | None = None
+        self.actual: dict[View, Completion] | None = None
+        self.unknown: Unknown | None = None
+        self.begun: tuple[Mapping[View, Outlook], Ledger] | None = None
+
+    def marks(self) -> Iterator[tuple[int, Callable[[Ledger], None]]]:
+        """When something is to be done with the robot's ledger, and what."""
+        if self.plan:
+            yield self.plan.time, self._predict
+        if self.done:
+            yield self.done.start, self._begin
+            yield self.done.end, self._end
+
+    def _predict(self, ledger: Ledger) -> None:
+        if asked := self.planned if self.plan else self.driven:
+            views = outlooks(self.monitor.plant, self.monitor.exposure, ledger, knowledge=self.knowledge)
+            self.unknown = unknown_in(views["sensor_based"], asked)
+            self.predicted = {view: completion(views[view], asked) for view in VIEWS}
+
+    def _begin(self, ledger: Ledger) -> None:
+        if not self.plan:
+            self._predict(ledger)
+        views = outlooks(self.monitor.plant, self.monitor.exposure, ledger, knowledge=self.knowledge)
+        self.begun = views, ledger
+
+    def _end(self, ledger: Ledger) -> None:
+        if self.begun and self.driven:
+            views, begun = self.begun
+            self.unknown = unknown_in(views["sensor_based"], self.driven)
+            self.actual = completion_as_done(self.monitor.plant, views, self.driven, begun, ledger)
+            self.begun = None
+
+    def record(self) -> TaskRecord:
+        """What became of it."""
+        begin, end = (self.done.start, self.done.end) if self.done else (None, None)
+        arrived = self.plan.time if self.plan else None
+        return TaskRecord(arrived, begin, end, self.planned, self.predicted, self.driven, self.actual,
+                          self.unknown)  # fmt: skip
+
+
+def _pairs(told: Sequence[PlannedTask | DoneTask]) -> list[tuple[PlannedTask | None, DoneTask | None]]:
+    """Each done task with the plan of the same robot that came nearest to its start; each plan once.
+
+    Not with the last: the next plan may come while a task is under way.
+    """
+    waiting: dict[str, list[PlannedTask]] = {}
+    found: list[tuple[PlannedTask | None, DoneTask | None]] = []
+    for task in told:
+        robot = task.topic.rpartition("/")[0]
+        if isinstance(task, PlannedTask):
+            waiting.setdefault(robot, []).append(task)
+            continue
+        fits = [plan for plan in waiting.get(robot, []) if plan.time < task.end and len(plan.legs) == len(task.legs)]
+        plan = min(fits, key=lambda plan: abs(plan.time - task.start), default=None)
+        if plan:
+            waiting[robot].remove(plan)
+        found.append((plan, task))
+    found += [(plan, None) for plans in waiting.values() for plan in plans]
+    return sorted(found, key=lambda pair: pair[0].time if pair[0] else pair[1].start if pair[1] else 0)

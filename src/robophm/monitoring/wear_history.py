@@ -1,0 +1,175 @@
+"""What recordings say of the wear of a robot's parts: a reading for each stretch of time, on the part's own clock.
+
+The recordings become exposure as in a replay, which says how far each part's clock had gone when a reading was taken.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from operator import itemgetter
+
+import numpy as np
+
+from robophm.core.errors import DesignError, nearest
+from robophm.core.signal import CLOCK, SECOND
+from robophm.design.robot import FailureMode, Robot
+from robophm.health.ledger import Ledger
+from robophm.health.window import in_time
+from robophm.learning.wear_data import Readings
+from robophm.learning.wear_signal import Array, Reducer, Times, on_a_clock
+from robophm.monitoring.by_block import VirtualLife
+from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.recorded_drives import Drive, Recorded, drives_of, living
+from robophm.transports.signals.source import STAMP_LIMIT, Heard, SignalSource
+
+CLOCK_STEP = 600 * SECOND
+"""Nanoseconds between two looks at the parts' clocks; between them they are taken to go evenly."""
+
+_TOGETHER = 100_000  # samples of a source without columns that make a block
+
+
+@dataclass(frozen=True)
+class WearHistory:
+    """What was read."""
+
+    readings: Mapping[str, Readings]
+    """By path of the failure mode that a signal shows; none of one of which the recordings say nothing."""
+    monitor: Monitor
+    """At the end of the recordings, which its robot has lived through."""
+    notes: Counter[str]
+    """What had to be decided, and how often."""
+
+
+def worn_modes(robot: Robot, part: str | None = None) -> list[FailureMode]:
+    """The failure modes that a signal shows; of one part, or one mode, by its path. Raises DesignError for none."""
+    found = [mode for mode in robot.modes if mode.wear]
+    if not found:
+        raise DesignError(
+            f"the design of {robot.name} says of no part which signal shows its wear; expected e.g. in a component "
+            "wear: {topic: /motor, field: current, threshold: 6}"
+        )
+    if part is None:
+        return found
+    chosen = [mode for mode in found if mode.path == part or mode.path.rpartition("/")[0] == part]
+    if not chosen:
+        known = [mode.path for mode in found]
+        raise DesignError(
+            f"the design says of no '{part}' which signal shows its wear{nearest(part, known)}; it does of "
+            f"{', '.join(known[:5])}"
+        )
+    return chosen
+
+
+def wear_history(
+    robot: Robot, recorded: Recorded | Sequence[Recorded], modes: Sequence[FailureMode], *, skip_missing: bool = False,
+    advance: Callable[[int, int], None] = lambda done, total: None,
+) -> WearHistory:  # fmt: skip
+    """The readings of failure modes (``worn_modes``) in recordings, in the order of their time.
+
+    ``advance`` is told how many drives of how many are done.
+
+    Raises SourceError as ``replay``, DataError where a signal has too many stretches.
+    """
+    drives = drives_of(robot, recorded, skip_missing=skip_missing)
+    index = [next(i for i, one in enumerate(robot.modes) if one is mode) for mode in modes]
+    reducers = [Reducer(mode.wear) for mode in modes if mode.wear]
+    looks: list[tuple[int, Array]] = []  # when, and how old each of the modes was
+
+    def look(ledger: Ledger) -> None:
+        if (now := ledger.integrated_to) is not None:
+            looks.append((now, ledger.age.value[index]))
+
+    monitor, notes = Monitor(robot, on_tick=lambda monitor: look(monitor.ledger)), Counter[str]()
+    for done, drive in enumerate(drives):
+        advance(done, len(drives))
+        before: Array | None = looks[-1][1] if looks else np.zeros(len(index))
+        with living(monitor, drive) as source:
+            ordered = _InOrder({signal for one in reducers for signal in one.signals}, notes)
+            for block in _lived(source, drive, monitor):
+                times = [int(heard.times.min()) for heard in block.values() if len(heard.times)]
+                if before is not None and times:
+                    looks.append((min(times), before))
+                    before = None
+                for ready in ordered.feed(block):
+                    for one in reducers:
+                        one.take(ready)
+            notes += source.notes + Counter(drive.lost)
+        look(monitor.exposure.settled(monitor.ledger))
+    looks.sort(key=itemgetter(0))
+    found: dict[str, Readings] = {}
+    for k, (mode, reducer) in enumerate(zip(modes, reducers, strict=True)):
+        said: Counter[str] = reducer.notes
+        reduced = reducer.stretches.readings(reducer.wear.reading, said)
+        if len(reduced.times):
+            here = on_a_clock(reduced, reducer.wear.every, [(when, float(ages[k])) for when, ages in looks], said)
+            found[mode.path] = Readings(
+                here.ages, reduced.values[here.rows], None, dated=False, when=reduced.times[here.rows],
+                width=0.0 if reducer.wear.reading in ("highest", "lowest") else here.width,
+            )  # fmt: skip
+        notes.update({f"{mode.path}: {what}": count for what, count in said.items()})
+    return WearHistory(found, monitor, notes + monitor.ledger.counts)
+
+
+def _lived(source: SignalSource, drive: Drive, monitor: Monitor) -> Iterator[Mapping[str, Heard]]:
+    """The blocks of a drive, after the robot has lived through each; the last is empty and says that all has come."""
+    life = VirtualLife(monitor, CLOCK_STEP)
+    if (blocks := source.columns(drive.signals, 0)) is not None:
+        for block in blocks:
+            life.observe(block)
+            yield block
+        life.finish()
+    else:
+        gathered: dict[str, list[tuple[int, int, float]]] = {}
+        count, newest = 0, 0
+        for sample in source.samples(drive.signals):
+            monitor.observe(sample)
+            newest = max(newest, sample.time)
+            if sample.signal != CLOCK:
+                gathered.setdefault(sample.signal, []).append((newest, sample.time, sample.value))
+                count += 1
+            if count == _TOGETHER:
+                yield _block(gathered)
+                gathered, count = {}, 0
+        yield _block(gathered)
+    yield {}
+
+
+def _block(gathered: Mapping[str, Sequence[tuple[int, int, float]]]) -> dict[str, Heard]:
+    found = {}
+    for signal, rows in gathered.items():
+        arrived, times, values = zip(*rows, strict=True)
+        found[signal] = Heard(np.array(arrived, np.int64), np.array(times, np.int64), np.array(values))
+    return found
+
+
+class _InOrder:
+    """Samples in order of their own time, which is at most STAMP_LIMIT before they arrived; later ones do not count."""
+
+    def __init__(self, signals: set[str], notes: Counter[str]) -> None:
+        self._notes = notes
+        self._complete = np.iinfo(np.int64).min
+        self._waiting: dict[str, list[tuple[Times, Array]]] = {signal: [] for signal in signals}
+
+    def feed(self, block: Mapping[str, Heard]) -> Iterator[dict[str, tuple[Times, Array]]]:
+        """What is complete with a block; with an empty one all that is left."""
+        newest = max((int(heard.arrived[-1]) for heard in block.values() if len(heard.arrived)), default=None)
+        if block and newest is None:
+            return
+        until = np.iinfo(np.int64).max if newest is None else newest - STAMP_LIMIT
+        ready = {}
+        for signal, parts in self._waiting.items():
+            if signal in block:
+                heard = block[signal].rows(block[signal].times >= self._complete)
+                if late := len(block[signal].times) - len(heard.times):
+                    self._notes[f"too late, not counted: {signal}"] += late
+                parts.append((heard.times, heard.values))
+            if not parts:
+                continue
+            times, values = in_time(*(np.concatenate(one) for one in zip(*parts, strict=True)))
+            count = int(np.searchsorted(times, until))
+            ready[signal] = times[:count], values[:count]
+            parts[:] = [(times[count:], values[count:])]
+        self._complete = max(self._complete, until)
+        yield ready

@@ -1,0 +1,1 @@
+"""What live transports share: ``receiving.py`` gives messages their time, ``decoding.py`` makes numbers of them."""

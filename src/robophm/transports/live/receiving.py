@@ -1,0 +1,318 @@
+"""What all live sources do with a message that has come: its numbers get their time, and wait to be taken."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from operator import attrgetter
+from queue import SimpleQueue
+from typing import Protocol
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
+from robophm.transports.live.decoding import LARGE, Numbers, Reading
+from robophm.transports.signals.element_names import Names
+from robophm.transports.signals.incidents import Notes
+from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSource, Told
+
+CLOCK_TOPIC = "/clock"
+"""Where the time comes from under use_sim_time (wiki.ros.org/Clock, design.ros2.org/articles/clock_and_time)."""
+
+QUEUE = 100_000
+"""Samples that may wait to be taken; further ones are dropped and counted."""
+
+MOST_WHOLE = 200
+"""Whole messages that may wait."""
+
+TICK = 0.5
+"""Seconds between two clock samples, at most."""
+
+TOGETHER = 0.002
+"""Seconds in which what comes is taken together: it takes much less time than one by one."""
+
+_clock_of = attrgetter("clock.sec", "clock.nanosec")
+
+
+@dataclass
+class Count:
+    """Messages of a topic, and their receipt [ns]."""
+
+    messages: int
+    first: int
+    last: int
+
+
+def _elapsed() -> int:
+    """Nanoseconds that no setting of the clock changes, those of sleep among them where the system tells."""
+    clock = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
+    return time.clock_gettime_ns(clock)
+
+
+class Hearing:
+    """Gives messages their time; puts samples, those of the clock, and whole messages in order. All in one thread."""
+
+    def __init__(
+        self, notes: Notes, put: Callable[[Sequence[LiveItem]], None], whole: Collection[str], *, simulated: bool
+    ) -> None:
+        self.simulated = simulated
+        """Receipt is the time of /clock."""
+        self.whole = frozenset(whole)
+        """Topics whose messages are wanted as they are."""
+        self.counts: dict[str, Count] = {}
+        self._notes = notes
+        self._names = Names(notes, notes.lock)
+        self._put = put
+        self._now = 0
+        """The time of /clock; 0 before it is heard."""
+        self._told = 0
+        """The latest clock sample."""
+        self._latest = 0
+        self._began = time.time_ns() - _elapsed()
+        self._set = 0
+        """By how much the clock of this machine has been set since [ns], as far as it was said."""
+
+    def messages(self, reading: Reading, raws: Sequence[bytes], before: int | None) -> int | None:
+        """Messages of one publisher have come, one after the other.
+
+        ``before`` is the number in the sequence of the one before them, as is returned of the last.
+        """
+        topic, whole = reading.topic, reading.topic in self.whole
+        for raw in raws:
+            if self.simulated and topic == CLOCK_TOPIC:
+                with suppress(Exception):  # it is counted below
+                    self._set_clock(reading, raw)
+            try:
+                numbers = reading.read(raw, whole=whole)
+            except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
+                self._unreadable(topic)
+            else:
+                before = self._heard(topic, numbers, before)
+        return before
+
+    def _unreadable(self, topic: str) -> None:
+        self.missing(topic, "unreadable message")
+        if topic in self.whole and (receipt := self._receipt()):
+            self._put([Told(receipt, topic, None)])
+
+    def _heard(self, topic: str, numbers: Numbers, before: int | None) -> int | None:
+        if numbers.sequence is not None and before is not None and numbers.sequence > before + 1:
+            self.missing(topic, "sequence gap", numbers.sequence - before - 1)
+        if not (receipt := self._receipt()):
+            self._notes.add(f"before the first time of {CLOCK_TOPIC}, dropped {topic}")
+            return numbers.sequence
+        if receipt < self._latest:
+            self._notes.add(f"receipt time goes backwards on {topic}")
+        self._latest = receipt
+        count = self.counts.get(topic)
+        if count is None:
+            count = self.counts[topic] = Count(0, receipt, receipt)
+        count.messages += 1
+        count.last = receipt
+        at = numbers.stamp
+        if at == 0 or abs(at - receipt) > STAMP_LIMIT:
+            if numbers.values:
+                self._notes.add(f"receipt time used for {topic}")
+            at = receipt
+        for signal in numbers.absent:
+            self._notes.add(f"no element for {signal}")
+        for signal, names in numbers.unnamed:
+            self._names.missing(signal, names)
+        for signal, name in numbers.at_index:
+            self._names.at_index(signal, name)
+        for signal in numbers.found:
+            self._names.found(signal)
+        heard: list[LiveItem] = [Sample(at, signal, value) for signal, value in numbers.values]
+        if topic in self.whole:
+            if numbers.message is None:
+                self._notes.add(f"message on {topic} longer than {LARGE} bytes")
+            heard.append(Told(receipt, topic, numbers.message))
+        self._put(heard)
+        return numbers.sequence
+
+    def missing(self, topic: str, why: str, count: int = 1) -> None:
+        """Count messages that did not come, or what may have cost some; what is heard has a gap here."""
+        self._notes.add(f"{why} on {topic}", count)
+        self._put([Gap(topic, why)])
+
+    def tell(self) -> None:
+        """A clock sample: silence is heard too."""
+        if now := self._receipt():
+            self._told = now
+            self._put([Sample(now, CLOCK, math.nan)])
+
+    def _receipt(self) -> int:
+        """The time that what comes now gets; 0 before there is any."""
+        return self._now if self.simulated else self._steady()
+
+    def _steady(self) -> int:
+        """This machine's time when listening began, and what has passed since, however its clock is set meanwhile."""
+        now = self._began + _elapsed()
+        off = time.time_ns() - now
+        if abs(off - self._set) > SECOND:
+            self._notes.add(f"the clock was set {'forward' if off > self._set else 'back'}; time went on as it was")
+            self._set = off
+        return now
+
+    def _set_clock(self, reading: Reading, raw: bytes) -> None:
+        seconds, nanoseconds = _clock_of(reading.type.decode(raw))
+        now = seconds * SECOND + nanoseconds
+        if now < self._now:
+            self._notes.add(f"time goes backwards on {CLOCK_TOPIC}")
+        self._now = self._latest = now
+        if not 0 <= now - self._told < SECOND:
+            self.tell()
+
+
+class Queue:
+    """What waits to be taken, up to a number; what comes beyond it is dropped and counted.
+
+    Threads that wake each other for every sample take longer for that than for the samples: what is put is handed on
+    all at once, when ``hand_on`` says so.
+    """
+
+    def __init__(self, notes: Notes, most: int) -> None:
+        self._notes = notes
+        self._most = most
+        self._gathered: list[LiveItem] = []
+        self._gaps: set[Gap] = set()
+        """Since there was room last."""
+        self._waiting: SimpleQueue[list[LiveItem] | None] = SimpleQueue()
+        self._put = self._taken = 0  # each by one thread alone
+        self._whole_put = self._whole_taken = 0
+        self._over = threading.Event()
+        self._handing = threading.RLock()  # a signal may end it while we are in it
+
+    def put(self, heard: Sequence[LiveItem]) -> None:
+        """All of one message, or nothing; to be taken once it is handed on."""
+        whole = bool(heard) and isinstance(heard[-1], Told)
+        if self._put - self._taken + len(heard) > self._most or (
+            whole and self._whole_put - self._whole_taken >= MOST_WHOLE
+        ):
+            for one in heard:
+                self._drop(one)
+            return
+        with self._handing:
+            if self._gaps:
+                self._put += len(self._gaps)
+                self._gathered += sorted(self._gaps)
+                self._gaps.clear()
+            self._put += len(heard)
+            self._whole_put += whole
+            self._gathered += heard
+
+    def _drop(self, one: LiveItem) -> None:
+        if isinstance(one, Gap):
+            self._gaps.add(one)
+            return
+        topic, what = (one.signal.partition(".")[0], one.signal) if isinstance(one, Sample) else (one.topic, one.topic)
+        self._notes.add(f"queue full, dropped {what}")
+        if topic != CLOCK:
+            self._gaps.add(Gap(topic, "queue full"))
+
+    def hand_on(self) -> None:
+        """Let what has been put be taken."""
+        with self._handing:
+            if self._gathered:
+                self._waiting.put(self._gathered)
+                self._gathered = []
+
+    def end(self) -> None:
+        """Let whoever takes have what is there, and no more."""
+        self.hand_on()
+        self._waiting.put(None)
+
+    def close(self) -> None:
+        """Let whoever takes go at once."""
+        self._over.set()
+        self._waiting.put(None)
+
+    def taken(self, close: Callable[[], None]) -> Iterator[LiveItem]:
+        """Until the end, or the taker has enough, which calls ``close``."""
+        try:
+            while (some := self._waiting.get()) is not None:
+                for heard in some:
+                    if self._over.is_set():
+                        return
+                    self._taken += 1
+                    if isinstance(heard, Told):
+                        self._whole_taken += 1
+                    yield heard
+        finally:
+            if not self._over.is_set():  # otherwise somebody else is closing, which may take longer
+                close()
+
+
+class _Closable(Protocol):
+    def close(self) -> None: ...
+
+
+class Run:
+    """One call of ``listen``: what waits to be taken, and what is let go of when it is over, first to last."""
+
+    def __init__(self, queue: Queue, hearing: Hearing, *held: _Closable) -> None:
+        self.hearing = hearing
+        self._queue = queue
+        self._held = held
+        self._closing = threading.RLock()  # a signal may close while we are in it
+        self._closed = False
+
+    def heard(self) -> Iterator[LiveItem]:
+        """Until the end."""
+        return self._queue.taken(self.close)
+
+    def end(self) -> None:
+        """Give what has come, and no more."""
+        self._queue.end()
+
+    def close(self) -> None:
+        """Let go of all."""
+        self._queue.close()
+        with self._closing:  # who comes second returns when it is done
+            if not self._closed:
+                self._closed = True
+                for one in self._held:
+                    one.close()
+
+
+class RosSource(LiveSource):
+    """What the live sources of both generations have in common: one run at a time, which is told to end."""
+
+    _run: Run | None = None
+    _stopped = False  # before there was anything to end
+
+    def stop(self) -> None:
+        """End ``listen`` once all that has come so far has been taken; from any thread, and from a signal.
+
+        Where nothing is listened to yet, the next ``listen`` ends at once.
+        """
+        if self._run:
+            self._run.end()
+        else:
+            self._stopped = True
+
+    def _begin(self, run: Run) -> None:
+        """From now on this is what ``stop`` ends."""
+        self._run = run
+        if self._stopped:
+            self._stopped = False
+            run.end()
+
+
+def by_topic(signals: Collection[str]) -> dict[str, list[str]]:
+    """The signals of each topic, those of the clock left out. Raises SourceError where one has no topic of ROS."""
+    wanted: dict[str, list[str]] = {}
+    for signal in sorted({*signals} - {CLOCK}):
+        topic, _ = split_signal(signal)
+        if not topic.startswith("/"):
+            raise SourceError(f"signal '{signal}' has no topic of ROS; expected it to begin with '/'")
+        wanted.setdefault(topic, []).append(signal)
+    return wanted
+
+
+def tick_of(period: float) -> float:
+    """Seconds between two clock samples: a whole part of the period, TICK at most."""
+    return period / math.ceil(period / TICK)

@@ -1,0 +1,386 @@
+"""ROS 1 bags: chunks of records with an index behind each and one of all chunks at the end.
+
+Format: wiki.ros.org/Bags/Format/2.0. A record is a header of ``name=value`` fields and data, each behind a length of
+four bytes, little-endian.
+"""
+
+from __future__ import annotations
+
+import struct
+from array import array
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import SECOND
+from robophm.transports.recordings.columns.pieces import (
+    LONGEST_TEXT,
+    MOST_TIME,
+    Chunk,
+    ChunkedFile,
+    DamageError,
+    Messages,
+    distinct,
+)
+from robophm.transports.recordings.columns.walk import Bytes, Ints, everywhere
+
+if TYPE_CHECKING:
+    from rosbags.interfaces import Connection
+
+MAGIC = b"#ROSBAG V2.0\n"
+MESSAGE, HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
+
+_HEADER_SPACE = 4096
+"""Bytes of the first record, whatever is in it: it is written anew when the recording ends."""
+
+LONGEST_HEADER = 1 << 16
+"""Bytes of the fields of a record, beyond which their length is taken to be a lie."""
+
+SHORTEST_MESSAGE = 4 + 4 + 4 + 9 + 17 + 4
+"""Bytes of a record of a message: two lengths, three fields."""
+
+_INDEX = np.dtype([("sec", "<u4"), ("nsec", "<u4"), ("offset", "<u4")])
+_FOUND = np.dtype([("connection", "<u4"), ("time", "<i8"), ("start", "<i8"), ("end", "<i8")])
+
+
+class _Record(NamedTuple):
+    operation: int
+    fields: dict[bytes, bytes]
+    start: int
+    end: int
+    """Of its data, as the record says."""
+
+    def number(self, name: bytes) -> int:
+        value = self.fields.get(name, b"")
+        if len(value) not in (4, 8):
+            raise DamageError(f"a record without {name.decode()}")
+        return int.from_bytes(value, "little")
+
+    def time(self, name: bytes) -> int:
+        if len(self.fields.get(name, b"")) != 8:
+            raise DamageError(f"a record without {name.decode()}")
+        seconds, nanoseconds = struct.unpack("<II", self.fields[name])
+        return int(seconds) * SECOND + int(nanoseconds)
+
+
+class BagFile(ChunkedFile):
+    """A ROS 1 bag, whole, not indexed or cut.
+
+    Raises SourceError where it is none, or encrypted.
+    """
+
+    def __init__(self, path: Path, notes: Counter[str]) -> None:
+        super().__init__(path, notes)
+        if self.content[: len(MAGIC)].tobytes() != MAGIC:
+            raise SourceError(f"{path}: cannot be read: is no bag of version 2.0")
+        self.chunks: list[Chunk] = []
+        self._defined: dict[int, tuple[str, str, str]] = {}
+        self._counts: Counter[int] = Counter()
+        self._told: dict[int, dict[int, int]] = {}
+        """By where a chunk ends, how many messages of each connection its info counts."""
+        header = _Record(HEADER, {}, 0, 0)
+        with suppress(DamageError):  # said when the index is looked for
+            header = _record(self.content, len(MAGIC), MOST_TIME)
+        if header.fields.get(b"encryptor"):
+            raise SourceError(f"{path}: cannot be read: is encrypted")
+        try:
+            self._read_index(header)
+        except DamageError as error:
+            self.notes[f"{path.name}: looked through for want of an index: {error}"] += 1
+            self.chunks.clear()
+            self._defined.clear()
+            self._counts.clear()
+            self._told.clear()
+            self._look_through(header)
+        self.connections = self._connections()
+
+    def index(self, offset: int, connection: int) -> NDArray[Any]:
+        """The index record of this connection, among those that begin at this place."""
+        for record in self._indices(offset):
+            if record.number(b"conn") == connection:
+                entries = self._entries(record)
+                if len(entries) != self._told.get(offset, {}).get(connection, len(entries)):
+                    raise DamageError("not as many as its chunk's info counts")
+                return entries
+        raise DamageError("damage")
+
+    def indexed_times(self, chunk: Chunk) -> dict[int, Ints]:
+        """When the messages of a chunk were received, as its index says."""
+        if chunk.indices is None:
+            raise DamageError("no index")
+        times = {}
+        for record in self._indices(chunk.end):
+            entries = self._entries(record)
+            times[record.number(b"conn")] = entries["sec"].astype(np.int64) * SECOND + entries["nsec"]
+        if times.keys() != chunk.indices.keys():
+            raise DamageError("not of the connections that its chunk's info counts")
+        return times
+
+    def _entries(self, record: _Record) -> NDArray[Any]:
+        """What an index record holds."""
+        if record.number(b"ver") != 1 or record.number(b"count") * 12 != record.end - record.start:
+            raise DamageError("damage")
+        return np.frombuffer(self.view(record.start, record.end), _INDEX)
+
+    def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
+        """The messages at these offsets of a chunk, whose headers have their fields in one order."""
+        starts = index["offset"].astype(np.int64)
+        if not len(starts):
+            return Messages(connection, content, starts, starts, starts)
+        if not distinct(index["offset"], len(content) // SHORTEST_MESSAGE):
+            raise DamageError("an offset that is there twice")
+        times = index["sec"].astype(np.int64) * SECOND + index["nsec"]
+        first = _record(content, int(starts[0]), len(content))
+        size = first.start - 4 - int(starts[0])  # of the length of the header and the header
+        if int(starts.max()) + size + 4 > len(content):
+            raise DamageError("an offset beyond the end")
+        begun = content[int(starts[0]) : int(starts[0]) + size].tobytes()
+        where = {name: begun.find(name + b"=") + len(name) + 1 for name in (b"op", b"conn", b"time")}
+        if any(begun[at - len(name) - 1 : at] != name + b"=" for name, at in where.items()) or (
+            max(where[b"conn"] + 4, where[b"time"] + 8, where[b"op"] + 1) > size
+        ):
+            raise DamageError("an offset that is no message's")
+        words = everywhere(content, "<u4")
+        fits = (words[starts] == size - 4) & (content[starts + where[b"op"]] == MESSAGE)
+        fits &= words[starts + where[b"conn"]] == connection
+        fits &= words[starts + where[b"time"]] == index["sec"]
+        fits &= words[starts + where[b"time"] + 4] == index["nsec"]
+        begin = starts + (size + 4)
+        ends = begin + words[starts + size]
+        if not (fits & (ends <= len(content))).all():
+            raise DamageError("an offset that is no message's")
+        return Messages(connection, content, times, begin, ends)
+
+    def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
+        """The messages found from record to record."""
+        found, behind = self._scan(content)
+        if behind < len(content):
+            self.lost(f"{len(content) - behind} bytes of the chunk", chunk.offset)
+        return [
+            Messages(id_, content, some["time"].copy(), some["start"].copy(), some["end"].copy())
+            for id_ in np.unique(found["connection"]).tolist()
+            if id_ in wanted
+            for some in [found[found["connection"] == id_]]
+        ]
+
+    def _scan(self, content: Bytes) -> tuple[NDArray[Any], int]:
+        """All messages of a chunk, and where whole records end; connections are kept."""
+        found = [array("q") for _ in range(4)]
+        position = 0
+        while position < len(content):
+            try:
+                record = _record(content, position, len(content))
+                if record.operation == MESSAGE:
+                    connection, time = record.number(b"conn"), record.time(b"time")
+                    for column, number in zip(found, (connection, time, record.start, record.end), strict=True):
+                        column.append(number)
+                elif record.operation == CONNECTION:
+                    self._define(record, content)
+            except DamageError:
+                break
+            position = record.end
+        table = np.empty(len(found[0]), _FOUND)
+        for name, column in zip(_FOUND.names or (), found, strict=True):
+            table[name] = column
+        return table, position
+
+    def _record(self, position: int) -> _Record:
+        return _record(self.content, position, self.size)
+
+    def _indices(self, position: int) -> Iterator[_Record]:
+        """The index records that follow a chunk."""
+        while position < self.size:
+            record = self._record(position)
+            if record.operation != INDEX:
+                return
+            yield record
+            position = record.end
+
+    def _define(self, record: _Record, content: Bytes) -> None:
+        """Keep a connection; what was said first holds."""
+        from rosbags.rosbag1.reader import normalize
+
+        id_ = record.number(b"conn")
+        if record.end - record.start > LONGEST_TEXT:
+            raise DamageError("a damaged connection")
+        if id_ not in self._defined:
+            data = _fields(content[record.start : record.end].tobytes())
+            try:
+                topic = normalize(record.fields[b"topic"].decode())
+                self._defined[id_] = (topic, data[b"type"].decode(), data[b"message_definition"].decode())
+            except (KeyError, IndexError, UnicodeDecodeError) as error:
+                raise DamageError("a damaged connection") from error
+
+    def chunk_at(self, offset: int) -> Chunk:
+        """The chunk record at this place, of any time; raises DamageError."""
+        record = self._record(offset)
+        if record.operation != CHUNK:
+            raise DamageError(f"no chunk at byte {offset}")
+        compression = record.fields.get(b"compression", b"").decode("ascii", "replace")
+        return Chunk(0, MOST_TIME, offset, record.start, record.end, compression, record.number(b"size"), 0, {})
+
+    def _read_index(self, header: _Record) -> None:
+        position = header.number(b"index_pos")
+        if not position:
+            raise DamageError("its recorder was not closed")
+        for _ in range(header.number(b"conn_count")):
+            record = self._record(position)
+            if record.operation != CONNECTION:
+                raise DamageError(f"no connection at byte {position}")
+            self._define(record, self.content)
+            position = record.end
+        offsets: set[int] = set()
+        for _ in range(header.number(b"chunk_count")):
+            record = self._record(position)
+            count = record.number(b"count")
+            if record.operation != CHUNK_INFO or record.number(b"ver") != 1 or count * 8 != record.end - record.start:
+                raise DamageError(f"no chunk info at byte {position}")
+            counts = dict(struct.iter_unpack("<II", self.view(record.start, record.end)))
+            if len(counts) != count or counts.keys() - self._defined.keys():
+                raise DamageError(f"no chunk info at byte {position}")
+            self._counts.update(counts)
+            first, last = (record.time(b"start_time"), record.time(b"end_time")) if count else (0, 0)
+            chunk = self.chunk_at(record.number(b"chunk_pos"))
+            if chunk.offset in offsets:
+                raise DamageError(f"another chunk's info at byte {position}")
+            offsets.add(chunk.offset)
+            self._told[chunk.end] = counts
+            indices = dict.fromkeys(counts, chunk.end) if self._agrees(chunk, counts) else None
+            self.chunks.append(replace(chunk, first=first, last=last, indices=indices))
+            position = record.end
+        if position != self.size:
+            raise DamageError(f"{self.size - position} bytes behind it")
+
+    def _agrees(self, chunk: Chunk, counts: Mapping[int, int]) -> bool:
+        """Whether a chunk's own index is of a connection that its info counts: else one of the two lies."""
+        try:
+            first = next(self._indices(chunk.end), None)
+            return first is None or first.number(b"conn") in counts
+        except DamageError:
+            return False
+
+    def _look_through(self, header: _Record) -> None:
+        """Find chunks from record to record; connections and times in them, where no index says them."""
+        position = len(MAGIC)
+        repeated = []
+        places = iter(sorted(self._places(header)))
+        while position < self.size:
+            try:
+                record = self._record(position)
+            except DamageError:
+                try:
+                    position = self.next_chunk(position, places)
+                except DamageError:
+                    self._cut(position)
+                    break
+                continue
+            if record.operation == CHUNK:
+                try:
+                    self.chunks.append(self._timed(self.chunk_at(position)))
+                except DamageError:
+                    self.lost("a damaged chunk", position)
+            elif record.operation == CONNECTION:
+                repeated.append(record)
+            position = record.end
+        if self.chunks:  # of its index maybe not all is there
+            self.chunks[-1] = replace(self.chunks[-1], indices=None)
+        for record in repeated:  # what the index says, where there was no better word
+            with suppress(DamageError):
+                self._define(record, self.content)
+
+    def _places(self, header: _Record) -> list[int]:
+        """Where chunks lie, as far as the index says it; the first lies behind the space that a header has."""
+        places = [len(MAGIC) + _HEADER_SPACE]
+        with suppress(DamageError):
+            position = header.number(b"index_pos")
+            while 0 < position < self.size:
+                record = self._record(position)
+                if record.operation == CHUNK_INFO:
+                    places.append(record.number(b"chunk_pos"))
+                position = record.end
+        return places
+
+    def _timed(self, chunk: Chunk) -> Chunk:
+        """The chunk with the times and connections that its index or, without one, its messages have."""
+        times: list[int] = []
+        connections = set()
+        try:
+            for record in self._indices(chunk.end):
+                index = self._entries(record)
+                seconds = index["sec"].astype(np.int64) * SECOND + index["nsec"]
+                times += [int(seconds.min()), int(seconds.max())] if len(index) else []
+                connections.add(record.number(b"conn"))
+        except DamageError:
+            connections.clear()
+        if not connections or connections - self._defined.keys():
+            try:
+                found, _ = self._scan(self.unpacked(chunk))
+            except DamageError:
+                return replace(chunk, indices=None)  # said when its messages are read
+            times += [int(found["time"].min()), int(found["time"].max())] if len(found) else []
+        indices = dict.fromkeys(connections, chunk.end) if connections else None
+        return replace(chunk, first=min(times, default=0), last=max(times, default=MOST_TIME), indices=indices)
+
+    def _cut(self, position: int) -> None:
+        """The record at the end is not whole: of a chunk that is not compressed its whole messages are still there."""
+        self.lost(f"{self.size - position} bytes of a file that is cut or damaged", position)
+        try:
+            record = _record(self.content, position, MOST_TIME)
+        except DamageError:
+            return
+        if record.operation == CHUNK and record.fields.get(b"compression") == b"none" and record.start < self.size:
+            rest = Chunk(0, MOST_TIME, position, record.start, self.size, "", self.size - record.start, 0, None)
+            self.chunks.append(replace(self._timed(rest), indices=None))
+
+    def _connections(self) -> list[Connection]:
+        from rosbags.interfaces import Connection, ConnectionExtRosbag1, MessageDefinition
+        from rosbags.interfaces import MessageDefinitionFormat as Format
+        from rosbags.typesys.msg import normalize_msgtype
+
+        connections = []
+        for id_, (topic, name, definition) in sorted(self._defined.items()):
+            try:
+                name = normalize_msgtype(name)
+            except Exception:  # said when the topic is asked for
+                definition = ""
+            extension = ConnectionExtRosbag1(None, None)
+            text = MessageDefinition(Format.MSG, definition)
+            connections.append(Connection(id_, topic, name, text, "", self._counts[id_], extension, self))
+        return connections
+
+
+def _record(content: Bytes, position: int, size: int) -> _Record:
+    """The record at this place of a content of this size; raises DamageError."""
+    head = content[position : position + 4].tobytes()
+    behind = position + 4 + int.from_bytes(head, "little")
+    length = content[behind : behind + 4].tobytes()
+    if len(head) < 4 or len(length) < 4 or behind - position > LONGEST_HEADER:
+        raise DamageError(f"no record at byte {position}")
+    end = behind + 4 + int.from_bytes(length, "little")
+    if end > size:
+        raise DamageError(f"a record beyond the end at byte {position}")
+    fields = _fields(content[position + 4 : behind].tobytes())
+    operation = fields.get(b"op", b"")
+    if len(operation) != 1:
+        raise DamageError(f"a record without operation at byte {position}")
+    return _Record(operation[0], fields, behind + 4, end)
+
+
+def _fields(header: bytes) -> dict[bytes, bytes]:
+    fields = {}
+    position = 0
+    while position + 4 <= len(header):
+        end = position + 4 + int.from_bytes(header[position : position + 4], "little")
+        if end > len(header):
+            raise DamageError("a damaged header")
+        name, _, value = header[position + 4 : end].partition(b"=")
+        fields[name] = value
+        position = end
+    return fields

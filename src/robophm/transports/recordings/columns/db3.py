@@ -1,0 +1,229 @@
+"""ROS 2 recordings in SQLite: one row a message.
+
+The rows are found in the file itself, where they are as rosbag2 writes them; SQLite is asked for what is otherwise.
+The index beside the table is never asked where a message is: one bit of it can hide nearly all. It is only counted.
+"""
+
+from __future__ import annotations
+
+import mmap
+import sqlite3
+from collections import Counter
+from collections.abc import Collection, Iterator
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robophm.core.errors import SourceError
+from robophm.transports.recordings.columns.pieces import BATCH, MOST_TIME, DamageError, Messages, Piece, Told, tell
+from robophm.transports.recordings.columns.rows import Row, RowsFile
+from robophm.transports.recordings.columns.table import COLUMNS, Flags, Pages, Rows, find_rows
+from robophm.transports.recordings.columns.walk import Bytes
+from robophm.transports.recordings.files import check_whole
+
+if TYPE_CHECKING:
+    from rosbags.interfaces import Connection
+
+
+LARGEST_ROW = 1 << 27
+"""Bytes of a row, beyond which it is lost: it would take as much memory, and more."""
+
+LEAST_STEPS, STEPS_A_BYTE = 10_000_000, 10
+"""Instructions of SQLite's machine that reading a file may take; a message takes some dozens."""
+
+
+class Db3File(RowsFile):
+    """A .db3 file, which is never written to.
+
+    Raises SourceError where it is none.
+    """
+
+    def __init__(self, path: Path, notes: Counter[str]) -> None:
+        super().__init__(path, notes)
+        with path.open("rb") as file:
+            if not path.stat().st_size:
+                raise SourceError(f"{path}: is empty; expected a recording")
+            self._content: Bytes = np.frombuffer(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ), np.uint8)
+        try:
+            check_whole(path)
+        except SourceError as error:
+            notes[f"lost: {error}"] += 1
+        try:
+            self._database = sqlite3.connect(f"{path.resolve().as_uri()}?immutable=1", uri=True)
+            self._database.execute("PRAGMA writable_schema = ON")  # else a file that was cut is refused, not read
+            self._limit()
+            self.connections = self._connections()
+        except (sqlite3.Error, UnicodeDecodeError) as error:
+            self.close()
+            raise SourceError(f"{path}: cannot be read: {error}") from error
+        except MemoryError:  # what SQLite says of some damage, with next to no memory taken
+            self.close()
+            raise SourceError(f"{path}: cannot be read: database disk image is malformed") from None
+
+    def close(self) -> None:
+        """Close the database, and let go of the file as soon as no array needs it."""
+        del self._content
+        if hasattr(self, "_database"):
+            self._database.close()
+
+    def _limit(self) -> None:
+        """What is read may be no table but a view that never ends, and a page may be there a million times."""
+        size = self.path.stat().st_size
+        self._database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(LARGEST_ROW, max(size, 1 << 16)))
+        left = LEAST_STEPS + STEPS_A_BYTE * size
+
+        def spent() -> bool:
+            nonlocal left
+            left -= 10_000
+            return left < 0
+
+        self._database.set_progress_handler(spent, 10_000)
+
+    def begin(self) -> int:
+        """When the first message was received [ns]."""
+        if self._found:
+            return int(self._found[1].times.min(initial=MOST_TIME))
+        try:
+            (first,) = self._database.execute("SELECT min(+timestamp) FROM messages").fetchone()
+        except sqlite3.Error:
+            return MOST_TIME  # said when its rows are read
+        return first if isinstance(first, int) else MOST_TIME
+
+    def told(self) -> dict[int, Told]:
+        """How many messages each connection has, and when the first and the last of them were received."""
+        if not self._found:
+            return super().told()
+        rows = self._found[1]
+        told: dict[int, Told] = {}
+        for topic in np.unique(rows.topics).tolist():
+            tell(told, topic, rows.times[rows.topics == topic])
+        return told
+
+    def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
+        """The rows in order of time, a few megabytes of them at once."""
+        if not self._found:
+            yield from super().pieces(wanted, start, end)
+            return
+        pages, rows, lost = self._found
+        self.notes.update(lost)
+        some = (rows.times >= start) & (rows.times < end) & np.isin(rows.topics, list(wanted))
+        order = np.flatnonzero(some)
+        order = order[np.argsort(rows.times[order], kind="stable")]
+        batch = np.cumsum(rows.ends[order] - rows.starts[order]) // BATCH
+        used = np.zeros(pages.count + 1, np.bool_)
+        for part in np.split(order, np.flatnonzero(np.diff(batch)) + 1):
+            if len(part):
+                rows_ = Rows(*(column[part] for column in rows))
+                yield Piece(int(rows_.times[0]), partial(self._load, pages, rows_, used))
+
+    def _load(self, pages: Pages, rows: Rows, used: Flags) -> list[Messages]:
+        messages = []
+        for topic in np.unique(rows.topics).tolist():
+            some = Rows(*(column[rows.topics == topic] for column in rows))
+            spilled = some.spills > 0
+            if spilled.any():
+                messages.append(self._spilled(pages, topic, Rows(*(column[spilled] for column in some)), used))
+                some = Rows(*(column[~spilled] for column in some))
+            if len(some.times):
+                messages.append(Messages(topic, self._content, some.times, some.starts, some.ends))
+        return messages
+
+    def _spilled(self, pages: Pages, topic: int, rows: Rows, used: Flags) -> Messages:
+        """The messages of one topic that lie on several pages each, put together."""
+        larger = rows.ends - rows.starts > LARGEST_ROW
+        if larger.any():
+            self.notes[f"{self.path.name}: rows that are too large lost"] += int(larger.sum())
+            rows = Rows(*(column[~larger] for column in rows))
+        ends = np.cumsum(rows.ends - rows.starts)
+        starts = ends - (rows.ends - rows.starts)
+        buffer = np.empty(int(ends[-1]) if len(ends) else 0, np.uint8)
+        whole = np.ones(len(ends), np.bool_)
+        for row, (start, end) in enumerate(zip(starts.tolist(), ends.tolist(), strict=True)):
+            try:
+                pages.fill(buffer[start:end], int(rows.starts[row]), int(rows.spills[row]), used)
+            except DamageError as error:
+                self.notes[f"{self.path.name}: {error} lost"] += 1
+                whole[row] = False
+        return Messages(topic, buffer, rows.times[whole], starts[whole], ends[whole])
+
+    @cached_property
+    def _found(self) -> tuple[Pages, Rows, Counter[str]] | None:
+        """The rows of the table of messages, and what is lost of them; None where SQLite has to be asked."""
+        try:
+            root = self._root()
+            pages = Pages(self._content)
+        except DamageError:
+            return None
+        lost: Counter[str] = Counter()
+        indexed = None
+        try:
+            indexed = self._indexed()
+        except DamageError:
+            lost[f"{self.path.name}: its index is damaged and was not asked"] += 1
+        table = find_rows(pages, root, indexed)
+        lost.update({f"{self.path.name}: {what}": count for what, count in table.lost.items()})
+        found = len(table.rows.times)
+        if indexed is not None and indexed > found:
+            lost[f"{self.path.name}: messages that its index counts and its table lacks lost"] += indexed - found
+        elif indexed is not None and indexed < found:
+            named = f"it names {indexed:,} of {found:,} messages"
+            lost[f"{self.path.name}: its index is damaged and was not asked: {named}"] += 1
+        return pages, table.rows, lost
+
+    def _indexed(self) -> int | None:
+        """How many messages the index of the table has, None where there is none; raises DamageError."""
+        try:
+            query = "SELECT name FROM sqlite_master WHERE type = 'index' AND tbl_name = 'messages' AND sql NOT NULL"
+            for (name,) in self._database.execute(query).fetchall():
+                quoted = str(name).replace('"', '""')
+                (count,) = self._database.execute(f'SELECT count(*) FROM messages INDEXED BY "{quoted}"').fetchone()
+                return int(count)
+        except (sqlite3.Error, UnicodeDecodeError, MemoryError) as error:
+            raise DamageError(str(error)) from error
+        return None
+
+    def _root(self) -> int:
+        """The page where the table of messages begins; raises DamageError where it is not as rosbag2 makes it."""
+        try:
+            columns = [name for _, name, *_ in self._database.execute("PRAGMA table_info(messages)")]
+            query = "SELECT rootpage FROM sqlite_master WHERE type = 'table' AND name = 'messages'"
+            found = self._database.execute(query).fetchall()
+        except (sqlite3.Error, ValueError) as error:
+            raise DamageError(str(error)) from error
+        if tuple(columns) != COLUMNS or len(found) != 1 or not isinstance(found[0][0], int):
+            raise DamageError("a table of other columns")
+        return int(found[0][0])
+
+    def rows(self, wanted: Collection[int], start: int, end: int) -> Iterator[Row]:
+        """The rows in order of time; where the database is damaged they end, and the notes say so."""
+        ids = ", ".join(str(int(id_)) for id_ in wanted)
+        query = (  # a + keeps SQLite from asking an index
+            f"SELECT timestamp, data, topic_id FROM messages WHERE +topic_id IN ({ids}) "
+            "AND +timestamp >= ? AND +timestamp < ? ORDER BY +timestamp"
+        )
+        try:
+            yield from self._database.execute(query, (start, end))
+        except (sqlite3.Error, MemoryError) as error:  # the latter as when it is opened
+            why = str(error) or "database disk image is malformed"
+            self.notes[f"{self.path.name}: the rest is lost: {why}"] += 1
+
+    def _connections(self) -> list[Connection]:
+        from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition
+        from rosbags.interfaces import MessageDefinitionFormat as Format
+
+        formats = {"ros2msg": Format.MSG, "ros2idl": Format.IDL}
+        definitions: dict[str, MessageDefinition] = {}
+        if self._database.execute("SELECT 1 FROM sqlite_master WHERE name = 'message_definitions'").fetchone():
+            query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions ORDER BY id"
+            for type_, encoding, text in self._database.execute(query):
+                if isinstance(text, str) and encoding in formats:
+                    definitions.setdefault(type_, MessageDefinition(formats[encoding], text))
+        missing = MessageDefinition(Format.NONE, "")
+        topics = self._database.execute("SELECT id, name, type, serialization_format FROM topics ORDER BY id")
+        return [
+            Connection(id_, topic, type_, definitions.get(type_, missing), "", 0, ConnectionExtRosbag2(kind, []), self)
+            for id_, topic, type_, kind in topics
+            if isinstance(id_, int) and isinstance(topic, str) and isinstance(type_, str)
+        ]

@@ -1,0 +1,180 @@
+"""rosbag2 folders: which files are in one, and those that are compressed as a whole or message by message.
+
+What metadata.yaml says is not believed: the files that are there are read, and where the two differ it is said.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING, Any
+
+from robophm.core.errors import DesignError, SourceError
+from robophm.design.file import read, values
+from robophm.transports.recordings.columns.pieces import (
+    LARGEST_CHUNK,
+    MOST_TIME,
+    DamageError,
+    PiecedFile,
+    Told,
+    unpack_zstd,
+)
+from robophm.transports.recordings.columns.rows import Row, RowsFile, one_by_one
+from robophm.transports.recordings.files import METADATA, PACKED, holds_messages
+
+if TYPE_CHECKING:
+    from rosbags.interfaces import Connection
+
+_ZSTD = b"\x28\xb5\x2f\xfd"
+"""The first bytes of what is compressed; a message in CDR begins with a zero."""
+
+_STEP = 1 << 20
+"""Bytes of a file that are unpacked at once."""
+
+_LEFT = 2
+"""Of the free room for temporary files, one part in so many is left."""
+
+
+def files_in(folder: Path, notes: Counter[str]) -> tuple[list[Path], bool]:
+    """The files of a rosbag2 folder in the order that its metadata names them, and whether it may be that their
+    messages are compressed one by one.
+
+    Files that are named and missing are noted, and so are those that are there unnamed: they are read in the place of
+    missing ones, as when all were renamed. Raises SourceError where there is none.
+    """
+    there = sorted(file for file in folder.iterdir() if holds_messages(file))
+    information, wrong = _information(folder / METADATA)
+    named = [folder / PurePath(name).name for name in information.get("relative_file_paths") or () if name]
+    missing = [file for file in named if file not in there]
+    others = [file for file in there if file not in named]
+    if wrong:
+        notes[f"{folder / METADATA}: {wrong}; the files beside it are read without it"] += 1
+    if not there:
+        what = f"Some database files are missing: {', '.join(map(str, missing))}" if missing else wrong
+        raise SourceError(f"{folder}: cannot be read: {what or 'holds no recording'}")
+    for file in missing[len(others) :]:
+        notes[f"lost: {file} is not there"] += 1
+    if named and others:
+        what = f"{_names(others)} are not named and not read"
+        if missing:
+            what = f"{_names(missing)} are not there, and {_names(others)} are read in their place"
+        notes[f"{folder / METADATA}: {what}"] += 1
+    chosen = [file for file in named if file not in missing] + (others if missing or not named else [])
+    plain = {file.name for file in chosen}
+    mode = information.get("compression_mode")
+    return (
+        [file for file in chosen if file.suffix != PACKED or file.stem not in plain],
+        wrong != "" or str(mode or "none").lower() not in ("none", "file"),
+    )
+
+
+def _names(files: Sequence[Path]) -> str:
+    return ", ".join(file.name for file in files)
+
+
+def _information(metadata: Path) -> tuple[dict[str, Any], str]:
+    """What a folder's metadata says, and what is wrong with it."""
+    try:
+        found, _ = values(read(metadata), str(metadata))
+    except DesignError as error:
+        return {}, "cannot be read: " + str(error).removeprefix(f"{metadata}").lstrip(": ")
+    found = found.get("rosbag2_bagfile_information") if isinstance(found, dict) else None
+    if not isinstance(found, dict):
+        return {}, "A metadata key is missing: 'rosbag2_bagfile_information'"
+    names = found.get("relative_file_paths")
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        return {}, "A metadata key is missing: 'relative_file_paths'"
+    return found, ""
+
+
+class Unpacked:
+    """A file that was compressed as a whole, unpacked into a temporary folder until it is closed.
+
+    Raises SourceError where it is damaged before anything of it is unpacked, or would fill the disk: how large it is,
+    nothing in it is asked.
+    """
+
+    def __init__(self, path: Path, notes: Counter[str]) -> None:
+        self._folder = tempfile.TemporaryDirectory(prefix="robophm.")
+        self.path = Path(self._folder.name) / path.stem
+        try:
+            self._unpack(path, notes)
+        except BaseException:
+            self._folder.cleanup()
+            raise
+
+    def _unpack(self, path: Path, notes: Counter[str]) -> None:
+        import zstandard
+
+        room = shutil.disk_usage(self._folder.name).free // _LEFT
+        with path.open("rb") as packed, self.path.open("wb") as file:
+            stream = zstandard.ZstdDecompressor().stream_reader(packed, read_across_frames=True)
+            try:
+                while part := stream.read(_STEP):
+                    room -= len(part)
+                    if room < 0:
+                        raise SourceError(f"{path}: does not fit on the disk when it is unpacked")
+                    file.write(part)
+            except zstandard.ZstdError as error:
+                if not file.tell():
+                    raise SourceError(f"{path}: cannot be read: {error}") from error
+                notes[f"{path.name}: the rest is lost: {error}"] += 1
+
+    def close(self) -> None:
+        """Remove it."""
+        self._folder.cleanup()
+
+
+class PackedMessages(RowsFile):
+    """A file whose messages are compressed one by one; those that are not are taken as they are."""
+
+    def __init__(self, inside: PiecedFile) -> None:
+        self.path, self.fingerprint = inside.path, inside.fingerprint
+        self._inside = inside
+        self._notes = inside.notes
+        self.connections: list[Connection] = inside.connections
+
+    @property
+    def notes(self) -> Counter[str]:
+        """Those of the file."""
+        return self._inside.notes
+
+    @notes.setter
+    def notes(self, notes: Counter[str]) -> None:
+        self._inside.notes = notes
+
+    def close(self) -> None:
+        """Close the file."""
+        self._inside.close()
+
+    def begin(self) -> int:
+        """When the first message was received [ns]."""
+        return self._inside.begin()
+
+    def told(self) -> dict[int, Told]:
+        """What there is of each connection."""
+        return self._inside.told()
+
+    def rows(self, wanted: Collection[int], start: int, end: int) -> Iterator[Row]:
+        """The rows in order of time; a message that does not unpack is lost."""
+        for time, raw, connection in one_by_one(self._inside, wanted, start, end):
+            if raw[:4] != _ZSTD:
+                yield time, raw, connection
+                continue
+            try:
+                yield time, unpack_zstd(raw, LARGEST_CHUNK), connection
+            except DamageError as error:
+                self.notes[f"{self.path.name}: {error}: a message lost"] += 1
+
+
+def packs_messages(file: PiecedFile) -> bool:
+    """Whether the first message of a file is compressed."""
+    everything = [connection.id for connection in file.connections]
+    notes, file.notes = file.notes, Counter()
+    try:
+        return next(one_by_one(file, everything, -MOST_TIME, MOST_TIME), (0, b"", 0))[1][:4] == _ZSTD
+    finally:
+        file.notes = notes

@@ -1,0 +1,393 @@
+"""MCAP: chunks of records with an index behind each and one of all at the end; records lie one after the other.
+
+Format: mcap.dev/spec. A record is an opcode, a length of eight bytes and its content, little-endian.
+"""
+
+from __future__ import annotations
+
+import heapq
+import struct
+from array import array
+from bisect import bisect_left, bisect_right
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
+from operator import attrgetter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robophm.core.errors import SourceError
+from robophm.transports.recordings.columns.checksum import crc32
+from robophm.transports.recordings.columns.pieces import (
+    BATCH,
+    LONGEST_TEXT,
+    MOST_TIME,
+    Chunk,
+    ChunkedFile,
+    DamageError,
+    Messages,
+    Piece,
+    Told,
+    distinct,
+    tell,
+)
+from robophm.transports.recordings.columns.walk import Bytes, Ints, everywhere
+
+if TYPE_CHECKING:
+    from rosbags.interfaces import Connection
+
+MAGIC = b"\x89MCAP0\r\n"
+FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, DATA_END = 2, 3, 4, 5, 6, 7, 8, 11, 15
+
+_SUMMARY = (CHUNK_INDEX, 10, STATISTICS, 13, 14)
+"""What there is in a summary besides schemas and channels."""
+
+_HEAD = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("time", "<u8"),
+        ("published", "<u8"),
+    ]
+)
+"""What comes before the bytes of a message."""
+
+_INDEX = np.dtype([("time", "<u8"), ("offset", "<u8")])
+_FOUND = np.dtype([("channel", "<u2"), ("time", "<u8"), ("start", "<i8"), ("end", "<i8")])
+_FOOTER_SIZE = 9 + 20 + len(MAGIC)
+
+
+class McapFile(ChunkedFile):
+    """An MCAP file of any profile, whole or cut.
+
+    Raises SourceError where it is none.
+    """
+
+    def __init__(self, path: Path, notes: Counter[str]) -> None:
+        super().__init__(path, notes)
+        if self.content[: len(MAGIC)].tobytes() != MAGIC:
+            raise SourceError(f"{path}: cannot be read: is no MCAP file, or not of version 0")
+        self._checked = False
+        """Whether the summary has its checksum: nothing else says as surely what schemas and channels there are."""
+        self._clear()
+        try:
+            self._read_summary()
+        except (DamageError, struct.error, UnicodeDecodeError) as error:
+            self.notes[f"{path.name}: looked through for want of an index: {error}"] += 1
+            schemas, channels = self._schemas, self._channels
+            self._clear()
+            if self._checked:
+                self._schemas |= schemas
+                self._channels |= channels
+            self._look_through()
+        self.connections = self._connections()
+
+    def _clear(self) -> None:
+        self.chunks: list[Chunk] = []
+        self._schemas: dict[int, tuple[str, str, bytes]] = {}
+        self._channels: dict[int, tuple[int, str, str]] = {}
+        self._counts: dict[int, int] = {}
+        self._repeated: list[tuple[int, int, int]] = []
+        """Schemas and channels behind the data: opcode, begin and end."""
+        self._loose = np.empty(0, _FOUND)
+        """Messages outside chunks."""
+
+    def begin(self) -> int:
+        """When the first message was received [ns]."""
+        return min(super().begin(), int(self._loose["time"].min(initial=MOST_TIME)))
+
+    def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
+        """Chunks, and what was found outside them, in order of time."""
+        return heapq.merge(super().pieces(wanted, start, end), self._outside(wanted), key=attrgetter("first"))
+
+    def _outside(self, wanted: Collection[int]) -> Iterator[Piece]:
+        loose = self._loose[np.isin(self._loose["channel"], list(wanted))]
+        loose = loose[np.argsort(loose["time"], kind="stable")]
+        sizes = np.cumsum(loose["end"] - loose["start"]) // BATCH
+        for part in np.split(loose, np.flatnonzero(np.diff(sizes)) + 1):
+            if len(part):
+                yield Piece(int(part["time"][0]), partial(_by_channel, part, self.content, wanted))
+
+    def index(self, offset: int, connection: int) -> NDArray[Any]:
+        """The message index record at this place."""
+        opcode, length, channel, size = struct.unpack("<BQHI", self.between(offset, offset + 15))
+        if opcode != MESSAGE_INDEX or channel != connection or size + 6 != length or size % 16:
+            raise DamageError("damage")
+        return np.frombuffer(self.view(offset + 15, offset + 15 + size), _INDEX)
+
+    def indexed_times(self, chunk: Chunk) -> dict[int, Ints]:
+        """When the messages of a chunk were received, as its index says."""
+        if chunk.indices is None:
+            raise DamageError("no index")
+        return {id_: self.index(at, id_)["time"].astype(np.int64) for id_, at in chunk.indices.items()}
+
+    def told(self) -> dict[int, Told]:
+        """What there is of each connection, in chunks and outside them."""
+        told = super().told()
+        for id_ in np.unique(self._loose["channel"]).tolist():
+            tell(told, id_, self._loose["time"][self._loose["channel"] == id_].astype(np.int64))
+        return told
+
+    def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
+        """The messages at these offsets of a chunk."""
+        offsets = index["offset"]
+        if not distinct(offsets, len(content) // _HEAD.itemsize):
+            raise DamageError("an offset that is there twice")
+        if len(index) and int(offsets.max()) + _HEAD.itemsize > len(content):
+            raise DamageError("an offset beyond the end")
+        starts = offsets.astype(np.int64)
+        heads = everywhere(content, f"V{_HEAD.itemsize}")[starts].view(_HEAD)
+        length = heads["length"]
+        room = (len(content) - 9 - starts).astype(np.uint64)
+        fits = (heads["opcode"] == MESSAGE) & (heads["channel"] == connection) & (heads["time"] == index["time"])
+        if not (fits & (length >= 22) & (length <= room) & (heads["time"] <= MOST_TIME)).all():
+            raise DamageError("an offset that is no message's")
+        ends = starts + 9 + length.astype(np.int64)
+        return Messages(connection, content, index["time"].astype(np.int64), starts + _HEAD.itemsize, ends)
+
+    def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
+        """The messages found from record to record."""
+        found, behind = self._scan(content, 0)
+        if behind < len(content):
+            self.lost(f"{len(content) - behind} bytes of the chunk", chunk.offset)
+        return _by_channel(found, content, wanted)
+
+    def _scan(self, content: Bytes, position: int, places: Sequence[int] = ()) -> tuple[NDArray[Any], int]:
+        """All messages, and where whole records end; schemas and channels are kept, of the file itself chunks too.
+
+        A record that would reach beyond one of the ``places`` where chunks lie has a length that lies.
+        """
+        whole_file = content is self.content
+        repeated = False
+        view, size = content.data, len(content)
+        found = [array("q") for _ in range(4)]
+        while position + 9 <= size:
+            opcode, length = struct.unpack_from("<BQ", view, position)
+            end = position + 9 + length
+            if end > size or opcode == 0 or (opcode == MESSAGE and length < 22):
+                break
+            within = places[bisect_right(places, position) : bisect_left(places, end)]
+            beyond = next(filter(self._lies_at, within), end)
+            if beyond < end and opcode != CHUNK:  # which says itself how much it holds
+                break
+            if opcode == MESSAGE:
+                channel, _, time = struct.unpack_from("<HIQ", view, position + 9)
+                for column, number in zip(found, (channel, min(time, MOST_TIME), position + 31, end), strict=True):
+                    column.append(number)
+            elif opcode in (SCHEMA, CHANNEL):
+                if repeated:
+                    self._repeated.append((opcode, position + 9, end))
+                else:
+                    self._define(opcode, view[position + 9 : end])
+            elif whole_file and opcode == DATA_END:
+                repeated = True
+            elif whole_file and opcode == CHUNK:
+                try:
+                    self.chunks.append(self.chunk_at(position))
+                except DamageError:
+                    self.lost("a damaged chunk", position)
+            elif whole_file and opcode == MESSAGE_INDEX and self.chunks and length >= 2:
+                (channel,) = struct.unpack_from("<H", view, position + 9)
+                self.chunks[-1].indices[channel] = position  # type: ignore[index]
+            elif whole_file and opcode == FOOTER and end == size - len(MAGIC):  # elsewhere it is a damaged record
+                return _table(found), size
+            position = beyond
+        return _table(found), position
+
+    def _lies_at(self, place: int) -> bool:
+        """Whether a chunk lies there."""
+        with suppress(DamageError):
+            self.chunk_at(place)
+            return True
+        return False
+
+    def _define(self, opcode: int, content: memoryview) -> None:
+        """Keep a schema or a channel; what was said first holds."""
+        try:
+            (id_,) = struct.unpack_from("<H", content)
+            if opcode == SCHEMA:
+                name, at = _text(content, 2)
+                encoding, at = _text(content, at)
+                data, _ = _sized(content, at)
+                self._schemas.setdefault(id_, (name, encoding, data))
+            else:
+                (schema,) = struct.unpack_from("<H", content, 2)
+                topic, at = _text(content, 4)
+                encoding, _ = _text(content, at)
+                self._channels.setdefault(id_, (schema, topic, encoding))
+        except (struct.error, UnicodeDecodeError, DamageError):
+            self.notes[f"{self.path.name}: a damaged schema or channel"] += 1
+
+    def chunk_at(self, offset: int) -> Chunk:
+        """The chunk record at this place; raises DamageError."""
+        opcode, length, first, last, size, checksum, name = struct.unpack("<BQQQQII", self.between(offset, offset + 41))
+        end = offset + 9 + length
+        compression = self.between(offset + 41, offset + 41 + min(name, 16)).decode("ascii", "replace")
+        start = offset + 49 + name
+        (stored,) = struct.unpack("<Q", self.between(start - 8, start))
+        if opcode != CHUNK or start + stored > end or end > self.size:
+            raise DamageError(f"no chunk at byte {offset}")
+        return Chunk(
+            min(first, MOST_TIME), min(last, MOST_TIME), offset, start, start + stored, compression, size, checksum, {}
+        )
+
+    def _read_summary(self) -> None:
+        start = self.size - _FOOTER_SIZE
+        opcode, length, summary, _, checksum = struct.unpack("<BQQQI", self.between(start, self.size - len(MAGIC)))
+        if self.content[-len(MAGIC) :].tobytes() != MAGIC or opcode != FOOTER or length != 20:
+            raise DamageError("no footer")
+        if not summary or summary > start:
+            raise DamageError("no summary")
+        if self.content[summary] not in (SCHEMA, CHANNEL, *_SUMMARY):  # before all up to the end is gone through
+            raise DamageError("no summary")
+        if checksum and crc32(self.view(summary, start + 25)) != checksum:
+            raise DamageError("summary does not have its checksum")
+        self._checked = bool(checksum)
+        position, counted = summary, 0
+        while position < start:
+            opcode, length = struct.unpack("<BQ", self.between(position, position + 9))
+            if not opcode:
+                raise DamageError(f"no record at byte {position}")
+            content = self.view(position + 9, position + 9 + length)
+            if opcode in (SCHEMA, CHANNEL):
+                self._define(opcode, content)
+            elif opcode == CHUNK_INDEX:
+                self.chunks.append(self._indexed_chunk(content))
+            elif opcode == STATISTICS:
+                counted, size = struct.unpack_from("<Q34xI", content)
+                self._counts = dict(struct.iter_unpack("<HQ", content[46 : 46 + size]))
+            position += 9 + length
+        if not self._defined().issuperset(self._channels):
+            raise DamageError("no schemas in the summary")
+        if not self._channels or not (self.chunks or (self._counts and not counted)):
+            raise DamageError("no channels or chunks in the summary")
+
+    def _indexed_chunk(self, content: memoryview) -> Chunk:
+        """The chunk that a chunk index record speaks of."""
+        offset, size = struct.unpack_from("<16xQ8xI", content)
+        if 36 + size > len(content):
+            raise DamageError("damaged chunk index")
+        chunk = self.chunk_at(offset)
+        chunk.indices.update(struct.iter_unpack("<HQ", content[36 : 36 + size]))  # type: ignore[union-attr]
+        return chunk if chunk.indices else _unindexed(chunk)
+
+    def _look_through(self) -> None:
+        """Find chunks and messages from record to record; what is defined in chunks only is looked for there."""
+        places = sorted(self._places())
+        found, behind = self._scan(self.content, len(MAGIC), places)
+        parts = [found]
+        following = iter(places)
+        while behind < self.size:
+            try:
+                place = self.next_chunk(behind, following)
+            except DamageError:
+                self._cut(behind)
+                break
+            found, behind = self._scan(self.content, place, places)
+            parts.append(found)
+        if self.chunks:  # of its index maybe not all is there
+            self.chunks[-1] = _unindexed(self.chunks[-1])
+        self._loose = np.concatenate(parts)
+        for number, chunk in enumerate(self.chunks):
+            if not chunk.indices:
+                self.chunks[number] = _unindexed(chunk)
+            if not chunk.indices or chunk.indices.keys() - self._defined():
+                with suppress(DamageError):  # said when its messages are read
+                    self._scan(self.unpacked(chunk), 0)
+        for opcode, start, end in self._repeated:  # what the summary says, where there was no better word
+            self._define(opcode, self.content.data[start:end])
+        sound = {topic for schema, topic, _ in self._channels.values() if schema in self._schemas}
+        for id_, (schema, topic, _) in [*self._channels.items()]:
+            if topic in sound and schema not in self._schemas:
+                self.notes[f"{self.path.name}: a damaged schema or channel"] += 1
+                del self._channels[id_]
+
+    def _places(self) -> list[int]:
+        """Where chunks lie, as far as the summary says it."""
+        places: list[int] = []
+        with suppress(DamageError, struct.error):
+            start = self.size - _FOOTER_SIZE
+            (position,) = struct.unpack("<Q", self.between(start + 9, start + 17))
+            while position < start:
+                opcode, length = struct.unpack("<BQ", self.between(position, position + 9))
+                if opcode not in (SCHEMA, CHANNEL, *_SUMMARY):
+                    break
+                if opcode == CHUNK_INDEX:
+                    places += struct.unpack_from("<16xQ", self.view(position + 9, position + 9 + length))
+                position += 9 + length
+        return places
+
+    def _cut(self, behind: int) -> None:
+        """The record at the end is not whole: of a chunk that is not compressed its whole messages are still there."""
+        self.lost(f"{self.size - behind} bytes of a file that is cut or damaged", behind)
+        try:
+            opcode, _, first, _, _, _, name = struct.unpack("<BQQQQII", self.between(behind, behind + 41))
+        except DamageError:
+            return
+        if opcode == CHUNK and name == 0 and behind + 49 < self.size:
+            start = behind + 49
+            self.chunks.append(
+                Chunk(min(first, MOST_TIME), MOST_TIME, behind, start, self.size, "", self.size - start, 0, None)
+            )
+
+    def _defined(self) -> set[int]:
+        """The channels whose schema is known, or that have none."""
+        return {id_ for id_, (schema, _, _) in self._channels.items() if not schema or schema in self._schemas}
+
+    def _connections(self) -> list[Connection]:
+        from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition
+        from rosbags.interfaces import MessageDefinitionFormat as Format
+        from rosbags.typesys.msg import normalize_msgtype
+
+        formats = {"ros1msg": Format.MSG, "ros2msg": Format.MSG, "ros2idl": Format.IDL, "omgidl": Format.IDL}
+        connections = []
+        for id_, (schema, topic, encoding) in sorted(self._channels.items()):
+            name, language, data = self._schemas.get(schema, ("", "", b""))
+            format_ = formats.get(language, Format.NONE)
+            definition = MessageDefinition(format_, data.decode(errors="replace") if format_.value else "")
+            try:
+                name = normalize_msgtype(name)
+            except Exception:  # said when the topic is asked for
+                definition = MessageDefinition(Format.MSG, "")
+            extension = ConnectionExtRosbag2(encoding, [])
+            connections.append(Connection(id_, topic, name, definition, "", self._counts.get(id_, 0), extension, self))
+        return connections
+
+
+def _unindexed(chunk: Chunk) -> Chunk:
+    return replace(chunk, indices=None)
+
+
+def _table(columns: list[array[int]]) -> NDArray[Any]:
+    table = np.empty(len(columns[0]), _FOUND)
+    for name, column in zip(_FOUND.names or (), columns, strict=True):
+        table[name] = column
+    return table
+
+
+def _by_channel(found: NDArray[Any], content: Bytes, wanted: Collection[int]) -> list[Messages]:
+    return [
+        Messages(id_, content, some["time"].astype(np.int64), some["start"].copy(), some["end"].copy())
+        for id_ in np.unique(found["channel"]).tolist()
+        if id_ in wanted
+        for some in [found[found["channel"] == id_]]
+    ]
+
+
+def _sized(content: memoryview, at: int) -> tuple[bytes, int]:
+    (size,) = struct.unpack_from("<I", content, at)
+    if at + 4 + size > len(content) or size > LONGEST_TEXT:
+        raise DamageError("a length beyond the end")
+    return bytes(content[at + 4 : at + 4 + size]), at + 4 + size
+
+
+def _text(content: memoryview, at: int) -> tuple[str, int]:
+    text, behind = _sized(content, at)
+    return text.decode(), behind

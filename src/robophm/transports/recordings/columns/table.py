@@ -1,0 +1,268 @@
+"""The rows of the table of messages in a SQLite file, found in its pages side by side.
+
+Format: sqlite.org/fileformat2.html, sections 1.5, 1.6 and 2.1. A table is a tree of pages; a leaf holds cells, and a
+cell holds a row: its size, its number, the types of its columns and their values, big-endian. Of a row that does not
+fit on its page the rest is on others, each of which says which is the next.
+
+No index is asked: what lies in the table is read, whatever an index beside it says.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robophm.transports.recordings.columns.pieces import BATCH, DamageError
+from robophm.transports.recordings.columns.walk import Bytes, Ints, everywhere
+
+COLUMNS = ("id", "topic_id", "timestamp", "data")
+"""Of the table whose rows can be found."""
+
+_SMALLEST = 2 + 2 + 5
+"""Bytes of a row: the place of its cell, size and number, and the types of four columns behind their length."""
+
+_INTERIOR, _LEAF = 5, 13
+_SIZES = np.array([0, 1, 2, 3, 4, 6, 8, 8, 0, 0, 0, 0])
+"""Bytes of a column by its type; of text and blobs the type itself says it."""
+
+_INTEGERS = {1: [("i1", 0)], 2: [(">i2", 0)], 3: [(">i2", 8), ("u1", 0)], 4: [(">i4", 0)]} | {
+    5: [(">i4", 16), (">u2", 0)],
+    6: [(">i8", 0)],
+}
+"""How an integer of a type is put together: what lies one behind the other, and by how many bits it counts."""
+
+Flags = NDArray[np.bool_]
+
+
+class Rows(NamedTuple):
+    """Messages in the order of their numbers, and where their data lies in the file."""
+
+    numbers: Ints
+    topics: Ints
+    times: Ints
+    starts: Ints
+    ends: Ints
+    """As if all of it lay on one page."""
+    spills: Ints
+    """Where the page is named that the rest of a row lies on; 0 where it is whole."""
+
+
+@dataclass
+class Table:
+    """What was found of a table."""
+
+    rows: Rows
+    lost: Counter[str]
+    """What was not, in words, and how often."""
+
+
+class Pages:
+    """A SQLite file as pages, numbered from 1. Raises DamageError where it is none."""
+
+    def __init__(self, content: Bytes) -> None:
+        head = content[:100].tobytes()
+        size = int.from_bytes(head[16:18], "big")
+        self.size = 65536 if size == 1 else size
+        if len(head) < 100 or self.size < 512:
+            raise DamageError("no pages")
+        self.content = content
+        self.usable = self.size - head[20]
+        self.count = len(content) // self.size
+        """Of whole ones: the last may be cut."""
+        self._free = int.from_bytes(head[32:36], "big"), int.from_bytes(head[36:40], "big")
+
+    def leaves(self, root: int) -> tuple[Ints, int]:
+        """The leaves of the tree that begins at a page, as far as they can be found, and how often one cannot be."""
+        seen = np.zeros(self.count + 1, np.bool_)
+        leaves, broken = [], 0
+        pages = np.array([root])
+        while len(pages):
+            there = np.unique(pages[(pages >= 2) & (pages <= self.count)])
+            new = there[~seen[there]]
+            seen[new] = True
+            kinds = self.content[(new - 1) * self.size]
+            leaves.append(new[kinds == _LEAF])
+            inner = new[kinds == _INTERIOR]
+            broken += len(pages) - len(inner) - int((kinds == _LEAF).sum())
+            children = [self._children(page) for page in inner.tolist()]
+            broken += sum(not whole for _, whole in children)
+            pages = np.concatenate([found for found, _ in children]) if children else pages[:0]
+        return np.concatenate(leaves), broken
+
+    def _children(self, page: int) -> tuple[Ints, bool]:
+        """The pages that an inner page names, and whether it is in order."""
+        content = self.content[(page - 1) * self.size :][: self.size]
+        cells = int.from_bytes(content[3:5].tobytes(), "big")
+        fitting = min(cells, (self.usable - 12) // 6)
+        places = content[12 : 12 + 2 * fitting].view(">u2").astype(np.int64)
+        sound = places[(places >= 12 + 2 * fitting) & (places <= self.usable - 5)]
+        words = everywhere(content, ">u4")
+        return np.append(words[sound], words[8]).astype(np.int64), len(sound) == cells
+
+    def strays(self, leaves: Ints) -> Ints:
+        """Pages that look like leaves, belong to none of these and are not free: a damaged tree lost them."""
+        looks = self.content[: self.count * self.size : self.size] == _LEAF
+        looks[:1] = False
+        looks[leaves - 1] = False
+        looks[[page - 1 for page in self._unused()]] = False
+        return np.flatnonzero(looks) + 1
+
+    def _unused(self) -> set[int]:
+        """The free pages, which keep what they once held."""
+        unused: set[int] = set()
+        trunk, most = self._free
+        while 2 <= trunk <= self.count and trunk not in unused and len(unused) <= most:
+            begin = (trunk - 1) * self.size
+            words = self.content[begin : begin + self.size // 4 * 4].view(">u4")
+            unused.add(trunk)
+            named = words[2 : 2 + min(int(words[1]), len(words) - 2)].tolist()
+            unused.update(page for page in named if 2 <= page <= self.count)
+            trunk = int(words[0])
+        return unused
+
+    def fill(self, data: Bytes, start: int, spill: int, used: Flags) -> None:
+        """Copy data that goes on on other pages; raises DamageError. A page is of one row only, and then ``used``."""
+        at = spill - start
+        data[:at] = self.content[start:spill]
+        word = spill
+        while at < len(data):
+            page = int.from_bytes(self.content[word : word + 4].tobytes(), "big")
+            if not 2 <= page <= self.count or used[page]:
+                raise DamageError("a row whose rest is not there")
+            used[page] = True
+            word = (page - 1) * self.size
+            some = min(self.usable - 4, len(data) - at)
+            data[at : at + some] = self.content[word + 4 : word + 4 + some]
+            at += some
+
+
+def find_rows(pages: Pages, root: int, expected: int | None) -> Table:
+    """The messages in the table whose tree begins at this page: what can be read, and what is lost.
+
+    ``expected``: how many there are by another count; of more than are found the rest is looked for beside the tree.
+    """
+    lost: Counter[str] = Counter()
+    leaves, broken = pages.leaves(root)
+    rows, unsound = _of_leaves(pages, leaves)
+    if broken or len(rows.numbers) < (expected or 0):
+        strays, _ = _of_leaves(pages, pages.strays(leaves))
+        if broken:
+            lost["pages that its table names and that are not there lost"] = broken
+        if len(strays.numbers):
+            lost["rows found on pages that a damaged table lost"] = len(strays.numbers)
+        rows = _joined([rows, strays])
+    if unsound:
+        lost["rows that are no messages lost"] = unsound
+    if (np.diff(rows.numbers) <= 0).any():
+        numbers, first = np.unique(rows.numbers, return_index=True)  # of those found twice the first: the tree's
+        if doubled := len(rows.numbers) - len(numbers):
+            lost["rows that are there twice, of which the second is lost"] = doubled
+        rows = Rows(*(column[first] for column in rows))
+    return Table(rows, lost)
+
+
+def _of_leaves(pages: Pages, leaves: Ints) -> tuple[Rows, int]:
+    """The rows on these pages, and how many are none."""
+    some = max(1, BATCH // pages.size)
+    parts = [
+        _rows(pages, (leaves[first : first + some] - 1) * pages.size) for first in range(0, len(leaves) or 1, some)
+    ]
+    return _joined([rows for rows, _ in parts]), sum(unsound for _, unsound in parts)
+
+
+def _joined(parts: list[Rows]) -> Rows:
+    return Rows(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def _rows(pages: Pages, begins: Ints) -> tuple[Rows, int]:
+    """The rows on the pages that begin at these places, and how many are none."""
+    content, usable = pages.content, pages.usable
+    counts = everywhere(content, ">u2")[begins + 3].astype(np.int64)
+    fitting = np.minimum(counts, (usable - 8) // _SMALLEST)
+    begin = np.repeat(begins, fitting)
+    number = np.arange(len(begin)) - np.repeat(np.cumsum(fitting) - fitting, fitting)
+    limit = begin + usable
+    sound = np.ones(len(begin), np.bool_)
+
+    def varint(at: Ints) -> tuple[Ints, Ints]:
+        return _varint(content, at, limit, sound)
+
+    payload, at = varint(begin + everywhere(content, ">u2")[begin + 8 + 2 * number])
+    row, record = varint(at)
+    header, at = varint(record)
+    types = []
+    for _ in COLUMNS:
+        type_, at = varint(at)
+        types.append(type_)
+    sizes = [np.where(type_ >= 12, (type_ - 12) >> 1, _SIZES[np.minimum(type_, 11)]) for type_ in types]
+    topic = record + header + sizes[0]
+    time = topic + sizes[1]
+    start = time + sizes[2]
+    end = start + sizes[3]
+    _, topic_type, time_type, data_type = types
+    whole = payload <= usable - 35  # of a larger row the rest is on other pages
+    least = (usable - 12) * 32 // 255 - 23
+    here = least + (payload - least) % (usable - 4)
+    spill = np.where(whole, 0, record + np.where(here <= usable - 35, here, least))
+    sound &= (at == record + header) & (end == record + payload) & (data_type >= 12) & (data_type % 2 == 0)
+    sound &= np.where(whole, end <= limit, (start <= spill) & (spill <= limit - 4) & (end - start <= len(content)))
+    sound &= _whole_numbers(topic_type) & _whole_numbers(time_type)
+    kept = np.flatnonzero(sound)
+    rows = Rows(
+        row[kept],
+        _integers(content, topic[kept], topic_type[kept]),
+        _integers(content, time[kept], time_type[kept]),
+        start[kept],
+        end[kept],
+        spill[kept],
+    )
+    return rows, int(counts.sum()) - len(kept)
+
+
+def _varint(content: Bytes, at: Ints, limit: Ints, sound: Flags) -> tuple[Ints, Ints]:
+    """Numbers of one to eight bytes, seven bits in each, and the places behind them.
+
+    Those that reach beyond their page, or have nine bytes, which no recording has, are not ``sound``.
+    """
+    sound &= at < limit
+    at = np.where(sound, at, limit - 1)
+    value = content[at].astype(np.int64)
+    behind = at + 1
+    more = np.flatnonzero(value & 0x80)
+    value &= 0x7F
+    while len(more):
+        following = behind[more]
+        beyond = (following >= limit[more]) | (following - at[more] >= 8)
+        if beyond.any():
+            sound[more[beyond]] = False
+            more, following = more[~beyond], following[~beyond]
+        byte = content[following]
+        value[more] = (value[more] << 7) | (byte & 0x7F)
+        behind[more] += 1
+        more = more[byte >= 0x80]
+    return value, behind
+
+
+def _whole_numbers(types: Ints) -> Flags:
+    whole: Flags = ((types >= 1) & (types <= 6)) | (types == 8) | (types == 9)
+    return whole
+
+
+def _integers(content: Bytes, at: Ints, types: Ints) -> Ints:
+    """The integers of these types."""
+    values = np.zeros(len(at), np.int64)
+    kinds: Any = types[:1] if (types == types[:1]).all() else np.unique(types)
+    for type_ in kinds.tolist():
+        rows: Any = types == type_ if len(kinds) > 1 else slice(None)
+        if type_ in (8, 9):
+            values[rows] = type_ - 8
+            continue
+        place = at[rows]
+        for part, shift in _INTEGERS[type_]:
+            values[rows] += everywhere(content, part)[place].astype(np.int64) << shift
+            place = place + np.dtype(part).itemsize
+    return values

@@ -1,0 +1,175 @@
+"""Transport ``journal``: the samples of a run, written as they came, so that the run can be replayed exactly.
+
+::
+
+    # robophm journal 1
+    # signal /ota/battery.voltage
+    1709553600000000000 25.9 /ota/battery.voltage
+    1709553601000000000 nan clock
+    # gap connection lost on /ota/battery
+    # gap not listening
+
+Every line is time [ns], value as Python's repr, signal. A line without its end was torn by a crash and does
+not count. The signals that the run listened to are named, since one that never spoke is part of the run too. A gap is
+where a live source did not hear something, or may not have: of a topic, or of all where a later run begins.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import CLOCK, Sample, split_signal
+from robophm.transports.recordings.files import existing
+from robophm.transports.recordings.text import TextSource
+
+_TITLE = "# robophm journal 1\n"
+_BUFFERED = 1 << 18
+"""Bytes of lines that may wait to go to the operating system: no more is asked of it than is said below."""
+
+_SIGNAL = "# signal "
+_GAP = "# gap "
+
+
+class Journal:
+    """Writes samples to the end of a journal; a context manager.
+
+    Lines go to the operating system with every clock sample and every ``flush_every`` samples, to the disk by
+    ``sync()`` and ``close()``. A line that an earlier crash tore is cut off first.
+
+    Raises SourceError where the file is there and is no journal, or a signal is no signal.
+    """
+
+    def __init__(self, path: str | Path, signals: Collection[str] = (), flush_every: int = 2000) -> None:
+        self.path = Path(path)
+        self._flush_every = flush_every
+        self._unflushed = 0
+        self._known = {CLOCK}
+        if self.path.exists() and self.path.stat().st_size:
+            before = JournalRecording(self.path)
+            self._known |= before.signals
+            _cut_torn_line(self.path)
+            spoken = any(not line.startswith(b"#") for _, line in before._lines())
+            title = f"{_GAP}not listening\n" if spoken else ""
+        else:
+            title = _TITLE
+        self._file = self.path.open("a", _BUFFERED, encoding="utf-8", newline="\n")
+        self._file.write(title)
+        try:
+            for signal in sorted(signals):
+                self._know(signal)
+            self.sync()
+        except BaseException:
+            self._file.close()
+            raise
+
+    def _know(self, signal: str) -> None:
+        if signal in self._known:
+            return
+        split_signal(signal)
+        if not signal.isprintable():
+            raise SourceError(f"{self.path}: signal {signal!r} cannot be written on one line")
+        self._known.add(signal)
+        self._file.write(f"{_SIGNAL}{signal}\n")
+
+    def write(self, sample: Sample) -> None:
+        """Append one sample."""
+        time, signal, value = sample
+        if signal not in self._known:
+            self._know(signal)
+        self._file.write(f"{time} {float(value)!r} {signal}\n")
+        self._unflushed += 1
+        if signal == CLOCK or self._unflushed >= self._flush_every:
+            self._file.flush()
+            self._unflushed = 0
+
+    def gap(self, topic: str, why: str) -> None:
+        """Say that something of a topic was not heard here, or may not have been."""
+        self._file.write(f"{_GAP}{why} on {topic}\n")
+
+    @property
+    def position(self) -> int:
+        """Bytes of the file, once it is synced."""
+        return self._file.tell()
+
+    def since(self, position: int) -> Iterator[Sample]:
+        """The samples that were in the file behind a position when it was opened, with those written since."""
+        self.sync()
+        recording = JournalRecording(self.path)
+        read = 0
+        for number, line in recording._lines():
+            read += len(line)
+            if read > position and not line.startswith(b"#"):
+                yield recording._sample(number, line)
+
+    def sync(self) -> None:
+        """Return when all that was written is on the disk."""
+        self._file.flush()
+        os.fsync(self._file.fileno())
+        self._unflushed = 0
+
+    def close(self) -> None:
+        """Sync and let go of the file; closing twice does no harm."""
+        if not self._file.closed:
+            try:
+                self.sync()
+            finally:
+                self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+class JournalRecording(TextSource):
+    """The samples of a journal in the order of their writing, clock samples among them.
+
+    Raises SourceError, with the line, where the file is not a journal.
+    """
+
+    ends = False  # its clock samples say how long the robot was listened to
+
+    def _signals(self) -> frozenset[str]:
+        if next(self._lines(), (1, b""))[1] != _TITLE.encode():
+            raise SourceError(f"{self.path}: not a journal; expected '{_TITLE.strip()}' as its first line")
+        mark = _SIGNAL.encode()
+        names = (line[len(mark) :] for _, line in self._lines() if line.startswith(mark) and line.endswith(b"\n"))
+        return frozenset(name.decode(errors="replace").rstrip("\n") for name in names)
+
+    def _samples(self) -> Iterator[Sample]:
+        for number, line in self._lines():
+            if not line.endswith(b"\n"):
+                self.notes["torn last line ignored"] += 1
+            elif not line.startswith(b"#"):
+                yield self._sample(number, line)
+            elif line.startswith(_GAP.encode()):
+                self.notes["gap in what was heard"] += 1
+
+    def _sample(self, number: int, line: bytes) -> Sample:
+        try:
+            time, value, signal = line.decode().rstrip("\n").split(" ", 2)
+            return Sample(int(time), signal, float(value))
+        except ValueError:
+            raise SourceError(f"{self.path}, line {number}: damaged; expected 'time value signal'") from None
+
+
+def _cut_torn_line(path: Path) -> None:
+    """Cut off what follows the last end of a line."""
+    with existing(path).open("rb+") as file:
+        end = file.seek(0, os.SEEK_END)
+        while end:
+            start = max(0, end - 4096)
+            file.seek(start)
+            newline = file.read(end - start).rfind(b"\n")
+            if newline >= 0:
+                file.truncate(start + newline + 1)
+                return
+            end = start

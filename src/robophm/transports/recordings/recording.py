@@ -1,0 +1,288 @@
+"""Transport ``recording``: what ``rosbag record`` and ``ros2 bag record`` write, and MCAP from elsewhere.
+
+ROS 1 ``.bag`` and ROS 2 ``.db3`` and ``.mcap``: single files, rosbag2 folders, split and compressed ones. The files are
+read as they are by the column (``columns``), in bounded memory; messages are decoded through rosbags.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import ExitStack, closing, suppress
+from dataclasses import dataclass
+from functools import cached_property
+from heapq import merge
+from operator import itemgetter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from robophm.core.errors import SourceError, nearest
+from robophm.core.signal import SECOND, Sample, split_signal
+from robophm.health.leap import LEAP, stretches
+from robophm.transports.recordings.files import EmptyError, reading
+from robophm.transports.signals.element_names import Names, NotNamedError, name_getter, names_in
+from robophm.transports.signals.message_type import field_getter, fields_of, message_type, ways_to
+from robophm.transports.signals.source import STAMP_LIMIT, Heard, SignalSource, TopicInfo
+
+if TYPE_CHECKING:
+    from robophm.transports.recordings.columns.pieces import PiecedFile, Told
+
+LONGEST_NAMING = 1 << 18
+"""Bytes of a message, beyond which it is not looked into for names."""
+
+
+class Recording(SignalSource):
+    """One drive: any number of files and folders, merged in order of receipt; a context manager.
+
+    A sample's time is the message's header stamp, or its receipt where there is no header, or the stamp is
+    zero or more than STAMP_LIMIT from receipt. ``notes`` counts those, and messages that do not decode.
+
+    Raises SourceError where a file is missing, not a recording, damaged, given twice, or all are empty.
+    """
+
+    _salvages = False
+    """Whether what is lost of files is no error."""
+
+    def __init__(self, *paths: str | Path) -> None:
+        from robophm.transports.recordings.columns.columns import opened  # which ask here what a recording is
+        from robophm.transports.recordings.columns.pieces import MOST_TIME
+
+        self._paths = paths
+        self._found: Counter[str] = Counter()
+        self.notes = self._found
+        self._files: list[PiecedFile] = []
+        with ExitStack() as stack:
+            self._files = opened(paths, self._found, stack)
+            empty = all(file.begin() == MOST_TIME for file in self._files)
+            if (lost := self.lost()) and (empty or not self._salvages):
+                raise SourceError(lost[0])
+            if empty:
+                raise EmptyError(f"{', '.join(map(str, paths)) or 'no file'}: holds no messages")
+            self._opened = stack.pop_all()
+        self._name = str(self._files[0].path) + (" …" if len(self._files) > 1 else "")
+        digests = "".join(sorted(file.fingerprint for file in self._files))
+        self.fingerprint = hashlib.sha256(digests.encode()).hexdigest()
+
+    def lost(self) -> list[str]:
+        """What the notes say of files that is lost."""
+        found = []
+        for note in self.notes:
+            if note.startswith("lost: "):
+                found.append(note.removeprefix("lost: "))
+            for path in (file.path for file in self._files if note.startswith(f"{file.path.name}: ")):
+                said = note.removeprefix(f"{path.name}: ")
+                found += [f"{path}: {said}"] if "lost" in said else []
+        return found
+
+    def close(self) -> None:
+        """Close all files; closing twice does no harm."""
+        self._opened.close()
+        self._files.clear()
+
+    def topics(self) -> list[TopicInfo]:
+        """What there is to ask for. ``fields`` is empty where the messages cannot be decoded."""
+        return list(self._topics)
+
+    def spans(self) -> list[tuple[int, int]]:
+        """When the messages of each file begin and end, and so those behind a jump of its clock, on any topic."""
+        each = ([span for one in told.values() for span in one.spans] for _, told in self._told)
+        return [span for spans in each for span in stretches(spans, LEAP)]
+
+    @cached_property
+    def _told(self) -> list[tuple[PiecedFile, dict[int, Told]]]:
+        """What there is of each connection of each file."""
+        found = []
+        for file in self._files:
+            notes, file.notes = file.notes, Counter()  # what is lost is said when messages are read
+            with reading(file.path):
+                found.append((file, file.told()))
+            file.notes = notes
+        return found
+
+    @cached_property
+    def _topics(self) -> list[TopicInfo]:
+        found: dict[str, TopicInfo] = {}
+        for file, told in self._told:
+            for connection in file.connections:
+                messages, spans = told.get(connection.id, (0, []))
+                first, last = (spans[0][0], spans[-1][1]) if spans else (None, None)
+                fields = fields_of(connection)
+                info = TopicInfo(connection.topic, connection.msgtype, messages, first, last, fields)
+                before = found.get(info.topic)
+                found[info.topic] = _joined(before, info) if before else info
+        return [found[topic] for topic in sorted(found)]
+
+    def names(self) -> dict[str, dict[str, list[str]]]:
+        """By topic and field, ``effort[]``, the names by which its first message tells the elements, if it is short."""
+        from robophm.transports.recordings.columns.rows import one_by_one
+
+        found: dict[str, dict[str, list[str]]] = {}
+        for file in self._files:
+            for connection in file.connections:
+                if connection.topic in found:
+                    continue
+                with suppress(Exception):  # what cannot be decoded, or is not there, names nothing
+                    type_ = message_type(connection)
+                    _, raw, _ = next(one_by_one(file, [connection.id]))
+                    if len(raw) <= LONGEST_NAMING and (names := names_in(type_.decode(raw))):
+                        found[connection.topic] = names
+        return found
+
+    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
+        """The samples of these signals, in receipt order; raises SourceError as the interface says."""
+        wanted: dict[str, list[tuple[str, str]]] = {}
+        for signal in sorted(set(signals)):
+            topic, field = split_signal(signal)
+            wanted.setdefault(topic, []).append((signal, field))
+        return self._samples(self._raw(wanted))
+
+    def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, Heard]]:
+        """The samples of these signals, straight from the files; what of a file is damaged is in the notes."""
+        from robophm.transports.recordings.columns.columns import (  # which ask here what a recording is
+            by_signal,
+            read_columns,
+        )
+
+        with closing(read_columns(self._paths, signals, since or None)) as columns:
+            self.notes = columns.notes
+            yield from map(by_signal, columns)
+
+    def messages(self, topics: Collection[str], longest: int) -> Iterator[tuple[int, str, Any]]:
+        """Receipt time [ns], topic and message, as rosbags decodes it, of these topics, in receipt order.
+
+        In place of a message that does not decode, or is more than ``longest`` bytes long, comes None.
+
+        Raises SourceError where a topic is not in the recording, and on the way where it is damaged.
+        """
+        return self._messages(self._raw({topic: [] for topic in topics}), longest)
+
+    def _messages(
+        self, messages: Iterable[tuple[int, _Reading, bytes]], longest: int
+    ) -> Iterator[tuple[int, str, Any]]:
+        for receipt, reading_, raw in messages:
+            if len(raw) > longest:
+                self.notes[f"message on {reading_.topic} longer than {longest} bytes"] += 1
+                yield receipt, reading_.topic, None
+            else:
+                yield receipt, reading_.topic, self._decoded(reading_, raw)
+
+    def _decoded(self, reading_: _Reading, raw: bytes) -> Any:
+        """The message, or None where it cannot be decoded."""
+        try:
+            return reading_.decode(raw)
+        except Exception:  # rosbags lets struct, NumPy and memory errors of damaged messages through
+            self.notes[f"unreadable message on {reading_.topic}"] += 1
+            return None
+
+    def _raw(self, wanted: Mapping[str, list[tuple[str, str]]]) -> Iterator[tuple[int, _Reading, bytes]]:
+        """The messages of these topics, in receipt order, and how they become samples."""
+        known = {connection.topic for file in self._files for connection in file.connections}
+        for topic in wanted:
+            if topic not in known:
+                name = self._name if self._files else "closed recording"
+                raise SourceError(f"{name}: no topic '{topic}'{nearest(topic, known)}")
+        self.notes = Counter(self._found)
+        streams = [self._of(file, readings_of(file, wanted, self.notes)) for file in self._files]
+        # merge() looks at every message; one file is in order already
+        return streams[0] if len(streams) == 1 else merge(*streams, key=itemgetter(0))
+
+    def _of(self, file: PiecedFile, readings: Mapping[int, _Reading]) -> Iterator[tuple[int, _Reading, bytes]]:
+        """Receipt time, reading and bytes of the messages to read."""
+        from robophm.transports.recordings.columns.rows import one_by_one
+
+        file.notes = self.notes
+        said = len(self.notes)
+        with reading(file.path):
+            for receipt, raw, connection in one_by_one(file, readings.keys()) if readings else ():
+                if len(self.notes) != said:
+                    said = len(self.notes)
+                    self._refuse()
+                yield receipt, readings[connection], raw
+            self._refuse()
+
+    def _refuse(self) -> None:
+        """Raises SourceError where something of a file is lost, and that is not what was asked for."""
+        if not self._salvages and (lost := self.lost()):
+            raise SourceError(lost[0])
+
+    def _samples(self, messages: Iterable[tuple[int, _Reading, bytes]]) -> Iterator[Sample]:
+        notes = self.notes
+        names = Names(notes)
+        latest = 0
+        for receipt, reading_, raw in messages:
+            message = self._decoded(reading_, raw)
+            if message is None:
+                continue
+            if receipt < latest:
+                notes[f"receipt time goes backwards on {reading_.topic}"] += 1
+            latest = receipt
+            time = 0
+            if reading_.stamp:
+                seconds, nanoseconds = reading_.stamp(message)
+                time = seconds * SECOND + nanoseconds
+            if time == 0 or abs(time - receipt) > STAMP_LIMIT:
+                notes[f"receipt time used for {reading_.topic}"] += 1
+                time = receipt
+            for signal, name_of in reading_.names:
+                with suppress(IndexError):
+                    names.at_index(signal, name_of(message), receipt)
+            for signal, value_of in reading_.values:
+                try:
+                    value = float(value_of(message))
+                except NotNamedError as error:
+                    names.missing(signal, error.names)
+                except IndexError:
+                    notes[f"no element for {signal}"] += 1
+                else:
+                    names.found(signal)
+                    yield Sample(time, signal, value)
+
+
+@dataclass(frozen=True)
+class _Reading:
+    """How the messages of one connection become samples."""
+
+    topic: str
+    decode: Callable[[bytes], Any]
+    stamp: Callable[[Any], tuple[int, int]] | None
+    values: list[tuple[str, Callable[[Any], Any]]]
+    names: list[tuple[str, Callable[[Any], str]]]
+    """Of signals by an index, what takes the name of the element there."""
+
+
+def readings_of(
+    file: PiecedFile, wanted: Mapping[str, list[tuple[str, str]]], notes: Counter[str]
+) -> dict[int, _Reading]:
+    """What to read of each connection of a file that carries a wanted topic."""
+    readings = {}
+    for connection in file.connections:
+        if connection.topic in wanted:
+            with reading(file.path):
+                type_ = message_type(connection)
+                if type_.borrowed:
+                    notes[f"definition of {type_.name} taken from ROS 2 Humble"] += 1
+                values, names = [], []
+                for signal, field in wanted[connection.topic]:
+                    try:
+                        values.append((signal, field_getter(type_.definitions, type_.name, field)))
+                        if name_of := name_getter(ways_to(type_.definitions, type_.name, field)):
+                            names.append((signal, name_of))
+                    except SourceError as error:
+                        raise SourceError(f"{file.path}: topic '{connection.topic}' {error}") from None
+            readings[connection.id] = _Reading(connection.topic, type_.decode, type_.stamp, values, names)
+    return readings
+
+
+def _joined(one: TopicInfo, other: TopicInfo) -> TopicInfo:
+    """Two parts of one topic, from two publishers or two files."""
+    starts = [time for time in (one.first, other.first) if time is not None]
+    ends = [time for time in (one.last, other.last) if time is not None]
+    return TopicInfo(
+        one.topic,
+        one.type,
+        one.messages + other.messages,
+        min(starts, default=None),
+        max(ends, default=None),
+        tuple(dict.fromkeys(one.fields + other.fields)),
+    )

@@ -1,0 +1,141 @@
+"""The interface of all transports: a source yields the wanted signals as samples."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robophm.core.signal import SECOND, Sample
+
+STAMP_LIMIT = 10 * SECOND
+"""How far [ns] a header stamp may be from receipt and still be believed."""
+
+
+@dataclass(frozen=True)
+class TopicInfo:
+    """What a source knows of one topic. Times are receipt times [ns], None where there is no message."""
+
+    topic: str
+    type: str
+    """Message type, ``sensor_msgs/msg/Temperature``; empty where the source does not know it."""
+    messages: int
+    first: int | None
+    last: int | None
+    fields: tuple[str, ...]
+    """Paths of the numeric fields, ``pose.x``; of an array, ``effort[]``, a signal names one element."""
+
+
+class Heard(NamedTuple):
+    """Samples of one signal, in order of arrival."""
+
+    arrived: NDArray[np.int64]
+    """[ns]; the times themselves where they are those of arrival."""
+    times: NDArray[np.int64]
+    """[ns]"""
+    values: NDArray[np.float64]
+
+    def rows(self, rows: Any) -> Heard:
+        """Some of them."""
+        times = self.times[rows]
+        return Heard(times if self.arrived is self.times else self.arrived[rows], times, self.values[rows])
+
+
+class SignalSource(ABC):
+    """A source of samples, live or recorded; a context manager."""
+
+    fingerprint: str
+    """Identifies the content wherever it lies, so that a replay can be resumed and is never counted twice."""
+    notes: Counter[str]
+    """What had to be decided on the way of the latest ``samples()``, and how often."""
+    ends: ClassVar[bool] = True
+    """Whether with its last message it is known to be over: a recording. What is live, or kept of it, falls silent."""
+
+    @abstractmethod
+    def topics(self) -> list[TopicInfo]:
+        """What there is to ask for, by topic name."""
+
+    @abstractmethod
+    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
+        """The samples of exactly these signals, ``/topic.field[2]``, in receipt order.
+
+        All samples of one message carry the same time and come in the order of their names. Clock samples
+        come along, wanted or not, from a source that has them.
+
+        Raises SourceError at once where a signal is not in the source, and on the way where it is damaged.
+        """
+
+    def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, Heard]] | None:
+        """The same samples by signal, in blocks that arrived one after the other; None where it has no columns.
+
+        ``since`` [ns] leaves out what arrived before. Raises SourceError as ``samples``.
+        """
+        return None
+
+    def spans(self) -> list[tuple[int, int]]:
+        """When each recording in it began and ended [ns], by its messages on all topics; empty where none is known.
+
+        One that has messages more than LEAP apart has several: its clock may have jumped.
+        """
+        return []
+
+    def stop(self) -> None:
+        """End ``samples`` once all that has come so far has been taken; from any thread, and from a signal."""
+        self.close()
+
+    def close(self) -> None:  # noqa: B027  most sources hold nothing open
+        """Let go of files and connections; closing twice does no harm."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+class Told(NamedTuple):
+    """A message that came whole."""
+
+    time: int
+    """Of receipt [ns]."""
+    topic: str
+    message: Any
+    """As rosbags decodes it; None where it cannot be decoded, or is too long."""
+
+
+class Gap(NamedTuple):
+    """Messages on a topic were not heard, or may not have been, between those before and those behind this."""
+
+    topic: str
+    why: str
+    """As the notes count it: ``connection lost``."""
+
+
+LiveItem = Sample | Told | Gap
+"""What a live source gives."""
+
+
+class LiveSource(SignalSource):
+    """What is heard while it happens: endless, until ``close``, which may come from any thread."""
+
+    ends = False
+
+    @abstractmethod
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
+        """Samples of signals, in the order of their arrival, and between them the messages on other topics, and gaps.
+
+        Raises SourceError as ``samples``.
+        """
+
+    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
+        """The samples of these signals in order of arrival, and clock samples, until ``close``.
+
+        What an earlier call gave ends. Raises SourceError where a signal is none, a topic that is published has no
+        such field or its type cannot be read, or nothing can be heard at all.
+        """
+        return (heard for heard in self.listen(signals, ()) if isinstance(heard, Sample))

@@ -1,0 +1,140 @@
+"""A clock that jumps ahead for a while ends no store: what it says is set aside and named, and time goes on."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
+from robophm.design.file import parse
+from robophm.design.robot import Robot
+from robophm.monitoring.by_block import VirtualLife
+from robophm.monitoring.live_loop import watch
+from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.replay import replay
+from robophm.stores.memory import MemoryStore
+from robophm.transports.signals.source import Heard, SignalSource, TopicInfo
+
+START = 1_795_000_000 * SECOND
+IN_2038 = 2_147_483_000 * SECOND
+T = "/motor.temperature"
+DESIGN = """
+schema_version: 1
+name: R
+signals: {temperature: {topic: /motor, field: temperature, unit: degC, max_age: 10 s, range: [-40, 125]}}
+components:
+  motor: {rate: 0.01 /h, acceleration: {model: q10, reference_temperature: 25 degC}}
+  shelf: {rate: 0.001 /h, clock: calendar}
+"""
+
+
+@pytest.fixture
+def design() -> Robot:
+    return parse(DESIGN)
+
+
+class Said(SignalSource):
+    """Samples in the order of their arrival."""
+
+    def __init__(self, samples: Sequence[Sample]) -> None:
+        self.fingerprint = str(hash(tuple(samples)))
+        self._samples = samples
+        self.notes = Counter()
+
+    def topics(self) -> list[TopicInfo]:
+        times = [sample.time for sample in self._samples]
+        return [TopicInfo("/motor", "", len(times), min(times), max(times), ("temperature",))]
+
+    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
+        return iter(self._samples)
+
+
+def run(begin: int, seconds: int, celsius: float = 35.0) -> list[Sample]:
+    return [Sample(begin + second * SECOND, T, celsius) for second in range(seconds)]
+
+
+RETURNS = [*run(START, 300), *run(IN_2038, 20, 99.0), *run(START + 320 * SECOND, 300)]
+ENDS_THERE = [*run(START, 300), *run(START + 320 * SECOND, 300), *run(IN_2038, 20, 99.0)]
+
+
+@pytest.mark.parametrize("samples", [RETURNS, ENDS_THERE], ids=["and returns", "at the end, as sorted by its time"])
+def test_a_jump_ends_no_store(design: Robot, tmp_path: Path, samples: list[Sample]) -> None:
+    store = MemoryStore()
+    report = replay(design, Said(samples), store=store)
+    assert report.clocks["calendar"] * 3600 == pytest.approx(619, rel=1e-9)
+    assert any("jumped ahead" in note and "2038-01" in note and note.startswith("20 samples") for note in report.notes)
+    later = replay(design, Said(run(START + HOUR, 100)), store=store)
+    assert later.clocks["calendar"] * 3600 == pytest.approx(3600 + 99, rel=1e-9)
+    assert any("20 samples not taken: the clock had jumped ahead, to 2038-01: /motor" in note for note in later.notes)
+    assert not any("late" in note for note in later.notes)
+
+
+def test_watching_goes_on_through_a_jump_and_says_so(design: Robot) -> None:
+    said: list[str] = []
+    store = MemoryStore()
+    monitor = watch(design, Said(RETURNS), store=store, on_clock=said.append)
+    assert monitor.report().clocks["calendar"] * 3600 == pytest.approx(619, rel=1e-9)
+    assert [words.split(":")[0] for words in said] == [
+        "the clock jumped ahead by 97,912 h", "the clock is right again"
+    ]  # fmt: skip
+    watch(design, Said(run(START + HOUR, 100)), store=store)  # and it is not ahead of what is heard
+
+
+def test_a_clock_that_goes_back_is_said_at_once(design: Robot) -> None:
+    said: list[str] = []
+    back = [*run(START, 300), *run(START - 3600 * SECOND, 20), *run(START + 300 * SECOND, 300)]
+    monitor = watch(design, Said(back), on_clock=said.append)
+    assert said[0] == "the clock went back by 1.08 h: nothing counts until that time has passed"
+    assert said[1:] == ["the clock is right again: what is heard counts"]
+    assert "20 samples not taken: late: /motor.temperature" in monitor.report().notes
+
+
+def test_what_stays_ahead_is_believed_and_nothing_of_it_is_lost(design: Robot) -> None:
+    monitor = Monitor(design)
+    for sample in (*run(START, 60), *run(IN_2038, 700)):
+        monitor.observe(sample)
+    clocks = monitor.report().clocks
+    assert clocks["calendar"] * 3600 == pytest.approx((IN_2038 - START) / SECOND + 699, rel=1e-12)
+    assert clocks["operating"] * 3600 == pytest.approx(59 + 60 + 699, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_by_the_column_as_one_by_one(design: Robot, seed: int) -> None:
+    """Random jumps of random length, in random blocks: the ledger is the same bit for bit."""
+    chance = np.random.default_rng(seed)
+    samples: list[Sample] = []
+    now = START
+    for _ in range(int(chance.integers(1, 8))):
+        leap = int(chance.choice([0, 0, 500 * 24 * HOUR, IN_2038 - START]))
+        for _ in range(int(chance.integers(1, 900))):
+            now += int(chance.integers(1, 2 * SECOND))
+            value = float(chance.choice([35.0, 45.0, np.nan], p=[0.6, 0.39, 0.01]))
+            samples.append(Sample(now + leap + int(chance.integers(-SECOND, SECOND)), T, value))
+    monitor = Monitor(design)
+    for sample in samples:
+        monitor.observe(sample)
+    life = VirtualLife(Monitor(design))
+    arrived = np.arange(len(samples), dtype=np.int64)
+    times, values = (np.array([sample[i] for sample in samples]) for i in (0, 2))
+    cuts = np.sort(chance.integers(0, len(samples), 5))
+    for rows in np.split(np.arange(len(samples)), cuts):
+        life.observe({T: Heard(arrived[rows], times[rows], values[rows])})
+        life._go_on()
+    life.finish()
+    one, other = (json.dumps(each.to_json(), sort_keys=True) for each in (monitor.ledger, life.ledger))
+    assert one == other
+
+
+def test_the_clock_of_silence_may_jump_too(design: Robot) -> None:
+    monitor = Monitor(design)
+    clock = [Sample(IN_2038 + second * SECOND, CLOCK, 0.0) for second in range(20)]
+    for sample in (*run(START, 60), *clock, *run(START + 80 * SECOND, 60)):
+        monitor.observe(sample)
+    report = monitor.report()
+    assert report.clocks["calendar"] * 3600 == pytest.approx(139, rel=1e-9)
+    assert report.notes == ("no valid value for 11 s of operation: /motor.temperature",)

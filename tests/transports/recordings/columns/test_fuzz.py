@@ -1,0 +1,39 @@
+"""Two thousand damaged recordings; `make fuzz` has three hundred thousand, by the same mechanism."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from .fuzz.__main__ import OUTCOMES, tallied
+from .fuzz.judge import Read, counted, read
+from .fuzz.pool import Result
+from .fuzz.seeds import TOPICS, seeds, truth
+
+FILES = 667
+MEMORY = 512 << 20
+
+
+@pytest.mark.parametrize("format_", ["bag", "db3", "mcap"])
+def test_whatever_is_damaged(format_: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No crash, no hang, no values that were made up, nothing lost without a word, no answer but the peers'."""
+    monkeypatch.syspath_prepend(Path(__file__).parents[4])  # for the processes
+    findings: list[Result] = []
+    tally = tallied({format_: FILES}, seed=1, jobs=1, found=findings.append)[format_]
+    assert findings == []
+    assert sum(tally.outcomes.values()) == FILES
+    assert all(tally.outcomes[outcome] > 10 for outcome in OUTCOMES if outcome != "fault"), tally.outcomes
+    assert sum(count for what, count in tally.peers.items() if what.endswith("agrees")) > 10
+    assert tally.memory < MEMORY
+
+
+@pytest.mark.parametrize("format_", ["bag", "db3", "mcap"])
+def test_the_sound_recordings_hold_what_was_written(format_: str, tmp_path: Path) -> None:
+    for seed in seeds(format_):
+        path = tmp_path / f"sound{seed.suffix}"
+        path.write_bytes(seed.content)
+        ours = read(path)
+        assert isinstance(ours, Read)
+        ros = 1 if format_ == "bag" or seed.name == "ros1" else 2
+        assert counted(ours.rows, TOPICS) == counted(truth(ros), TOPICS)

@@ -1,0 +1,112 @@
+from __future__ import annotations
+
+import math
+import tempfile
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import CLOCK, Sample
+from robophm.transports.recordings.journal import Journal, JournalRecording
+
+A, B = "/robot/temperature.temperature", "/joints.effort[2]"
+RUN = [Sample(5, A, 0.1), Sample(4, B, -0.0), Sample(6, CLOCK, 0.0), Sample(6, A, 1e308)]
+
+
+def read(path: Path) -> list[Sample]:
+    with JournalRecording(path) as source:
+        return list(source.samples(source.signals))
+
+
+@given(st.lists(st.tuples(st.integers(0, 2**63), st.sampled_from([A, B, CLOCK]), st.floats())))
+def test_round_trip_is_exact(run: list[tuple[int, str, float]]) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "run.journal"
+        with Journal(path, [A, B]) as journal:
+            for sample in run:
+                journal.write(Sample(*sample))
+        assert repr(read(path)) == repr([Sample(*sample) for sample in run])
+
+
+def test_clock_comes_along_and_silent_signals_are_known(tmp_path: Path) -> None:
+    with Journal(tmp_path / "run.journal", [A, B, "/silent.x"]) as journal:
+        for sample in RUN:
+            journal.write(sample)
+    source = JournalRecording(tmp_path / "run.journal")
+    assert list(source.samples([B, "/silent.x"])) == [RUN[1], RUN[2]]
+    assert {info.topic: info.messages for info in source.topics()} == {
+        "/joints": 1,
+        "/robot/temperature": 2,
+        "/silent": 0,
+    }
+    with pytest.raises(SourceError, match=r"no signal ./joints.effort\[3\].; known: /joints.effort"):
+        source.samples(["/joints.effort[3]"])
+
+
+@pytest.mark.parametrize("torn", range(1, 12))
+def test_torn_last_line_does_not_count_and_is_cut_off_on_restart(torn: int, tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    with Journal(path, [A, B]) as journal:
+        for sample in RUN:
+            journal.write(sample)
+    path.write_bytes(path.read_bytes()[:-torn])
+    source = JournalRecording(path)
+    assert list(source.samples([A, B])) == RUN[:-1]
+    assert source.notes == {"torn last line ignored": 1}
+    with Journal(path, [A, B, "/late.x"]) as journal:
+        journal.write(RUN[-1])
+    assert read(path) == RUN
+    assert path.read_text().count(f"# signal {A}") == 1
+
+
+def test_gaps_are_said_and_are_no_samples(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    for _ in range(2):
+        with Journal(path, [A, B]) as journal:
+            journal.write(RUN[0])
+            journal.gap("/joints", "connection lost")
+            journal.write(RUN[1])
+    marks = [line for line in path.read_text().splitlines() if line.startswith("# gap")]
+    assert marks == ["# gap connection lost on /joints", "# gap not listening", "# gap connection lost on /joints"]
+    source = JournalRecording(path)
+    assert list(source.samples([A, B])) == RUN[:2] * 2
+    assert source.notes == {"gap in what was heard": 3}
+
+
+def test_clock_samples_reach_the_file_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    with Journal(path, flush_every=3) as journal:
+        journal.write(RUN[0])
+        assert read(path) == []
+        journal.write(RUN[2])
+        assert read(path) == [RUN[0], RUN[2]]
+        for _ in range(3):
+            journal.write(RUN[0])
+        assert len(read(path)) == 5
+
+
+def test_numpy_numbers_are_written_as_plain_ones(tmp_path: Path) -> None:
+    import numpy as np
+
+    with Journal(tmp_path / "run.journal") as journal:
+        journal.write(Sample(np.int64(3), A, np.float64(math.pi)))  # type: ignore[arg-type]
+    assert read(tmp_path / "run.journal") == [Sample(3, A, math.pi)]
+
+
+def test_errors(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    path.write_text("time,/a.x\n")
+    with pytest.raises(SourceError, match="not a journal"):
+        Journal(path)
+    for bad in ("/a", "/a\n.x"):
+        with pytest.raises(SourceError):
+            Journal(tmp_path / "new.journal", [bad])
+    with Journal(tmp_path / "new.journal", [A]) as journal:
+        journal.write(RUN[0])
+    with (tmp_path / "new.journal").open("a") as file:
+        file.write(f"7 x {A}\n8 1.0 {A}\n")
+    with pytest.raises(SourceError, match="line 4: damaged"):
+        read(tmp_path / "new.journal")
