@@ -20,7 +20,7 @@ from robophm.core.signal import HOUR, SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.hazard.acceleration import BOLTZMANN
-from robophm.monitoring.by_block import VirtualLife
+from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
@@ -117,7 +117,7 @@ def same(robot: Robot, columns: SignalSource, samples: SignalSource) -> None:
 
 def lived(robot: Robot, hours: float) -> Monitor:
     """By the column, without the report at the end of a replay."""
-    life = VirtualLife(Monitor(robot))
+    life = BlockMonitor(Monitor(robot))
     for block in Hours(hours).columns((), 0):
         life.observe(block)
     life.finish()

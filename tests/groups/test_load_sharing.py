@@ -13,8 +13,8 @@ sys.path.insert(0, str(File(__file__).parent))
 from solving import fails, sharing, solved, works
 
 from robophm.core.errors import StructureError
-from robophm.groups.chain import Chain
-from robophm.groups.sharing import Sharing
+from robophm.groups.markov_chain import Chain
+from robophm.groups.shared_load import Sharing
 from robophm.life.exponential import Exponential
 from robophm.life.weibull import Weibull
 

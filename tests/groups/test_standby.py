@@ -14,9 +14,9 @@ sys.path.insert(0, str(File(__file__).parent))
 from solving import fails, solved, standby, works
 
 from robophm.core.errors import StructureError
-from robophm.groups.chain import Chain
-from robophm.groups.positions import Positions
-from robophm.groups.sequence import InOrder
+from robophm.groups.markov_chain import Chain
+from robophm.groups.standby_one_active import InOrder
+from robophm.groups.standby_several_active import Positions
 from robophm.life.exponential import Exponential
 from robophm.life.gamma import Gamma
 from robophm.life.weibull import Weibull

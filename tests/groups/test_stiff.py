@@ -13,7 +13,7 @@ sys.path.insert(0, str(File(__file__).parent))
 from solving import sharing, solved, standby
 
 from robophm.blocks.diagram import LoadSharing, Standby
-from robophm.groups.chain import Chain
+from robophm.groups.markov_chain import Chain
 from robophm.life.exponential import Exponential
 
 GROUPS = [standby(2), standby(3, 1, 0.1, 0.9), standby(3, 2, 1.0), standby(4, 2, 0.1, 0.9), sharing(3, 1, 2.0),

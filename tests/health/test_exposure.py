@@ -26,7 +26,7 @@ from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger, Total
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, outlooks
-from robophm.health.stretch import Stretch
+from robophm.health.sample_stretch import SampleStretch
 from robophm.monitoring.monitor import WINDOW, Monitor
 
 START = 1_700_000_000 * SECOND
@@ -541,6 +541,6 @@ def test_nothing_of_a_stretch_stays() -> None:
     gc.disable()
     try:
         monitor(design, SAMPLES[:500], period=10).report()
-        assert [one for one in gc.get_objects() if isinstance(one, Stretch)] == []
+        assert [one for one in gc.get_objects() if isinstance(one, SampleStretch)] == []
     finally:
         gc.enable()

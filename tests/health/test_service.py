@@ -12,7 +12,7 @@ from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger
 from robophm.health.plant import Plant
 from robophm.health.prognosis import outlooks
-from robophm.health.service import repair, replace, stretches
+from robophm.health.service import repair, replace, service_intervals
 from robophm.monitoring.monitor import Monitor
 
 DESIGN = """
@@ -85,19 +85,19 @@ def test_hazard_that_is_a_sum_shrinks_as_its_life_does(robot, worked, remaining)
 
 
 def test_history_is_kept_and_comes_back(robot, worked):
-    lives = {one.mode.path: one for one in stretches(robot, worked)}
+    lives = {one.mode.path: one for one in service_intervals(robot, worked)}
     replace(robot, worked, "bearing", failed=True)
     repair(robot, worked, "gear", 0.5, failed=True)
     kept = Ledger.of(robot, json.loads(json.dumps(worked.to_json(), allow_nan=False)))
     assert kept.services == worked.services
-    found = [one for one in stretches(robot, kept) if one.mode.path in ("bearing", "gear")]
+    found = [one for one in service_intervals(robot, kept) if one.mode.path in ("bearing", "gear")]
     assert [(one.mode.path, one.failed) for one in found] == [
         ("bearing", True), ("bearing", False), ("gear", True), ("gear", False)
     ]  # fmt: skip
     assert found[0].hazard == lives["bearing"].hazard > 0
     assert (found[1].hazard, found[1].hours, found[3].hazard) == (0.0, 0.0, 0.0)
     assert found[2].hazard == pytest.approx(lives["gear"].hazard)
-    assert [one.parts for one in stretches(robot, kept) if one.mode.path == "motor"] == [2]
+    assert [one.parts for one in service_intervals(robot, kept) if one.mode.path == "motor"] == [2]
 
 
 def test_a_ledger_of_before_has_no_services(robot, worked):

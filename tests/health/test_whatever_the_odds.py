@@ -20,13 +20,13 @@ from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Task
 from robophm.health.effects import silent_states
+from robophm.health.failures_to_come import failures_to_come
 from robophm.health.fleet import Fleet
 from robophm.health.importance import Drawn, importances
 from robophm.health.mission import completion, deciding, following, repetitions
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, as_designed
 from robophm.health.replacement import replacements
-from robophm.health.to_come import failures_to_come
 from robophm.health.uncertainty import completion_uncertainty, life_uncertainty
 
 RATES = {"a": 0.5, "b": 2.0, "c": 0.25, "d": 1.0, "x": 0.125}

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from robophm.core.errors import RobophmError
 from robophm.core.signal import HOUR, SECOND
 from robophm.measured.find import Condition, find
-from robophm.measured.held import Held
+from robophm.measured.held import HeldValues
 from robophm.measured.levels import MOST_STEPS, Levels, marginal
 from robophm.measured.recordings import recordings, signal_of
 from robophm.measured.series import MOST_COLUMNS, Series
@@ -159,9 +159,9 @@ def test_courses_do_not_depend_on_the_blocks(rows, data):
     ends = np.append(np.minimum(times[1:], times[:-1] + 5 * SECOND), times[-1])
     following, after = np.append(times[1:], times[-1]), np.append(values[1:], values[-1])
     whole, parts = Series(), Series()
-    whole.add(Held(times, values, ends, following, after))
+    whole.add(HeldValues(times, values, ends, following, after))
     for at in np.split(np.arange(len(times)), sorted(data.draw(st.lists(st.integers(0, len(times)), max_size=5)))):
-        parts.add(Held(times[at], values[at], ends[at], following[at], after[at]))
+        parts.add(HeldValues(times[at], values[at], ends[at], following[at], after[at]))
     assert parts.begin == whole.begin == times[0]
     assert parts.width == whole.width
     for one, other in zip(whole.columns, parts.columns, strict=True):

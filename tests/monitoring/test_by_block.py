@@ -21,7 +21,7 @@ from robophm.design.robot import Robot
 from robophm.health import exposure
 from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger
-from robophm.monitoring.by_block import VirtualLife
+from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
@@ -122,7 +122,7 @@ def by_columns(
 ) -> tuple[Monitor, list[Any]]:
     seen: list[Any] = []
     monitor = Monitor(robot, period=period, on_tick=lambda monitor: seen.append(kept(monitor)))
-    life = VirtualLife(monitor, step)
+    life = BlockMonitor(monitor, step)
     for block in blocks(arrivals, sizes):
         life.observe(block)
     life.finish()
@@ -245,7 +245,7 @@ def test_recordings_that_nobody_here_made(shared: Path, name: str) -> None:
 def test_a_block_may_have_nothing_of_a_signal() -> None:
     """As where no message in it has the element that is asked for."""
     monitor = Monitor(shop(5, 60, "nominal", powered=False))
-    life = VirtualLife(monitor)
+    life = BlockMonitor(monitor)
     nothing = Heard(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))
     for minute in range(5):
         times = START + (minute * 60 + np.arange(60)) * SECOND
@@ -259,7 +259,7 @@ def test_a_flood_is_bounded_and_counted(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(virtual_life, "MOST_WAITING", 500)
     monkeypatch.setattr(virtual_life, "ENOUGH", 100)
     monitor = Monitor(shop(5, 60, "nominal", powered=False))
-    life = VirtualLife(monitor, 600 * SECOND)
+    life = BlockMonitor(monitor, 600 * SECOND)
 
     def say(first: int, seconds: np.ndarray[Any, Any]) -> None:
         times = START + np.round(seconds * SECOND).astype(np.int64)

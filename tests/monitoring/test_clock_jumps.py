@@ -13,7 +13,7 @@ import pytest
 from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
-from robophm.monitoring.by_block import VirtualLife
+from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
@@ -118,7 +118,7 @@ def test_by_the_column_as_one_by_one(design: Robot, seed: int) -> None:
     monitor = Monitor(design)
     for sample in samples:
         monitor.observe(sample)
-    life = VirtualLife(Monitor(design))
+    life = BlockMonitor(Monitor(design))
     arrived = np.arange(len(samples), dtype=np.int64)
     times, values = (np.array([sample[i] for sample in samples]) for i in (0, 2))
     cuts = np.sort(chance.integers(0, len(samples), 5))

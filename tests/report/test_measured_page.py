@@ -7,7 +7,7 @@ from collections import Counter
 import numpy as np
 
 from robophm.core.signal import SECOND
-from robophm.measured.held import Held
+from robophm.measured.held import HeldValues
 from robophm.measured.recordings import Signal
 from robophm.measured.statistics import Look
 from robophm.report.measured_page import Seen, statistics_page
@@ -19,7 +19,7 @@ def seen(times, values, name="/motor/temperature.temperature"):
     look = Look.new(20)
     times, values = START + np.array(times) * SECOND, np.array(values, dtype=float)
     after = np.append(times[1:], times[-1])
-    look.add(Held(times, values, np.minimum(times + 5 * SECOND, after), after, np.append(values[1:], values[-1])))
+    look.add(HeldValues(times, values, np.minimum(times + 5 * SECOND, after), after, np.append(values[1:], values[-1])))
     look.levels.finish()
     return Seen("day.mcap", Signal(name, *name.rsplit(".", 1), "degC"), look)
 

@@ -14,7 +14,7 @@ from robophm.calibration.score import Calibration, score
 from robophm.calibration.tasks import TaskScore
 from robophm.cli.output import console, may_write, print_json, print_table, progress_console, table, write
 from robophm.cli.progress import counted
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.report.calibration_page import calibration_page
 from robophm.report.words import duration_text, number_text
 
@@ -77,7 +77,7 @@ def run(predictions: Path, report: Path | None, *, controls: bool, jobs: int, as
         may_write(report, *files(predictions))
         said = of_fleet(predictions, controls=controls, jobs=jobs)
     else:
-        only("a file of predictions, which has the models that it has", ("report",))
+        refuse_unused("a file of predictions, which has the models that it has", ("report",))
         may_write(report, predictions)
         said = read_predictions(predictions)
     calibration = score(said)

@@ -8,7 +8,7 @@ from robophm.cli.output import console, print_json, warn
 from robophm.core.errors import DesignError
 from robophm.design.file import load
 from robophm.health.refusal import refusal
-from robophm.health.unknown import alone, named
+from robophm.health.unknown_rates import alone, named
 
 
 def run(design: Path, *, as_json: bool) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from robophm.cli.output import console, may_make, print_json, print_table, table, write
 from robophm.cli.past import kept
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.core.errors import DataError, RobophmError, nearest
 from robophm.design.file import load
 from robophm.design.robot import Robot
@@ -19,7 +19,7 @@ from robophm.health.effects import SEVERITY, Effect, SilentStates, alarm_chances
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, as_designed, nominal_outlook
 from robophm.health.report import plain
-from robophm.health.unknown import Unknown, alone, marks, named, unknown
+from robophm.health.unknown_rates import PartsOfUnknownRate, alone, marks, named, unknown
 from robophm.learning.sensor_choice import Choice, choose, explained
 from robophm.learning.sensors import coverage, read_sensors, seen
 from robophm.learning.suspects import Diagnosis, Sensor, suspects
@@ -38,7 +38,7 @@ def fmeca(
     """Effects of every failure mode, printed or written."""
     may_make(to, path, *([table_of_sensors] if table_of_sensors else []), force=force, suffixes=(".csv", ".html"))
     if to is None:
-        only("effects that are not written (--to)", ("sensors", "hours", "severity"))
+        refuse_unused("effects that are not written (--to)", ("sensors", "hours", "severity"))
     robot = load(path)
     sensors = read_sensors(table_of_sensors, robot) if table_of_sensors else []
     sees = coverage(robot, [sensor for sensor in sensors if sensor.fitted])
@@ -130,7 +130,7 @@ def _only(wishes: Wishes) -> None:
     else:
         path, used = "what sees what", ["add"]
     path += " to a robot of a store, which says how old it is" if wishes.store and used != ["add"] else ""
-    only(path, (*used, "alarm", *["quiet"] * (not wishes.alarms)))
+    refuse_unused(path, (*used, "alarm", *["quiet"] * (not wishes.alarms)))
 
 
 def _outlook(robot: Robot, plant: Plant, wishes: Wishes) -> Outlook:
@@ -149,7 +149,7 @@ class _Added(NamedTuple):
     now: float
     """What is fitted takes away."""
     spread: float
-    unknown: Unknown | None
+    unknown: PartsOfUnknownRate | None
 
 
 def _added(robot: Robot, outlook: Outlook, sensors: list[Sensor], wishes: Wishes) -> _Added:

@@ -14,7 +14,7 @@ from robophm.blocks.cut_sets import MinimalSets
 from robophm.blocks.diagram import Block, Unit
 from robophm.blocks.fault_tree import FaultTree
 from robophm.cli.output import console, estimate_text, print_json, print_table, table, write
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.core.errors import RobophmError, StructureError, nearest
 from robophm.design.file import load as load_design
 from robophm.design.open_psa import Model, load
@@ -24,7 +24,7 @@ from robophm.design.robot import Robot
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.health.report import plain
-from robophm.health.unknown import Unknown, unknown
+from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 from robophm.life.exponential import Exponential
 from robophm.report.minimal_sets import Listed
 from robophm.report.words import number_text, probability_text
@@ -48,7 +48,7 @@ class System:
     """What it was read from, unless it is of a robot."""
     source: str = ""
     time: float | None = None
-    unknown: Unknown | None = None
+    unknown: PartsOfUnknownRate | None = None
     """Parts of unknown rate in it."""
 
     def fails(self, text: str) -> str:
@@ -182,7 +182,7 @@ def system_of(source: Path, function: str | None, top: str | None, time: float |
     path = "a robot, whose top event is of --function" if robot else "a model, whose top event is of --top"
     path += ", only estimated (--monte-carlo)" if by_chance else ""
     given = ("monte_carlo", "seed") if by_chance else ("order", "most", "to")
-    only(path, ("time", "function" if robot else "top", *given))
+    refuse_unused(path, ("time", "function" if robot else "top", *given))
     if robot:
         return of_robot(load_design(source), function, 1000.0 if time is None else time)
     return of_model(source, time, top)

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from robophm.cli.learn import put
 from robophm.cli.output import console, may_make, may_write, print_json, print_table, table, write
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.core.errors import DataError, RobophmError
 from robophm.design.file import load, read
 from robophm.learning.evidence import edited, named_mode
@@ -77,11 +77,11 @@ def _only(wishes: Wishes, *, stress: bool = False) -> None:
     """Refuse what is not used for what is asked, as far as that can be told; ``stress``: the data have stresses."""
     drawn = ["seed"] * (wishes.refits > 0)
     if wishes.repairable:
-        only("repaired systems (--repairable), whose power law is no life of a part", ("repairable", "level"))
+        refuse_unused("repaired systems (--repairable), whose power law is no life of a part", ("repairable", "level"))
     elif stress or wishes.use or wishes.laws:
-        only("lives at stress", ("distribution", "use", "law", "level", "report", "to", "part"))
+        refuse_unused("lives at stress", ("distribution", "use", "law", "level", "report", "to", "part"))
     else:
-        only(f"lives{'' if drawn else ' that are not fitted again (--refits)'}",
+        refuse_unused(f"lives{'' if drawn else ' that are not fitted again (--refits)'}",
              ("distribution", "by", "use", "law", "level", "refits", "report", "to", "part", *drawn))  # fmt: skip
 
 

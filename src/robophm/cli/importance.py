@@ -11,7 +11,7 @@ from typing import Any, cast
 
 from robophm.cli.fault_tree import of_model
 from robophm.cli.output import console, print_json, print_table, table
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.core.errors import RobophmError, nearest
 from robophm.core.units import quantity
 from robophm.design.robot import Robot
@@ -100,7 +100,7 @@ def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: boo
 
 def run_model(path: Path, hours: float | None, by: str, most: int, *, as_json: bool) -> None:
     """Answer on stdout, of a coherent fault tree in the Open-PSA format."""
-    only("a fault tree", ("after", "by", "most"))
+    refuse_unused("a fault tree", ("after", "by", "most"))
     system = of_model(path, hours, None)
     found = of_tree(system.tree, system.occurred, system.not_yet, math.nan if hours is None else hours)
     question = Question(Plan(()), "nominal", None, hours, by, most)

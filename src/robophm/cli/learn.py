@@ -8,12 +8,12 @@ from typing import Any
 
 from robophm.cli.output import console, may_make, print_json, print_table, table, warn, write
 from robophm.cli.past import kept
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.core.errors import DataError
 from robophm.design.file import load, parse, read, replace_text
 from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Robot
-from robophm.health.service import stretches
-from robophm.health.unknown import few
+from robophm.health.service import service_intervals
+from robophm.health.unknown_rates import few
 from robophm.learning.evidence import with_evidence
 from robophm.learning.failure_log import Seen, read_failure_log
 from robophm.learning.learn import LearnedRate, UnstatedRate, learn, unstated
@@ -35,7 +35,7 @@ def run(
 ) -> None:
     """Learn, print, and write the design with the evidence beside its rates."""
     if to is None:
-        only("rates that are not written (--to)", ("logs", "prior", "of"))
+        refuse_unused("rates that are not written (--to)", ("logs", "prior", "of"))
     may_make(to, *logs, force=force, suffixes=(".yaml", ".yml"))
     robot = load(design)
     seen: list[Seen] = []
@@ -81,7 +81,7 @@ def put(to: Path, text: str) -> None:
 def _of_store(path: Path, robot: Robot) -> list[Seen]:
     """What the ledger of a store tells: every life of every part, ended or not."""
     found: dict[str, Seen] = {}
-    for one in stretches(robot, kept(path, robot)):
+    for one in service_intervals(robot, kept(path, robot)):
         seen = found.setdefault(one.mode.path, Seen(one.mode, path.stem))
         seen.failures += one.failed
         seen.expected += one.parts * one.hazard

@@ -19,12 +19,12 @@ from robophm.design.robot import CLOCK_UNITS, UNKNOWN, FailureMode, Robot
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.replacement import replacements
-from robophm.health.unknown import Unknown, alone, few, named
+from robophm.health.unknown_rates import PartsOfUnknownRate, alone, few, named
 from robophm.learning.costs import PartCosts, read_costs
 from robophm.learning.life_cycle import TOGETHER, LifeCycle, Return, Upkept, return_on_watching, simulate
 from robophm.learning.maintenance import Costs, Policy, Visit, best_age, rescaled, together
 from robophm.learning.spares import spares
-from robophm.learning.standing import Standing
+from robophm.learning.standstill import Standstill
 from robophm.life.distribution import LifeDistribution
 from robophm.monitoring.monitor import Monitor
 from robophm.report.words import duration_text, number_text
@@ -93,7 +93,7 @@ def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
     if wishes.store:
         outlook = Monitor(robot, kept(wishes.store, robot)).report(remaining_life=False).outlooks["sensor_based"]
     plans = _plans(robot, plant, costs, outlook, wishes)
-    standing = Standing(robot.diagram)
+    standing = Standstill(robot.diagram)
     repaired = [plan for plan in plans if plan.costs.costs.repair is not None]
     replaced = {plan.costs.part.path: plan for plan in plans if plan not in repaired}
     visit = None
@@ -139,7 +139,7 @@ def _plans(
         mean = lives[name][2].mean()
         each = mean / (mean + one.costs.corrective_downtime) if mean < math.inf else 1.0
         up |= dict.fromkeys(one.part.units, each ** (one.part.quantity / len(one.part.units)))
-    standing = Standing(robot.diagram)
+    standing = Standstill(robot.diagram)
     plans = []
     for name, one in costs.items():
         mode, pace, life = lives[name]
@@ -177,7 +177,7 @@ def _life(
     return mode, pace, rescaled(mode.life, 1 / pace)
 
 
-def _cycle(parts: Mapping[str, Upkept], standing: Standing, horizon: float, wishes: Wishes) -> LifeCycle | None:
+def _cycle(parts: Mapping[str, Upkept], standing: Standstill, horizon: float, wishes: Wishes) -> LifeCycle | None:
     if not parts:
         return None
     work = sum(
@@ -195,7 +195,7 @@ class _First(NamedTuple):
     """What each part put in new would gain, and what parts of unknown rate make of that."""
 
     rows: list[dict[str, Any]]
-    unknown: Unknown | None
+    unknown: PartsOfUnknownRate | None
 
 
 def _first(robot: Robot, outlook: Outlook, plans: Sequence[_Plan]) -> _First:
@@ -327,7 +327,7 @@ def _print_visit(visit: Visit, wishes: Wishes) -> None:
     )  # fmt: skip
 
 
-def _cycle_row(one: LifeCycle, left_out: Unknown | None) -> list[str]:
+def _cycle_row(one: LifeCycle, left_out: PartsOfUnknownRate | None) -> list[str]:
     """Of parts that are upkept each for itself: one more only adds costs, failures and time in which the robot stands
     still."""
     least, most = ("≥ ", "≤ ") if left_out else ("", "")

@@ -14,7 +14,7 @@ from rich.console import Console
 
 from robophm.cli.output import console, may_make, print_json, print_table, progress_console, table, warn, write
 from robophm.cli.progress import counted
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.core.errors import RobophmError
 from robophm.core.files import replacing
 from robophm.core.signal import HOUR, SECOND
@@ -134,7 +134,7 @@ def found(
 ) -> None:
     """Print where what was looked for is."""
     if as_json:
-        only(
+        refuse_unused(
             "JSON, which lists as many as may be", ("signal", *(one.name for one in fields(Search)), "gap", "together")
         )
     age = max_age(gap)
@@ -198,7 +198,7 @@ def summed_up(
     """Print, and write where asked to, statistics of signals."""
     listed = every is not None and not as_json
     path = "statistics" + " of stretches of time (--every)" * listed + " that are written" * bool(to or report)
-    only(path, ("signal", "every", "bins", "gap", "together", "to", "report", *["force"] * bool(to or report),
+    refuse_unused(path, ("signal", "every", "bins", "gap", "together", "to", "report", *["force"] * bool(to or report),
                 *["most"] * listed))  # fmt: skip
     may_make(to, *bags, *([report] if report else []), force=force, suffixes=(".csv",))
     may_make(report, *bags, force=force)

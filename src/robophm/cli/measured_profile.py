@@ -9,7 +9,7 @@ from typing import Any
 from robophm.cli.measured import print_levels
 from robophm.cli.output import console, may_make, print_json, progress_console, warn, write
 from robophm.cli.progress import counted
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.design.file import load
 from robophm.measured.levels import marginal
 from robophm.measured.profile import Lived, Profile, lived, task_text
@@ -24,7 +24,7 @@ def profiled(
 ) -> None:  # fmt: skip
     """Print stress profiles, and write them where asked to."""
     if not (to or report):
-        only("profiles that are not written (--to, --report)", ("bins", "skip_missing"))
+        refuse_unused("profiles that are not written (--to, --report)", ("bins", "skip_missing"))
     may_make(to, design, *bags, *([report] if report else []), force=force, suffixes=(".yaml", ".yml"))
     may_make(report, design, *bags, force=force)
     robot = load(design)

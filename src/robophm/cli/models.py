@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import typer
 
 from robophm.cli.output import console, print_json, print_table, table
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.core.errors import PlugError, nearest
 from robophm.core.table import Table
 from robophm.hazard.acceleration import ACCELERATIONS
@@ -112,7 +112,7 @@ def _cell(text: str) -> str:
 
 def print_reference() -> None:
     """The page on stdout."""
-    only("the reference page", ("reference",), as_json=False)
+    refuse_unused("the reference page", ("reference",), as_json=False)
     typer.echo("\n".join(reference()))
 
 

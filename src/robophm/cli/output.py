@@ -21,12 +21,12 @@ from robophm.core.errors import RobophmError
 from robophm.core.given import number
 from robophm.core.units import quantity
 from robophm.design.robot import Robot
+from robophm.health.failures_to_come import LONGEST, FailuresToCome
 from robophm.health.report import ComponentHealth, HealthReport, plain
-from robophm.health.to_come import LONGEST, FailuresToCome
 from robophm.health.uncertainty import Interval
-from robophm.health.unknown import Unknown, marked, marks, named
-from robophm.report.to_come import FEW, horizon_text, notes, share_text
-from robophm.report.to_come import shown as largest
+from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks, named
+from robophm.report.failures_to_come import FEW, horizon_text, notes, share_text
+from robophm.report.failures_to_come import shown as largest
 from robophm.report.words import duration_text, more_text, number_text, percent_text, probability_text, rate_text
 
 if TYPE_CHECKING:
@@ -192,7 +192,7 @@ def print_report(report: HealthReport, unit: str) -> None:
         out.print(f"threshold breached: {breach}", style="bold red", markup=False)
 
 
-def print_unknown(left_out: Unknown | None, robot: Robot) -> None:
+def print_unknown(left_out: PartsOfUnknownRate | None, robot: Robot) -> None:
     """What parts of unknown rate make of the figures, and which they are; nothing where there are none."""
     if left_out:
         console().print(f"{left_out.sentence} ({named(robot)})", style="yellow", markup=False, soft_wrap=True)

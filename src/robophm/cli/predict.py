@@ -9,7 +9,7 @@ from typing import Any
 from robophm.cli.output import print_json, print_parts, print_report
 from robophm.cli.past import affordable, kept
 from robophm.cli.task import with_knowledge
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.core.errors import RobophmError
 from robophm.core.units import quantity
 from robophm.design.build_task import plain_task
@@ -39,7 +39,7 @@ class Wishes:
 def run(design: Path, store: Path | None, wishes: Wishes, unit: str, *, as_json: bool) -> bool:
     """Print the report; whether a threshold is breached."""
     if as_json:
-        only("JSON, in 1/h", ("store", *(field.name for field in fields(Wishes))))
+        refuse_unused("JSON, in 1/h", ("store", *(field.name for field in fields(Wishes))))
     robot = load(design)
     affordable(wishes.draws, robot)
     task = robot.task

@@ -8,7 +8,7 @@ from dataclasses import asdict
 import numpy as np
 
 from robophm.cli.output import console, print_json, print_table, table
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.core.errors import ModelError
 from robophm.core.units import in_unit
 from robophm.hazard.handbooks import handbook_model, handbook_models
@@ -20,7 +20,7 @@ def run(model: str | None, said: Iterable[str], unit: str | None, *, explain: bo
     """List the models, say what one of them takes, or state the rate of what was said as INPUT=VALUE."""
     out = console()
     if model is None:
-        only("the list of models", ())
+        refuse_unused("the list of models", ())
         models = [(name, handbook_model(name)) for name in handbook_models()]
         if as_json:
             print_json({"models": [{"name": n, "formula": m.formula, "source": str(m.source)} for n, m in models]})
@@ -42,7 +42,7 @@ def run(model: str | None, said: Iterable[str], unit: str | None, *, explain: bo
     if not given and any(
         getattr(entry, "required", True) and entry.default is None for entry in chosen.inputs.values()
     ):
-        only(f"what {chosen.name} takes", ("model",))
+        refuse_unused(f"what {chosen.name} takes", ("model",))
         takes = [
             (name, chosen.expected(name), "" if e.default is None else str(e.default), e.description)
             for name, e in chosen.inputs.items()
@@ -60,7 +60,7 @@ def run(model: str | None, said: Iterable[str], unit: str | None, *, explain: bo
                 markup=False,
             )
         return
-    only("a hazard rate", ("model", "set_", "explain", "unit"))
+    refuse_unused("a hazard rate", ("model", "set_", "explain", "unit"))
     inputs = chosen.settle(given)
     taken = [f"{name} '{word}' is taken as {inputs[name]}" for name, word in given.items()
              if isinstance(chosen.inputs[name], Choice) and inputs[name] != word]  # fmt: skip

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from robophm.cli.output import console, may_write, print_json, print_report, progress_console, warn, write
 from robophm.cli.progress import progress
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.design.file import load
 from robophm.monitoring.recorded_drives import drives_of
 from robophm.monitoring.replay import replay_drives
@@ -26,7 +26,7 @@ def run(
 ) -> bool:  # fmt: skip
     """Replay, keep, and print or write the report; whether a threshold is breached."""
     if as_json:
-        only("JSON, in 1/h", ("store", "report", "horizon", "skip_missing"))
+        refuse_unused("JSON, in 1/h", ("store", "report", "horizon", "skip_missing"))
     may_write(report, design, *recordings, *([store] if store else []))
     robot = load(design)
     for warning in robot.warnings:

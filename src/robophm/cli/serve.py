@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from robophm.cli.output import console, may_write, warn
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.core.errors import RobophmError
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def run(design: Path, wishes: Wishes) -> None:
     """Serve until interrupted. Raises RobophmError."""
     if wishes.start is None:
         used = ("host", "port", "token", "store", "journal", "recordings", "synthetic")
-        only("a page on which nothing is watched at once (--start)", used)
+        refuse_unused("a page on which nothing is watched at once (--start)", used)
     try:
         from robophm.web.service import Settings
         from robophm.web.serving import serve

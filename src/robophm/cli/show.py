@@ -21,17 +21,17 @@ from robophm.cli.output import (
     table,
     write,
 )
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.core.errors import UnitError
 from robophm.design.file import load
 from robophm.design.legacy import legacy_rate, legacy_reliability
 from robophm.design.robot import Module, Robot
 from robophm.groups.monte_carlo import Estimate, Wear, simulate
+from robophm.health.failures_to_come import failures_to_come
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.health.report import plain
-from robophm.health.to_come import failures_to_come
-from robophm.health.unknown import Unknown, marked, marks, unknown
+from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks, unknown
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
 from robophm.report.diagram_text import diagram_text
@@ -52,7 +52,7 @@ class Promise:
     unreliability: float
     mean_time_to_failure: float
     """[h of calendar time]"""
-    unknown: Unknown | None = None
+    unknown: PartsOfUnknownRate | None = None
     """What parts of unknown rate in it make of the figures."""
     legacy_hazard_rate: float | None = None
     """What the 2020 tool says [1/h]."""
@@ -142,7 +142,7 @@ def _labels(robot: Robot, unit: str) -> Callable[[str], Label]:
 
 def estimated(design: Path, hours: float, robots: int, seed: int, *, as_json: bool) -> None:
     """Say what so many simulated robots did in place of what the diagram gives. Raises RobophmError."""
-    only("simulated robots (--monte-carlo)", ("hours", "monte_carlo", "seed"))
+    refuse_unused("simulated robots (--monte-carlo)", ("hours", "monte_carlo", "seed"))
     robot = _asked(design, hours, None)
     by_chance = estimate(robot, hours, robots, seed)
     if as_json:
@@ -159,7 +159,7 @@ def shown(
 ) -> None:
     """Draw, and tabulate what is promised. Raises RobophmError."""
     in_words = svg or not as_json
-    only(
+    refuse_unused(
         f"a design{'' if in_words else ' as JSON, in 1/h'}",
         ("hours", "svg", "legacy", "horizon", *["unit"] * bool(in_words)),
     )

@@ -28,7 +28,7 @@ def repair(
     from robophm.cli.past import existing_store, past_in
     from robophm.core.signal import HOUR
     from robophm.design.file import load
-    from robophm.health.repair import take_out_jump
+    from robophm.health.clock_jump_removal import take_out_jump
     from robophm.report.words import moment_text, number_text
 
     robot = load(design)

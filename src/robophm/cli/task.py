@@ -27,7 +27,7 @@ from robophm.health.prognosis import FutureName, View, outlooks
 from robophm.health.report import VIEWS
 from robophm.health.task_report import TaskReport, task_report
 from robophm.health.uncertainty import Interval
-from robophm.health.unknown import marks
+from robophm.health.unknown_rates import marks
 from robophm.monitoring.monitor import Monitor
 from robophm.report.words import duration_text, number_text, odds_text, percent_text, probability_text
 

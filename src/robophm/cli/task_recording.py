@@ -19,7 +19,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion
 from robophm.health.prognosis import View
 from robophm.health.report import VIEWS, task_to_json
-from robophm.health.unknown import MARKS, Unknown, marked
+from robophm.health.unknown_rates import MARKS, PartsOfUnknownRate, marked
 from robophm.monitoring.task_history import TaskRecord, judge_tasks
 from robophm.report.words import duration_text, number_text, odds_text, percent_text
 from robophm.transports.recordings.recording import Recording
@@ -122,7 +122,7 @@ def _print_records(robot: Robot, records: Sequence[TaskRecord]) -> None:
     def way(task: Task | None) -> tuple[str, str]:
         return (f"{number_text(task.distance)} m", duration_text(task.duration)) if task else ("–", "–")
 
-    def failure(found: Mapping[View, Completion] | None, view: View, left_out: Unknown | None) -> str:
+    def failure(found: Mapping[View, Completion] | None, view: View, left_out: PartsOfUnknownRate | None) -> str:
         if not found:
             return "–"
         mark = MARKS[left_out.failing] if left_out else ""

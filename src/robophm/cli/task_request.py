@@ -11,7 +11,7 @@ from robophm.cli import task_recording
 from robophm.cli.past import affordable, kept
 from robophm.cli.task import Question, with_knowledge
 from robophm.cli.task import run as of_plan
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.core.errors import RobophmError, UnitError, nearest
 from robophm.core.units import quantity
 from robophm.design.file import load
@@ -67,7 +67,7 @@ def run(design: Path, asked: Request) -> bool:
     known_functions(robot, asked.function)
     ledger = kept(asked.store, robot) if asked.store else None
     if tasks is not None and (tasks.is_dir() or tasks.suffix.lower() in SUFFIXES):
-        only("the tasks of a recording", (*_ALWAYS, "topic", "speed", "function", "skip_missing"))
+        refuse_unused("the tasks of a recording", (*_ALWAYS, "topic", "speed", "function", "skip_missing"))
         knowledge = with_knowledge(Plan(()), robot, asked.failed, asked.working).knowledge
         at = stated_speed(asked.speed)
         with Salvage(tasks) as source:
@@ -80,7 +80,7 @@ def run(design: Path, asked: Request) -> bool:
             raise RobophmError(f"{design}: has no task; expected one in it, or a tasks file")
         again, drawn = ["threshold"] * (asked.repeat > 1), ["seed"] * (asked.draws > 0)
         path = "a list of tasks" + " that is done once, by the design's threshold" * (asked.repeat == 1)
-        only(path, (*_ALWAYS, "future", "repeat", "draws", *again, *drawn))
+        refuse_unused(path, (*_ALWAYS, "future", "repeat", "draws", *again, *drawn))
         plan = load_plan(tasks, robot) if tasks else Plan((robot.task,) if robot.task else ())
         plan = with_knowledge(plan, robot, asked.failed, asked.working)
         question = Question(plan, chosen, asked.repeat, asked.threshold, asked.draws, asked.seed, asked.legacy)

@@ -9,7 +9,7 @@ from typing import Any
 import typer
 
 
-def only(path: str, used: Collection[str], *, as_json: bool = True) -> None:
+def refuse_unused(path: str, used: Collection[str], *, as_json: bool = True) -> None:
     """Refuse, as wrong usage, what was given on the command line beyond what one path of a command uses.
 
     ``path`` in words, such as 'lives at stress'; ``used``: parameters of the command's function. Those that it cannot

@@ -18,10 +18,10 @@ from rich.live import Live
 from robophm.cli.live_table import LiveTable
 from robophm.cli.output import console, may_write, print_json, print_report, warn
 from robophm.cli.task_request import known_functions, stated_speed
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.design.file import load
 from robophm.health.report import HealthReport, plain
-from robophm.health.unknown import marked, marks
+from robophm.health.unknown_rates import marked, marks
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.recorded_drives import lacking
 from robophm.report.words import duration_text, number_text, probability_text, rate_text
@@ -60,9 +60,9 @@ def _only(asked: Watched) -> None:
     """Refuse what is not used for what is asked."""
     used = ["ros", "store", "journal", "period", "every", "publish", "namespace", "tasks", "speed", "function"]
     if asked.as_json:
-        only("JSON, in 1/h", [*used, "frame"])
+        refuse_unused("JSON, in 1/h", [*used, "frame"])
     if not asked.publish:
-        only("a robot whose health is not published", [*used, "unit"])
+        refuse_unused("a robot whose health is not published", [*used, "unit"])
 
 
 def run(design: Path, asked: Watched) -> bool:

@@ -13,12 +13,12 @@ from robophm.blocks.diagram import Block
 from robophm.cli.output import console, print_json, print_table, print_unknown, progress_console, table, warn
 from robophm.cli.past import kept
 from robophm.cli.progress import counted
-from robophm.cli.unused import only
+from robophm.cli.unused import refuse_unused
 from robophm.core.errors import DataError, RobophmError
 from robophm.design.file import load
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
 from robophm.health.prognosis import Outlook, RemainingLife
-from robophm.health.unknown import Unknown, marked, marks, unknown
+from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks, unknown
 from robophm.health.worn import Worn, remaining_life
 from robophm.learning.bend import FALSE_ALARMS
 from robophm.learning.change import CORRELATED, Cusum, design
@@ -38,7 +38,7 @@ class Life(NamedTuple):
     """A remaining life, and what parts of unknown rate make of it."""
 
     hours: RemainingLife
-    unknown: Unknown | None
+    unknown: PartsOfUnknownRate | None
 
 
 Lives = dict[str, tuple[Life, Life]]
@@ -88,10 +88,12 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
     robot = load(path)
     fitted = ("part", "process", "baseline", "false_alarms", "shift", "store", "seed")
     if any(signal.suffix.lower() in TABLES for signal in signals):
-        only("a table", (*fitted, "threshold", "load"))
+        refuse_unused("a table", (*fitted, "threshold", "load"))
         found, monitor = [_of_table(robot, signals, wishes)], Monitor(robot)
     else:
-        only("recordings, whose threshold and load are in the design, at the part's `wear`", (*fitted, "skip_missing"))
+        refuse_unused(
+            "recordings, whose threshold and load are in the design, at the part's `wear`", (*fitted, "skip_missing")
+        )
         found, monitor = _of_recordings(robot, signals, wishes)
     if wishes.store:
         monitor = Monitor(robot, kept(wishes.store, robot))

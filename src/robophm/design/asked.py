@@ -9,7 +9,7 @@ from robophm.core.errors import nearest
 from robophm.core.given import instance
 from robophm.design.fault import Fault, Path, at
 from robophm.design.robot import FailureMode, Robot
-from robophm.design.task import FARTHEST, LONGEST_TASK, MOST_CYCLES, Driver, Knowledge, Leg, Plan, Task
+from robophm.design.task import FARTHEST, LONGEST_TASK, MOST_CYCLES, Knowledge, Leg, Plan, Task, TaskStress
 from robophm.hazard.model import Range
 
 
@@ -80,7 +80,7 @@ def contradiction(knowledge: Knowledge, robot: Robot) -> str:
     return ""
 
 
-Taker = tuple[FailureMode, Range, Driver]
+Taker = tuple[FailureMode, Range, TaskStress]
 
 
 def takers(key: str, robot: Robot, place: Path) -> tuple[list[Taker], str]:

@@ -19,7 +19,7 @@ from robophm.core.units import conversion, quantity
 from robophm.design import schema
 from robophm.design.fault import Fault, Path
 from robophm.design.robot import Channel, Component, Stress
-from robophm.design.task import Driver
+from robophm.design.task import TaskStress
 from robophm.hazard.handbooks import handbook_model
 from robophm.hazard.model import TEMPERATURE, Model, Range
 
@@ -88,7 +88,7 @@ def _rises(by: str, entry: Range, cover: Cover) -> bool:
 
 def drivers(
     model: Model, design: Mapping[str, Any], channels: Mapping[str, Channel], cover: Cover
-) -> dict[str, tuple[Driver, ...]]:
+) -> dict[str, tuple[TaskStress, ...]]:
     """By input, under which names its stress may be stated, the one that goes before the others first."""
     found = {}
     for name, entry in model.numbers.items():
@@ -101,7 +101,7 @@ def drivers(
             else:
                 shift = _stated_shift(by, entry.unit, cover)
                 shift += rise_of(design[name], cover.ambient) if _rises(by, entry, cover) else 0.0
-            names.append(Driver(by, shift, bool(entry.warmth) or by == name))
+            names.append(TaskStress(by, shift, bool(entry.warmth) or by == name))
         found[name] = tuple(names)
     return found
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
-from robophm.design.task import Driver, Task
+from robophm.design.task import Task, TaskStress
 from robophm.hazard.model import Evaluation, Model
 from robophm.life.distribution import LifeDistribution
 
@@ -77,7 +77,7 @@ class Stress:
     """Settled inputs at design-time stress x₀."""
     channels: Mapping[str, Channel] = field(default_factory=dict)
     """The inputs that are measured."""
-    drivers: Mapping[str, tuple[Driver, ...]] = field(default_factory=dict)
+    drivers: Mapping[str, tuple[TaskStress, ...]] = field(default_factory=dict)
     """By numeric input, under which names it may be stated: its own first, then that of the stress it follows from."""
 
     @cached_property

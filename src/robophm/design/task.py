@@ -21,7 +21,7 @@ MOST_CYCLES = 1e15
 """Of one leg, and as many starts."""
 
 
-class Driver(NamedTuple):
+class TaskStress(NamedTuple):
     """A name under which the stress of a model input may be stated."""
 
     name: str
@@ -61,7 +61,7 @@ class Leg:
         for key, value in self.stresses.items():
             number(value, f"stress '{key}'", low=-inf, error=at("stresses", key))
 
-    def stated(self, path: str, part: str, drivers: Iterable[Driver]) -> float | None:
+    def stated(self, path: str, part: str, drivers: Iterable[TaskStress]) -> float | None:
         """What is stated of a model input of the failure mode at a path; of a name the nearest statement holds."""
         steps = path.split("/")
         for driver in drivers:

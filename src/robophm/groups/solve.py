@@ -8,12 +8,12 @@ from functools import partial
 
 from robophm.blocks.diagram import Group, LoadSharing, Standby
 from robophm.core.errors import StructureError
-from robophm.groups.chain import Chain
+from robophm.groups.markov_chain import Chain
 from robophm.groups.member import Member, alike
 from robophm.groups.path import Path
-from robophm.groups.positions import Positions
-from robophm.groups.sequence import InOrder
-from robophm.groups.sharing import Sharing
+from robophm.groups.shared_load import Sharing
+from robophm.groups.standby_one_active import InOrder
+from robophm.groups.standby_several_active import Positions
 from robophm.groups.state import Solved
 from robophm.groups.together import Together
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.robot import MeasuredClock
-from robophm.health.stretch import Grid, Held, Part, Stretch, ascending
+from robophm.health.sample_stretch import Grid, HeldValues, Part, SampleStretch, ascending
 from robophm.health.window import Array, Times
 
 
@@ -114,5 +114,5 @@ class Clock:
         return steps
 
 
-def _first(held: Held, stretch: Stretch) -> int:
+def _first(held: HeldValues, stretch: SampleStretch) -> int:
     return int(held.times[0]) if len(held.times) else stretch.end

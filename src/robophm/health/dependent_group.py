@@ -20,7 +20,7 @@ ModeOf = tuple[int, LifeDistribution, float, bool]
 whether it ages whoever works."""
 
 
-class Held:
+class DependentGroup:
     """A group of a robot, with the failure modes of its members."""
 
     def __init__(self, group: Group, members: Sequence[Sequence[ModeOf]]) -> None:

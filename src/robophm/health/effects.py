@@ -17,7 +17,7 @@ from robophm.design.task import Knowledge
 from robophm.health.importance import Drawn
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
-from robophm.health.unknown import unknown
+from robophm.health.unknown_rates import unknown
 
 Array = npt.NDArray[np.float64]
 

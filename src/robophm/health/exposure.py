@@ -16,17 +16,17 @@ import numpy as np
 
 from robophm.core.signal import HOUR, Sample
 from robophm.design.robot import Channel, MeasuredClock, Robot
-from robophm.health.bundle import Bundle, Group, channel_key
 from robophm.health.clock import Clock
 from robophm.health.ledger import RECENT, Ledger, Step, Total
-from robophm.health.stretch import Flags, Observed, Part, Stretch
+from robophm.health.sample_stretch import Flags, Observed, Part, SampleStretch
+from robophm.health.stress_groups import Group, StressGroups, channel_key
 from robophm.health.window import Array, Columns, Window
 
 EACH = 2_500
 """Samples for each bundle of signals, beyond which bundles are gone through one by one: what is made on the way then
 stays in the processor's cache."""
 
-Witness = Callable[[Sequence[int], Array, Array, Mapping[str, Array]], None]
+IntervalObserver = Callable[[Sequence[int], Array, Array, Mapping[str, Array]], None]
 """Is told what some failure modes went through: which, by index; of each interval how far their clock went (a calendar
 clock: while the robot was on), the stress factor, and every measured input in the unit of its model."""
 
@@ -34,7 +34,7 @@ clock: while the robot was on), the stress factor, and every measured input in t
 class Exposure:
     """How the samples of one robot become exposure. Holds no state: that is the ledger's."""
 
-    def __init__(self, robot: Robot, witness: Witness | None = None) -> None:
+    def __init__(self, robot: Robot, witness: IntervalObserver | None = None) -> None:
         self.robot = robot
         self._witness = witness
         self.modes = robot.modes
@@ -56,7 +56,7 @@ class Exposure:
         self.clocks = tuple(clocks.values())
         self.groups = tuple(groups.values())
         self.channels: Mapping[str, Channel] = channels
-        self._whole = Bundle(self.groups, channels, tuple(clock for clock in self.clocks if clock.measured))
+        self._whole = StressGroups(self.groups, channels, tuple(clock for clock in self.clocks if clock.measured))
         self.initial = np.array([mode.initial_exposure for mode in self.modes])
         self._by_hazard = [mode.scaling == "hazard" for mode in self.modes]
 
@@ -73,7 +73,7 @@ class Exposure:
         """The same for periods with these ends [ns], ascending: bit for bit what one after the other gives."""
         if ledger.integrated_to is None:
             ledger.integrated_to = ledger.started if ledger.started is not None else ends[0]
-        stretch = Stretch(ledger, columns, _with_recent(ledger.integrated_to, ends), self.robot)
+        stretch = SampleStretch(ledger, columns, _with_recent(ledger.integrated_to, ends), self.robot)
         age, effective, hazard = np.zeros((3, len(stretch.bounds) - 1, len(self.modes)))
         went = _Went(age, effective, hazard, {}, {})
         whole = Part(stretch)
@@ -99,10 +99,10 @@ class Exposure:
         stretch.close(parts)
 
     @cached_property
-    def _apart(self) -> tuple[Bundle, ...]:
+    def _apart(self) -> tuple[StressGroups, ...]:
         return tuple(self._whole.apart())
 
-    def _go_through(self, bundle: Bundle, part: Part, went: _Went, duty: Array) -> None:
+    def _go_through(self, bundle: StressGroups, part: Part, went: _Went, duty: Array) -> None:
         """What the signals of a bundle did to what they drive."""
         ledger = part.stretch.ledger
         for key, channel in bundle.channels.items():
@@ -160,7 +160,7 @@ class Exposure:
         return factor
 
     def _known(self, ledger: Ledger, now: int) -> list[tuple[Array | None, Flags, list[Array]]]:
-        """What is known now of each group, as ``Bundle.factors``: of a robot that is on, also while this one is off."""
+        """What is known now of each group, as ``StressGroups.factors``: of a robot that is on, also while it is off."""
         observed = {}
         for key, channel in self.channels.items():
             time, (said,) = ledger.last.get(key, (now - channel.max_age, (math.nan,)))

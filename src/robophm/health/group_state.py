@@ -18,7 +18,7 @@ from robophm.groups.member import Member, Mode
 from robophm.groups.path import Path
 from robophm.groups.solve import Way, fewest_failed, left, solve
 from robophm.groups.state import Solved
-from robophm.health.dependent_group import Held
+from robophm.health.dependent_group import DependentGroup
 
 if TYPE_CHECKING:
     from robophm.health.future import Future
@@ -34,7 +34,7 @@ def _without_location(member: Member) -> list[Mode]:
     return [replace(mode, life=mode.life.without_location()) for mode in member]
 
 
-class Standing:
+class GroupState:
     """A group now, and ahead.
 
     ``new``: ages of its modes when it began, ``seen``: what each would have had, had it worked all the time, when all
@@ -42,7 +42,9 @@ class Standing:
     whom work begin anew.
     """
 
-    def __init__(self, held: Held, new: Array, seen: Array, now: Array, status: Sequence[bool | None]) -> None:
+    def __init__(
+        self, held: DependentGroup, new: Array, seen: Array, now: Array, status: Sequence[bool | None]
+    ) -> None:
         self._told = any(one is not None for one in status)
         past, nothing = np.maximum(now - seen, 0.0), np.zeros(len(new))
         begun = held.members(new, np.maximum(seen - new, 0.0))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from robophm.blocks.conditional import FAINTEST, Conditional, as_decimals, decimals
+from robophm.blocks.conditional import FAINTEST, ConditionalStructure, as_decimals, decimals
 from robophm.blocks.conditional import chances as of_hazards
 from robophm.blocks.diagram import Block
 from robophm.blocks.fault_tree import FaultTree
@@ -20,7 +20,7 @@ from robophm.blocks.reliability import Structure
 from robophm.core.errors import StructureError
 from robophm.health.plant import Parts, Plant
 from robophm.health.prognosis import Outlook
-from robophm.health.unknown import Unknown, unknown
+from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 
 Array = npt.NDArray[np.float64]
 
@@ -61,7 +61,7 @@ class Importances:
     units: tuple[UnitImportance, ...]
     refused: str = ""
     """Why there are no Fussell–Vesely importances, where there are none."""
-    unknown: Unknown | None = None
+    unknown: PartsOfUnknownRate | None = None
     """What parts of unknown rate are left out: theirs say what would be if they never failed."""
 
     def ranked(self, by: str = "criticality") -> list[UnitImportance]:
@@ -89,7 +89,7 @@ class Drawn(Parts):
 
     def __init__(self, plant: Plant, diagram: Block) -> None:
         self.diagram, self.structure = diagram, Structure(diagram)
-        self.conditional = Conditional(diagram, structure=self.structure)
+        self.conditional = ConditionalStructure(diagram, structure=self.structure)
         super().__init__(plant, [(name,) for name in self.structure.names])
         fatal = single_points_of_failure(diagram)
         self.needed = np.array([name in fatal for name in self.structure.names])

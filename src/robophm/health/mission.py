@@ -19,10 +19,10 @@ from robophm.blocks.diagram import Block
 from robophm.core.errors import DesignError
 from robophm.design.robot import FailureMode, Stress
 from robophm.design.task import Plan, Task
-from robophm.health.bundle import channel_key
 from robophm.health.future import Future
 from robophm.health.plant import Mission, Need, column
 from robophm.health.prognosis import Outlook
+from robophm.health.stress_groups import channel_key
 
 Array = npt.NDArray[np.float64]
 

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_array
 
-from robophm.blocks.conditional import Conditional
+from robophm.blocks.conditional import ConditionalStructure
 from robophm.blocks.diagram import Block, Group, KOutOfN, Unit, units
 from robophm.blocks.merging import merge_series, single_points_of_failure
 from robophm.blocks.phases import Phases
@@ -26,7 +26,7 @@ from robophm.core.errors import StructureError, nearest
 from robophm.core.given import instance
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
-from robophm.health.dependent_group import Held, ModeOf
+from robophm.health.dependent_group import DependentGroup, ModeOf
 from robophm.life.distribution import LifeDistribution
 from robophm.life.side_by_side import Lives, kind
 
@@ -69,7 +69,8 @@ class Plant:
         self.share = np.array([mode.share for mode in robot.modes])
         """Of each mode: of the hazard of its life."""
         self.groups = tuple(
-            Held(group, [list(self._modes_of(member, group.always)) for member in group.members]) for group in groups
+            DependentGroup(group, [list(self._modes_of(member, group.always)) for member in group.members])
+            for group in groups
         )
         self.by_age = np.array([mode.scaling == "age" for mode in robot.modes])
         self.initial = np.array([mode.initial_exposure for mode in robot.modes])
@@ -261,7 +262,7 @@ class System(Parts):
                 )
         (self._merged,), self._stands_for = merge_series(diagram)
         self.structure = Structure(self._merged)
-        self.conditional = Conditional(self._merged, structure=self.structure)
+        self.conditional = ConditionalStructure(self._merged, structure=self.structure)
         super().__init__(plant, [self._stands_for[name] for name in self.structure.names], by_life=True)
         self.needed = _of_units(self, plant, single_points_of_failure(diagram))
         """Whether the system works only while a unit does."""

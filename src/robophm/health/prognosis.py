@@ -19,10 +19,10 @@ from robophm.blocks.diagram import Block
 from robophm.blocks.reliability import State
 from robophm.core.waiting_time import Curve, mean_time, time_at
 from robophm.design.task import Knowledge
-from robophm.health.dependent_group import Held
+from robophm.health.dependent_group import DependentGroup
 from robophm.health.exposure import Exposure
 from robophm.health.future import Future
-from robophm.health.group_state import Standing
+from robophm.health.group_state import GroupState
 from robophm.health.ledger import Ledger
 from robophm.health.plant import Modes, Parts, Plant, System, column, finite, infinite
 
@@ -99,23 +99,25 @@ class Outlook:
         return np.array([self._since_new[group].until_now() for group in parts.groups])
 
     @cached_property
-    def _since_new(self) -> list[Standing]:
+    def _since_new(self) -> list[GroupState]:
         """The groups, of whose members nothing is known."""
         return [
-            Standing(held, new := self.new_age[held.modes], new, self.age[held.modes], [None] * len(held.group.members))
+            GroupState(
+                held, new := self.new_age[held.modes], new, self.age[held.modes], [None] * len(held.group.members)
+            )
             for held in self.plant.groups
         ]
 
     @cached_property
-    def _as_known(self) -> list[Standing]:
+    def _as_known(self) -> list[GroupState]:
         """The groups, with what is known of their members."""
         return [self._standing(held) for held in self.plant.groups]
 
-    def _standing(self, held: Held) -> Standing:
+    def _standing(self, held: DependentGroup) -> GroupState:
         new, seen, now = self.new_age[held.modes], self.seen_age[held.modes], self.age[held.modes]
         if not (np.all(seen > 0) and np.all(seen >= new)):  # not all were known to work at some time
             seen = new
-        return Standing(held, new, seen, now, [self._status(member) for member in held.group.members])
+        return GroupState(held, new, seen, now, [self._status(member) for member in held.group.members])
 
     def _status(self, member: Sequence[str]) -> bool | None:
         """Whether a member of a group works, as far as that is known."""
@@ -159,7 +161,7 @@ class Outlook:
         """The same, with what is known of their members."""
         return self._groups_rates(parts, self._as_known)
 
-    def _groups_rates(self, parts: Parts, standing: Sequence[Standing]) -> Array:
+    def _groups_rates(self, parts: Parts, standing: Sequence[GroupState]) -> Array:
         speed, found = self.factor_now * self.usage_now, []
         for i in parts.groups.tolist():
             own = speed[self.plant.groups[i].modes]
@@ -392,7 +394,7 @@ class Outlook:
         """Hazard rate of each unit [1/h] after that at the mean pace, given what is known now; shape (units, hours)."""
         return finite(self._hazard_then(parts, advance, effective, self._as_known))
 
-    def _hazard_then(self, parts: Parts, advance: Array, effective: Array, groups: Sequence[Standing]) -> Array:
+    def _hazard_then(self, parts: Parts, advance: Array, effective: Array, groups: Sequence[GroupState]) -> Array:
         m = parts.modes
         pace = self.future.factor * self.future.usage
         age = self.age[m, None] + np.where(self.plant.by_age[m, None], effective[m], advance[m])

@@ -16,8 +16,8 @@ from robophm.design.task import Knowledge, Task
 from robophm.health.mission import completion, needs, now, planned, with_new_parts
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
-from robophm.health.swapped import Swapped
-from robophm.health.unknown import Unknown, unknown
+from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
+from robophm.health.what_if_replaced import WhatIfReplaced
 
 Array = npt.NDArray[np.float64]
 
@@ -57,7 +57,7 @@ class Replacements:
     parts: tuple[Replacement, ...]
     others: int
     """Components that were not looked at: to first order they change less than any of these."""
-    unknown: Unknown | None = None
+    unknown: PartsOfUnknownRate | None = None
     """What parts of unknown rate make of it; what they themselves would gain is not known, and none of ``parts``."""
 
 
@@ -193,7 +193,7 @@ class _Ahead:
             names = self._outlook.plant.components[component].units
             together = [one for one in independent(self._diagram) if not set(names).isdisjoint(units(one))]
             block = together[0] if len(together) == 1 else Series(*together)
-            part = _Part(Swapped(self._outlook, [(1, block)], names), self._row)
+            part = _Part(WhatIfReplaced(self._outlook, [(1, block)], names), self._row)
             self._parts[component] = part if part.may_work else None
         return self._parts[component]
 
@@ -214,7 +214,7 @@ class _Ahead:
         for i, fails in zip(which, quick.tolist(), strict=True):
             if i in unsure:
                 diagrams = [(phase, plant.diagram(function)) for phase, function in wanted]
-                parts = (swapped := Swapped(outlook, diagrams, plant.components[i].units)).parts
+                parts = (swapped := WhatIfReplaced(outlook, diagrams, plant.components[i].units)).parts
                 hazards_of = [parts.of_units(one[parts.rows]) for one in hazards]
                 if swapped.may_work:
                     fails = float(swapped.given(*(np.add.reduceat(one, starts, axis=1) for one in hazards_of))[0])
@@ -318,7 +318,7 @@ class _Ahead:
 class _Part:
     """What of a system shares parts with a component that may have failed unseen, the component put in new."""
 
-    def __init__(self, swapped: Swapped, row: Mapping[int, int]) -> None:
+    def __init__(self, swapped: WhatIfReplaced, row: Mapping[int, int]) -> None:
         self._swapped = swapped
         self._rows = np.array([row[int(unit)] for unit in swapped.parts.units])
         self.rows = np.unique(self._rows)

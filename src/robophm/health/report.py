@@ -17,16 +17,16 @@ from robophm.core.signal import NOT_FINITE, REORDERED, SECOND, no_number
 from robophm.design.asked import check_knowledge, check_plan, check_task
 from robophm.design.robot import FailureMode, Limits, Robot, Thresholds
 from robophm.design.task import Knowledge, Plan, Task
+from robophm.health.clock_jumps import waiting
 from robophm.health.exposure import Exposure
-from robophm.health.leap import waiting
+from robophm.health.failures_to_come import LONGEST, FailuresToCome, failures_to_come
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion, plan_future
 from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName, Outlook, RemainingLife, View, outlooks
 from robophm.health.subject import STALE, Figures, State, Subject, breached, figures_now, looking_ahead, silence
-from robophm.health.to_come import LONGEST, FailuresToCome, failures_to_come
 from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, life_uncertainty
-from robophm.health.unknown import Unknown, marked, marks, named, unknown
+from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks, named, unknown
 
 SCHEMA_VERSION = 1
 """Of a report as JSON."""
@@ -374,9 +374,9 @@ def _systems(robot: Robot) -> list[_System]:
 class _Marks(NamedTuple):
     flags: tuple[str, ...] = ()
     silence: str = ""
-    unknown: Unknown | None = None
+    unknown: PartsOfUnknownRate | None = None
 
-    def with_unknown(self, left_out: Unknown | None) -> _Marks:
+    def with_unknown(self, left_out: PartsOfUnknownRate | None) -> _Marks:
         """And what parts of unknown rate make of the figures."""
         return _Marks((*self.flags, left_out.words), self.silence, left_out) if left_out else self
 

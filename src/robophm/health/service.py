@@ -11,7 +11,7 @@ from robophm.health.ledger import Ledger, Service
 
 
 @dataclass(frozen=True)
-class Stretch:
+class ServiceInterval:
     """What a failure mode went through from one service to the next, or till now; ages with the initial exposure."""
 
     mode: FailureMode
@@ -81,7 +81,7 @@ def _failed(part: Component, modes: tuple[FailureMode, ...], failed: bool) -> tu
     return modes if failed else ()
 
 
-def stretches(robot: Robot, ledger: Ledger) -> Iterator[Stretch]:
+def service_intervals(robot: Robot, ledger: Ledger) -> Iterator[ServiceInterval]:
     """What every failure mode went through, service by service, and since the last one."""
     of: dict[str, list[Service]] = {}
     for service in ledger.services:
@@ -97,5 +97,5 @@ def stretches(robot: Robot, ledger: Ledger) -> Iterator[Stretch]:
                 hazard = end[2] - begun[2]
                 if mode.scaling == "age":
                     hazard = float(mode.life.increment(start, max(until - start, 0.0)))
-                yield Stretch(mode, part.quantity, start, until, end[0] - begun[0], hazard, failed)
+                yield ServiceInterval(mode, part.quantity, start, until, end[0] - begun[0], hazard, failed)
                 initial, begun = 0.0, after

@@ -13,7 +13,7 @@ from robophm.design.robot import Limits
 from robophm.design.task import Task
 from robophm.health.mission import Completion, completion
 from robophm.health.prognosis import Outlook, RemainingLife
-from robophm.health.unknown import Unknown
+from robophm.health.unknown_rates import PartsOfUnknownRate
 
 State = Literal["ok", "warn", "error", "stale"]
 
@@ -85,7 +85,7 @@ class Subject:
     """Thresholds of a warning that they fail."""
     silence: str = ""
     """Where figures rest on what silent sensors may say: since when, and of which signals, in words."""
-    unknown: Unknown | None = None
+    unknown: PartsOfUnknownRate | None = None
     """What parts of unknown rate in it make of the figures."""
 
     @property

@@ -15,7 +15,7 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName, Outlook, View, outlooks
 from robophm.health.report import VIEWS, plain, task_to_json
 from robophm.health.uncertainty import DRAWS, SCENARIOS, CompletionUncertainty, completion_uncertainty, draw_loads
-from robophm.health.unknown import Unknown, unknown
+from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 
 SCHEMA_VERSION = 1
 """Of a task report as JSON."""
@@ -44,7 +44,7 @@ class TaskReport:
     """The components that all together hang on, sensor-based, the one that decides most first."""
     threshold: float | None
     """What the design wants."""
-    unknown: Unknown | None = None
+    unknown: PartsOfUnknownRate | None = None
     """What parts of unknown rate in the functions that are needed make of the probabilities."""
 
     @property
@@ -91,7 +91,7 @@ def task_report(
     )
 
 
-def unknown_in(outlook: Outlook, task: Task) -> Unknown | None:
+def unknown_in(outlook: Outlook, task: Task) -> PartsOfUnknownRate | None:
     """What parts of unknown rate make of the completion of a task; None where those that it needs are all known."""
     return unknown(outlook, *(outlook.plant.diagram(name) for name in sorted(needed(task))))
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.learning.maintenance import Costs
-from robophm.learning.standing import Downtimes, Standing
+from robophm.learning.standstill import Downtimes, Standstill
 from robophm.life.distribution import LifeDistribution
 
 Array = npt.NDArray[np.float64]
@@ -71,7 +71,7 @@ class LifeCycle:
 
 def simulate(
     parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: int,
-    standing: Standing | None = None, hour_down: float = 0.0,
+    standing: Standstill | None = None, hour_down: float = 0.0,
 ) -> LifeCycle:  # fmt: skip
     """Let a robot's parts live and be replaced for a time, so many times over.
 
@@ -79,7 +79,7 @@ def simulate(
     ``hour_down`` beside what the parts cost. Every part draws from a stream of its own by its name: two policies are
     compared on the same lives.
     """
-    standing = standing or Standing()
+    standing = standing or Standstill()
     found = [
         _together(parts, horizon, min(TOGETHER, repetitions - begun), (seed, begun), standing, hour_down)
         for begun in range(0, repetitions, TOGETHER)
@@ -93,7 +93,7 @@ def simulate(
 
 
 def _together(
-    parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: tuple[int, int], standing: Standing,
+    parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: tuple[int, int], standing: Standstill,
     hour_down: float,
 ) -> Array:  # fmt: skip
     """Cost, failures, precautions and how long the robot stood still in each repetition; shape (4, repetitions)."""
@@ -172,7 +172,7 @@ class Return:
 
 def return_on_watching(
     parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: int, without: LifeCycle | None = None,
-    standing: Standing | None = None, hour_down: float = 0.0,
+    standing: Standstill | None = None, hour_down: float = 0.0,
 ) -> Return:  # fmt: skip
     """The same lives with and without condition monitoring, as ``simulate``; a watched part is not replaced by age."""
     bare = {name: replace(part, watch=None) for name, part in parts.items()}

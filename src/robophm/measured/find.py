@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
-from robophm.measured.held import Floats, Held, InOrder, Ints, Samples, finite, held
+from robophm.measured.held import Floats, HeldValues, InOrder, Ints, Samples, finite, held
 from robophm.measured.recordings import Recorded, Signal
 
 MOST_HITS = 10_000
@@ -48,7 +48,7 @@ class Condition:
         if not self.at_least and (self.stuck or self.missing):
             raise RobophmError("stuck and missing are of some time; expected for how long at least")
 
-    def holds(self, here: Held) -> tuple[NDArray[np.bool_], Ints, Floats]:
+    def holds(self, here: HeldValues) -> tuple[NDArray[np.bool_], Ints, Floats]:
         """Of each stretch whether it does, until when, and the value, or the change per second, that says so."""
         if self.above is not None or self.below is not None:
             true = np.ones(len(here.times), np.bool_)
@@ -132,7 +132,7 @@ class Runs:
         self._name = name
         self._open: Hit | None = None
 
-    def feed(self, here: Held) -> Iterator[Hit]:
+    def feed(self, here: HeldValues) -> Iterator[Hit]:
         """The runs that are over, long enough."""
         if not len(here.times):
             return

@@ -34,7 +34,7 @@ class Samples(NamedTuple):
     values: Floats
 
 
-class Held(NamedTuple):
+class HeldValues(NamedTuple):
     """Some samples of one signal, ascending, and what follows each; shape (samples,)."""
 
     times: Ints
@@ -136,7 +136,7 @@ class Holding:
         self.apart = self.followed = 0
         """Samples that the next follows too late to go on, and all that are followed."""
 
-    def feed(self, samples: Samples) -> Held:
+    def feed(self, samples: Samples) -> HeldValues:
         """The stretches that are known with these samples, all later than those before."""
         times, values = finite(samples, self._name, self._notes)
         times = np.concatenate((self._last.times, times))
@@ -148,17 +148,17 @@ class Holding:
         ends = np.minimum(times[1:], times[:-1] + self._max_age)
         self.apart += int((ends < times[1:]).sum())
         self.followed += len(ends)
-        return Held(times[:-1], values[:-1], ends, times[1:], values[1:])
+        return HeldValues(times[:-1], values[:-1], ends, times[1:], values[1:])
 
-    def rest(self) -> Held:
+    def rest(self) -> HeldValues:
         """The last sample, of which nobody knows how long it held."""
         times, values = self._last
-        return Held(times, values, times, times, values)
+        return HeldValues(times, values, times, times, values)
 
 
 def held(
     recorded: Recorded, signals: Sequence[Signal], max_age: int, notes: Counter[str]
-) -> Iterator[Mapping[str, Held]]:
+) -> Iterator[Mapping[str, HeldValues]]:
     """The stretches of the signals that a recording has, block by block; ``max_age`` [ns].
 
     The notes say what had to be decided, and where most samples are too far apart for their values to hold.

@@ -24,7 +24,7 @@ from robophm.health.ledger import Ledger
 from robophm.measured.held import Floats
 from robophm.measured.levels import Levels, shares
 from robophm.measured.recordings import Recorded, Signal
-from robophm.monitoring.by_block import VirtualLife
+from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.recorded_drives import bound
 from robophm.transports.recordings.columns.columns import by_signal
@@ -143,7 +143,7 @@ def lived(
     monitor = Monitor(robot)
     monitor.exposure = Exposure(robot, witness)
     monitor.expect(spans := recorded.spans())
-    life, columns = VirtualLife(monitor), recorded.columns(signals)
+    life, columns = BlockMonitor(monitor), recorded.columns(signals)
     with closing(columns):
         for block in columns:
             life.observe(by_signal(block))

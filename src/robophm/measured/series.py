@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.measured.held import Floats, Held, Ints
+from robophm.measured.held import Floats, HeldValues, Ints
 
 MOST_COLUMNS = 2048
 """Stretches that are kept apart; when there are more, each two become one."""
@@ -26,7 +26,7 @@ class Series:
         self._lowest: Floats = np.empty(0)
         self._highest: Floats = np.empty(0)
 
-    def add(self, here: Held) -> None:
+    def add(self, here: HeldValues) -> None:
         """Take stretches of a signal, later than those before."""
         if not len(here.times):
             return

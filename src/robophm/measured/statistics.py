@@ -11,7 +11,7 @@ import numpy as np
 
 from robophm.core.errors import RobophmError
 from robophm.core.signal import HOUR, SECOND
-from robophm.measured.held import Floats, Held, Ints, held
+from robophm.measured.held import Floats, HeldValues, Ints, held
 from robophm.measured.levels import Levels
 from robophm.measured.recordings import Recorded, Signal
 from robophm.measured.series import Series
@@ -46,7 +46,7 @@ class Windows:
         self._numbers: Ints = np.empty(0, np.int64)
         self._sums: Floats = np.empty((0, 6))
 
-    def feed(self, here: Held) -> list[Window]:
+    def feed(self, here: HeldValues) -> list[Window]:
         """Windows that are over with these stretches. Raises RobophmError where there are too many."""
         begins, ends, values = here.times, here.ends, here.values
         if not len(begins):
@@ -130,7 +130,7 @@ class Look:
         """Nothing yet; at most so many levels."""
         return cls(Windows(None), Series(), Levels(1, 1, levels))
 
-    def add(self, here: Held) -> None:
+    def add(self, here: HeldValues) -> None:
         """Take stretches of the signal."""
         self.whole.feed(here)
         self.series.add(here)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.core.signal import HOUR, NOT_FINITE, SECOND, Sample
-from robophm.health.leap import Leaps, why_not
+from robophm.health.clock_jumps import ClockJumps, why_not
 from robophm.health.window import Window
 from robophm.monitoring.monitor import WINDOW, Monitor
 from robophm.transports.signals.source import Heard
@@ -30,7 +30,7 @@ MOST_WAITING = 4_000_000
 """Samples that the open period holds at most; a flood beyond it is integrated early or dropped, as a monitor's is."""
 
 
-class VirtualLife:
+class BlockMonitor:
     """Carries a monitor's ledger on. Its ``on_tick`` follows the first end of a period in every ``step`` [ns]."""
 
     def __init__(self, monitor: Monitor, step: int = HOUR) -> None:
@@ -82,7 +82,7 @@ class VirtualLife:
     def _believed(self, new: dict[str, Heard]) -> tuple[dict[str, Heard], list[Sample]]:
         """What counts as a monitor lets it, and what is set aside behind it, as a clock may have jumped ahead."""
         known = self.ledger.newest if self.ledger.newest is not None else min(int(h.times[0]) for h in new.values())
-        leaps = Leaps(known, (one.time for one in self.ledger.aside))
+        leaps = ClockJumps(known, (one.time for one in self.ledger.aside))
         if not leaps.count and not leaps.ahead(max(int(heard.times.max()) for heard in new.values())):
             return new, []
         signals = [*new]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robophm.core.signal import HOUR, SECOND
-from robophm.health.leap import Leaps
+from robophm.health.clock_jumps import ClockJumps
 from robophm.health.ledger import Ledger
 
 BACK = 60 * SECOND
@@ -23,7 +23,7 @@ class ClockSteps:
             hours = (ledger.integrated_to - time) / HOUR
             step = "back"
             words = f"the clock went back by {hours:,.2f} h: nothing counts until that time has passed"
-        elif ledger.newest is not None and Leaps(ledger.newest).ahead(time):
+        elif ledger.newest is not None and ClockJumps(ledger.newest).ahead(time):
             step = "ahead"
             hours = (time - ledger.newest) / HOUR
             words = f"the clock jumped ahead by {hours:,.0f} h: what it says is set aside until it is confirmed"

@@ -15,7 +15,7 @@ from robophm.monitoring.clock_steps import ClockSteps
 from robophm.monitoring.live_tasks import LiveTasks
 from robophm.monitoring.look_ahead import LookAhead
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.replay import REPAIR, REPORT_STEP, Course, kept_ledger
+from robophm.monitoring.replay import REPAIR, REPORT_STEP, ReportHistory, kept_ledger
 from robophm.stores.store import Progress, Store
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.signals.sink import JudgedTask, ReportSink
@@ -47,7 +47,7 @@ def watch(
     Raises SourceError as the source does, and where the ledger is ahead of the samples' time.
     """
     ledger = kept_ledger(robot, store) if store else None
-    course = Course(REPORT_STEP, ledger)
+    course = ReportHistory(REPORT_STEP, ledger)
     saved = time.monotonic()
     key = f"journal {journal.path.resolve()}" if journal else ""
 

@@ -17,8 +17,8 @@ from robophm.core.given import instance, number, shown
 from robophm.core.signal import CLOCK, NOT_FINITE, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Plan, Task
+from robophm.health.clock_jumps import CLOCK_JUMP, ClockJumps, stretches, why_not
 from robophm.health.exposure import Exposure
-from robophm.health.leap import LEAP, Leaps, stretches, why_not
 from robophm.health.ledger import Ledger
 from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName
@@ -101,7 +101,7 @@ class Monitor:
         ledger = self.ledger
         if (newest := ledger.newest) is not None:
             ends = (*ledger.ends, newest if last is None else last)
-            ledger.ended = max((end for end in ends if newest <= end <= newest + LEAP), default=newest)
+            ledger.ended = max((end for end in ends if newest <= end <= newest + CLOCK_JUMP), default=newest)
             ledger.ends = [end for end in ledger.ends if end < ledger.ended]
 
     def observe(self, sample: Sample) -> None:
@@ -122,10 +122,10 @@ class Monitor:
         ledger = self.ledger
         if ledger.ended is not None:
             self.resume(at)
-        if ledger.newest is None or not (ledger.aside or at > ledger.newest + LEAP):
+        if ledger.newest is None or not (ledger.aside or at > ledger.newest + CLOCK_JUMP):
             self._take(sample)
             return
-        heard = Leaps(ledger.newest, (one.time for one in ledger.aside)).hear(at)
+        heard = ClockJumps(ledger.newest, (one.time for one in ledger.aside)).hear(at)
         if heard == "waits":
             ledger.aside.append(Sample(at, signal, value))
             return

@@ -30,7 +30,7 @@ Recorded = SignalSource | str | os.PathLike[str]
 
 
 @dataclass(frozen=True)
-class Drive:
+class RecordedDrive:
     """One drive: a source, or files that overlap in time."""
 
     name: str
@@ -46,7 +46,9 @@ class Drive:
     """Files beside it of which nothing can be read, and why."""
 
 
-def drives_of(robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_missing: bool = False) -> list[Drive]:
+def drives_of(
+    robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_missing: bool = False
+) -> list[RecordedDrive]:
     """The drives in a source, or in files and folders, that have a bound signal, in the order of their time.
 
     ``skip_missing``: signals that all of them lack stay silent instead of being an error.
@@ -57,7 +59,7 @@ def drives_of(robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_mis
     instance(robot, Robot, "robot", "a Robot, as of robophm.load", DesignError)
     if not robot.signals:
         raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
-    drives: list[Drive] = []
+    drives: list[RecordedDrive] = []
     missing, topics = dict.fromkeys(robot.signals, ""), dict[str, Kind]()
     unread: list[str] = []
     for name, opens in _opened(recorded, unread):
@@ -71,13 +73,13 @@ def drives_of(robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_mis
         missing = {signal: words[signal] for signal in missing if signal in words}
         key = hashlib.sha256("\n".join((fingerprint, *sorted(signals))).encode()).hexdigest()
         if signals:
-            drives.append(Drive(name, key, signals, *_span(infos), opens))
+            drives.append(RecordedDrive(name, key, signals, *_span(infos), opens))
     _refuse(robot, missing, topics, skip_missing=skip_missing)
     return [replace(drives[0], lost=tuple(unread)), *drives[1:]]
 
 
 @contextmanager
-def living(monitor: Monitor, drive: Drive, *, anew: bool = True) -> Iterator[SignalSource]:
+def living(monitor: Monitor, drive: RecordedDrive, *, anew: bool = True) -> Iterator[SignalSource]:
     """The source of a drive that a monitor lives through, and knows when its recordings begin and end.
 
     ``anew`` is false where it goes on in the middle of the drive.

@@ -16,9 +16,9 @@ from robophm.core.signal import REORDERED, SECOND
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport
-from robophm.monitoring.by_block import VirtualLife
+from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import LONGEST_PERIOD, Monitor
-from robophm.monitoring.recorded_drives import Drive, Recorded, drives_of, living
+from robophm.monitoring.recorded_drives import Recorded, RecordedDrive, drives_of, living
 from robophm.stores.store import Progress, Store
 
 SAVE_EVERY = 2.0
@@ -38,7 +38,7 @@ _ENDED = "end of the recording that was heard last"
 """What its time is kept under in a store, with the newest sample that it is of."""
 
 
-class Course:
+class ReportHistory:
     """The reports of a robot's time that are to be kept: after the first tick, and after the first in every step."""
 
     def __init__(self, step: int, ledger: Ledger | None) -> None:
@@ -100,7 +100,7 @@ def kept_ledger(robot: Robot, store: Store) -> Ledger | None:
 
 def replay_drives(
     robot: Robot,
-    drives: Sequence[Drive],
+    drives: Sequence[RecordedDrive],
     *,
     store: Store | None = None,
     period: float = 60.0,
@@ -121,7 +121,7 @@ def replay_drives(
 
 def _go_through(
     robot: Robot,
-    drive: Drive,
+    drive: RecordedDrive,
     ledger: Ledger | None,
     store: Store | None,
     period: float,
@@ -137,7 +137,7 @@ def _go_through(
         _not_before(drive, ledger.integrated_to)
     position = progress.position
     decided |= Counter(drive.lost)
-    course = Course(step, ledger)
+    course = ReportHistory(step, ledger)
     saved = time.monotonic()
 
     def save(*, complete: bool) -> None:
@@ -159,7 +159,7 @@ def _go_through(
             on_tick(monitor)
 
     monitor = Monitor(robot, ledger, period=period, on_tick=tick if store or on_tick else None)
-    life = VirtualLife(monitor, step)
+    life = BlockMonitor(monitor, step)
     with living(monitor, drive, anew=not position) as source:
         if (blocks := source.columns(drive.signals, position)) is not None:
             for block in blocks:
@@ -178,13 +178,13 @@ def _go_through(
     return monitor, decided + source.notes
 
 
-def _report_step(drives: Sequence[Drive]) -> int:
+def _report_step(drives: Sequence[RecordedDrive]) -> int:
     """Ten minutes, or as many as leave at most MOST_REPORTS."""
     span = sum(drive.last - drive.first for drive in drives if drive.first is not None and drive.last is not None)
     return REPORT_STEP * max(1, math.ceil(span / (MOST_REPORTS * REPORT_STEP)))
 
 
-def _not_before(drive: Drive, integrated_to: int) -> None:
+def _not_before(drive: RecordedDrive, integrated_to: int) -> None:
     """Raises SourceError where a drive ends before the ledger does: all of it would be too late to count."""
     if drive.last is not None and drive.last <= integrated_to:
         early = (integrated_to - drive.last) / SECOND

@@ -22,7 +22,7 @@ from robophm.health.mission import Completion, completion
 from robophm.health.prognosis import Outlook, View, outlooks
 from robophm.health.report import VIEWS
 from robophm.health.task_report import unknown_in
-from robophm.health.unknown import Unknown
+from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.recorded_drives import drives_of, living
 from robophm.monitoring.task_evaluation import completion_as_done, task_as_done, task_as_planned
@@ -46,7 +46,7 @@ class TaskRecord:
     """None where nothing says how long it would take."""
     done: Task | None
     actual: Mapping[View, Completion] | None
-    unknown: Unknown | None = None
+    unknown: PartsOfUnknownRate | None = None
     """What parts of unknown rate make of both."""
 
 
@@ -107,7 +107,7 @@ class _Draft:
         self.driven = task_as_done(done, functions) if done else None
         self.predicted: dict[View, Completion] | None = None
         self.actual: dict[View, Completion] | None = None
-        self.unknown: Unknown | None = None
+        self.unknown: PartsOfUnknownRate | None = None
         self.begun: tuple[Mapping[View, Outlook], Ledger] | None = None
 
     def marks(self) -> Iterator[tuple[int, Callable[[Ledger], None]]]:

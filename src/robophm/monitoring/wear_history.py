@@ -19,9 +19,9 @@ from robophm.health.ledger import Ledger
 from robophm.health.window import in_time
 from robophm.learning.wear_data import Readings
 from robophm.learning.wear_signal import Array, Reducer, Times, on_a_clock
-from robophm.monitoring.by_block import VirtualLife
+from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.recorded_drives import Drive, Recorded, drives_of, living
+from robophm.monitoring.recorded_drives import Recorded, RecordedDrive, drives_of, living
 from robophm.transports.signals.source import STAMP_LIMIT, Heard, SignalSource
 
 CLOCK_STEP = 600 * SECOND
@@ -112,9 +112,9 @@ def wear_history(
     return WearHistory(found, monitor, notes + monitor.ledger.counts)
 
 
-def _lived(source: SignalSource, drive: Drive, monitor: Monitor) -> Iterator[Mapping[str, Heard]]:
+def _lived(source: SignalSource, drive: RecordedDrive, monitor: Monitor) -> Iterator[Mapping[str, Heard]]:
     """The blocks of a drive, after the robot has lived through each; the last is empty and says that all has come."""
-    life = VirtualLife(monitor, CLOCK_STEP)
+    life = BlockMonitor(monitor, CLOCK_STEP)
     if (blocks := source.columns(drive.signals, 0)) is not None:
         for block in blocks:
             life.observe(block)

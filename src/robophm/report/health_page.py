@@ -13,11 +13,12 @@ from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.health.report import HealthReport
 from robophm.health.subject import STALE, Figures, Subject
-from robophm.health.unknown import marked, marks, named
+from robophm.health.unknown_rates import marked, marks, named
 from robophm.report.basis import made_of, sensors
 from robophm.report.curve import Line, curve_svg
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
+from robophm.report.failures_to_come import contributors
 from robophm.report.importance import matters, replace_first
 from robophm.report.labels import part_labels
 from robophm.report.markup import Html
@@ -25,7 +26,6 @@ from robophm.report.minimal_sets import what_it_takes_to_fail
 from robophm.report.outline import Label
 from robophm.report.page import figure, page, section, side_by_side, table_html, tile, tiles
 from robophm.report.style import Tone
-from robophm.report.to_come import contributors
 from robophm.report.words import duration_text, number_text, odds_text, percent_text, rate_text
 
 VIEWS = {"nominal": "nominal", "sensor_based": "sensor-based"}

@@ -7,7 +7,7 @@ from itertools import chain
 
 from robophm.blocks.diagram import units
 from robophm.core.errors import DesignError, nearest
-from robophm.health.unknown import marks
+from robophm.health.unknown_rates import marks
 from robophm.report.dependence import dependence
 from robophm.report.labels import part_labels
 from robophm.report.layout import Measures, layout

@@ -9,7 +9,7 @@ from robophm.core.signal import SECOND
 from robophm.health.prognosis import RemainingLife
 from robophm.health.report import HealthReport
 from robophm.health.subject import Figures, Subject
-from robophm.report.to_come import FEW, notes, shown
+from robophm.report.failures_to_come import FEW, notes, shown
 from robophm.web.monitoring import Run
 from robophm.web.prepared import finite, unknown_of
 from robophm.web.shapes import Shape, UnknownRates

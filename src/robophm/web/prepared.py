@@ -14,7 +14,7 @@ from robophm.blocks.merging import single_points_of_failure
 from robophm.design.robot import Module, Robot
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, as_designed
-from robophm.health.unknown import Unknown, unknown
+from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 from robophm.web.shapes import LevelFigures, UnknownRates
 
 _KEPT = 4
@@ -45,7 +45,7 @@ class Prepared:
         return found | {part.path: float(rate) for part, rate in parts}
 
     @cached_property
-    def unknown(self) -> dict[str, Unknown]:
+    def unknown(self) -> dict[str, PartsOfUnknownRate]:
         """What parts of unknown rate make of each level and part that has some, by path."""
         found = {path: unknown(self.new, module.diagram) for path, module in self.modules.items()}
         for part, alone in zip(self.plant.components, self.plant.alone, strict=True):
@@ -83,12 +83,12 @@ Says = Literal["sentence", "of_tasks", "aside"]
 """What of parts of unknown rate is to be said beside figures: of health, of tasks, of figures that are no bounds."""
 
 
-def unknown_of(found: Unknown | None, says: Says = "sentence") -> UnknownRates | None:
+def unknown_of(found: PartsOfUnknownRate | None, says: Says = "sentence") -> UnknownRates | None:
     """As it goes over the wire."""
     return rates_of(found, says) if found else None
 
 
-def rates_of(found: Unknown, says: Says = "sentence") -> UnknownRates:
+def rates_of(found: PartsOfUnknownRate, says: Says = "sentence") -> UnknownRates:
     """The same of what is there."""
     return UnknownRates(**asdict(found), failing=found.failing, sentence=getattr(found, says))
 

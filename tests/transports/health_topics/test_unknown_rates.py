@@ -12,7 +12,7 @@ from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.health.mission import Completion
 from robophm.health.report import HealthReport
-from robophm.health.unknown import alone
+from robophm.health.unknown_rates import alone
 from robophm.monitoring.monitor import Monitor
 from robophm.transports.health_topics.compose import compose
 from robophm.transports.health_topics.definitions import typestore

@@ -11,7 +11,7 @@ from robophm.design.robot import UNKNOWN
 from robophm.health.prognosis import RemainingLife, View
 from robophm.health.report import VIEWS, ComponentHealth, HealthReport
 from robophm.health.subject import STALE, State, Subject
-from robophm.health.unknown import Unknown, marked, marks
+from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks
 from robophm.transports.signals.sink import JudgedTask
 
 Fields = Mapping[str, Any]
@@ -54,7 +54,7 @@ _SAYS_NOTHING = {"hazard_rate": 0.0, "reliability": 1.0, "unreliability": 0.0, "
 """Where parts of unknown rate are left out: a rate of at least 0, a life of at most for ever."""
 
 
-def _said(name: str, value: float, left_out: Unknown | bool | None) -> float:
+def _said(name: str, value: float, left_out: PartsOfUnknownRate | bool | None) -> float:
     """A figure as it is, NaN where parts of unknown rate leave of it a bound that says nothing."""
     return _NAN if left_out and value == _SAYS_NOTHING[name] else value
 

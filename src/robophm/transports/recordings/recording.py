@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import SECOND, Sample, split_signal
-from robophm.health.leap import LEAP, stretches
+from robophm.health.clock_jumps import CLOCK_JUMP, stretches
 from robophm.transports.recordings.files import EmptyError, reading
 from robophm.transports.signals.element_names import Names, NotNamedError, name_getter, names_in
 from robophm.transports.signals.message_type import field_getter, fields_of, message_type, ways_to
@@ -87,7 +87,7 @@ class Recording(SignalSource):
     def spans(self) -> list[tuple[int, int]]:
         """When the messages of each file begin and end, and so those behind a jump of its clock, on any topic."""
         each = ([span for one in told.values() for span in one.spans] for _, told in self._told)
-        return [span for spans in each for span in stretches(spans, LEAP)]
+        return [span for spans in each for span in stretches(spans, CLOCK_JUMP)]
 
     @cached_property
     def _told(self) -> list[tuple[PiecedFile, dict[int, Told]]]:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import CLOCK, Sample, split_signal
-from robophm.health.leap import LEAP
+from robophm.health.clock_jumps import CLOCK_JUMP
 from robophm.transports.recordings.files import existing, reading
 from robophm.transports.signals.source import SignalSource, TopicInfo
 
@@ -48,7 +48,7 @@ class TextSource(SignalSource):
             topic = signal.partition(".")[0]
             first.setdefault(topic, time)
             last[topic] = time
-            if not self._spans or time - self._spans[-1][1] > LEAP:
+            if not self._spans or time - self._spans[-1][1] > CLOCK_JUMP:
                 self._spans.append((time, time))
             self._spans[-1] = self._spans[-1][0], time
         fields: dict[str, dict[str, int]] = {}

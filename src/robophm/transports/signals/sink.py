@@ -10,7 +10,7 @@ from typing import Self
 from robophm.health.mission import Completion
 from robophm.health.prognosis import View
 from robophm.health.report import HealthReport
-from robophm.health.unknown import Unknown
+from robophm.health.unknown_rates import PartsOfUnknownRate
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class JudgedTask:
     distance: float
     """[m]"""
     completion: Mapping[View, Completion]
-    unknown: Unknown | None = None
+    unknown: PartsOfUnknownRate | None = None
     """What parts of unknown rate make of it."""
 
 

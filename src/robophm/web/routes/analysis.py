@@ -16,7 +16,7 @@ from robophm.core.errors import DesignError, nearest
 from robophm.health.importance import LIFELONG, Drawn, importances, usual_hours
 from robophm.health.prognosis import Outlook, outlooks
 from robophm.health.report import VIEWS, plain
-from robophm.health.unknown import unknown
+from robophm.health.unknown_rates import unknown
 from robophm.report.minimal_sets import MOST_PARTS, STEPS, Listed, failed_of
 from robophm.web.health import Life, life_of
 from robophm.web.prepared import Prepared, finite, unknown_of

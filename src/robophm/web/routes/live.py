@@ -14,8 +14,8 @@ from starlette.websockets import WebSocketDisconnect, WebSocketState
 from robophm.core.signal import SECOND, signal_name, split_signal
 from robophm.core.units import conversion
 from robophm.design.robot import Robot
+from robophm.health.failures_to_come import LONGEST
 from robophm.health.report import health_report
-from robophm.health.to_come import LONGEST
 from robophm.transports.signals.message_units import field_unit
 from robophm.web.health import Freshness, Health, health_of
 from robophm.web.routes.design import REFUSED

@@ -19,7 +19,7 @@ from robophm.health.mission import Completion, repetitions
 from robophm.health.prognosis import FutureName, View, outlooks
 from robophm.health.report import VIEWS
 from robophm.health.task_report import task_report, unknown_in
-from robophm.health.unknown import Unknown
+from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.monitoring.task_history import TaskRecord
 from robophm.transports.signals.sink import JudgedTask
 from robophm.web.jobs import Job
@@ -307,7 +307,7 @@ def _arrived(record: TaskRecord, now: int) -> ArrivedTask:
     )
 
 
-def _driven(task: Task, chance: Mapping[View, Completion] | None, left_out: Unknown | None) -> DrivenTask:
+def _driven(task: Task, chance: Mapping[View, Completion] | None, left_out: PartsOfUnknownRate | None) -> DrivenTask:
     return DrivenTask(distance=task.distance, duration=task.duration, chance=_both(chance) if chance else None,
                       unknown=unknown_of(left_out, "of_tasks"))  # fmt: skip
 
@@ -344,7 +344,7 @@ def prognosis(asked: PrognosisAsked, service: Served) -> JobState:
     return _state(service.jobs.begin("prognosis", work))
 
 
-def _prognosis(done: Mapping[View, Any], threshold: float | None, left_out: Unknown | None) -> Prognosis:
+def _prognosis(done: Mapping[View, Any], threshold: float | None, left_out: PartsOfUnknownRate | None) -> Prognosis:
     longest = max(found.shape[1] for found in done.values())
     listed = np.unique(np.linspace(0, max(longest - 1, 0), MOST_POINTS).astype(int)) if longest else np.empty(0, int)
 

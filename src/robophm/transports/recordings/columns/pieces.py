@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
-from robophm.health.leap import LEAP, stretches
+from robophm.health.clock_jumps import CLOCK_JUMP, stretches
 from robophm.transports.recordings.columns.checksum import crc32
 from robophm.transports.recordings.columns.walk import Bytes, Ints
 from robophm.transports.recordings.files import fingerprint_of
@@ -386,11 +386,11 @@ def tell(told: dict[int, Told], connection: int, times: Ints) -> None:
     if len(times):
         count, spans = told.get(connection, Told(0, []))
         more = [(int(times.min()), int(times.max()))]
-        if more[0][1] - more[0][0] > LEAP:
+        if more[0][1] - more[0][0] > CLOCK_JUMP:
             ordered = np.sort(times)
-            leaps = np.flatnonzero(np.diff(ordered) > LEAP)
+            leaps = np.flatnonzero(np.diff(ordered) > CLOCK_JUMP)
             more = [*zip(ordered[[0, *(leaps + 1)]].tolist(), ordered[[*leaps, -1]].tolist(), strict=True)]
-        told[connection] = Told(count + len(times), stretches([*spans, *more], LEAP))
+        told[connection] = Told(count + len(times), stretches([*spans, *more], CLOCK_JUMP))
 
 
 def distinct(offsets: NDArray[Any], most: int) -> bool:

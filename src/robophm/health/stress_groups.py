@@ -11,12 +11,12 @@ import numpy as np
 
 from robophm.design.robot import Channel, Stress
 from robophm.health.clock import Clock
-from robophm.health.stretch import Flags, Observed
+from robophm.health.sample_stretch import Flags, Observed
 from robophm.health.window import Array
 
 
 @dataclass
-class Bundle:
+class StressGroups:
     """Groups, and the channels and measured clocks that drive them."""
 
     groups: tuple[Group, ...]
@@ -53,7 +53,7 @@ class Bundle:
                 found[i] = factor[part], outside[part], [one[part] for one in values]
         return found
 
-    def apart(self) -> Iterator[Bundle]:
+    def apart(self) -> Iterator[StressGroups]:
         """Bundles that have no signal in common."""
         of_groups, of_clocks = [group.signals for group in self.groups], [clock.signals for clock in self.clocks]
         place = _joined([*of_groups, *of_clocks])
@@ -69,7 +69,7 @@ class Bundle:
         for clock, own in zip(self.clocks, of_clocks, strict=True):
             at(own)[2].append(clock)
         for groups, channels, clocks in some.values():
-            yield Bundle(tuple(groups), channels, tuple(clocks))
+            yield StressGroups(tuple(groups), channels, tuple(clocks))
 
 
 def _joined(sets: Iterable[set[str]]) -> dict[str, int]:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robophm.design.robot import Robot
-from robophm.health.leap import LEAP
+from robophm.health.clock_jumps import CLOCK_JUMP
 from robophm.health.ledger import Ledger, Step
 from robophm.health.window import Window
 
@@ -27,15 +27,15 @@ class Repaired(NamedTuple):
 def take_out_jump(robot: Robot, ledger: Ledger) -> Repaired | None:
     """Bring a ledger back to where its first jump of the clock began; None where it has none, and nothing is changed.
 
-    A jump is a step of the past that took longer than ``LEAP``. Sums are brought back by what the steps from then on
-    added; of a mode whose stress scales its hazard, at the mean stress of each. Distances stay as they were measured.
+    A jump is a step of the past that took longer than ``CLOCK_JUMP``. Sums are brought back by what the steps from then
+    on added; of a mode whose stress scales its hazard, at the mean stress of each. Distances stay as measured.
     A part that was replaced or repaired since keeps its sums.
     """
     steps, until = ledger.history, ledger.integrated_to
     if ledger.started is None or until is None:
         return None
     ends = [ledger.started, *(step.end for step in steps)]
-    first = next((i for i, (begin, end) in enumerate(pairwise(ends)) if end - begin > LEAP), None)
+    first = next((i for i, (begin, end) in enumerate(pairwise(ends)) if end - begin > CLOCK_JUMP), None)
     if first is None:
         return None
     before = ends[first]

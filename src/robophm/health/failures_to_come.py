@@ -13,7 +13,7 @@ from robophm.blocks.diagram import Block
 from robophm.blocks.importance import barlow_proschan
 from robophm.core.given import number
 from robophm.health.prognosis import Outlook, View
-from robophm.health.unknown import Unknown, unknown
+from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 
 Array = npt.NDArray[np.float64]
 
@@ -53,7 +53,7 @@ class FailuresToCome:
     sensor_based_failure: float
     contributions: tuple[Contribution, ...]
     """The largest sensor-based share first; of parts of unknown rate, whose failures are not counted, none."""
-    unknown: Unknown | None = None
+    unknown: PartsOfUnknownRate | None = None
     """What parts are left out."""
 
 

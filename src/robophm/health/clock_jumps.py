@@ -7,7 +7,7 @@ from datetime import UTC, datetime, timedelta
 
 from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
 
-LEAP = 400 * 24 * HOUR
+CLOCK_JUMP = 400 * 24 * HOUR
 """Nanoseconds by which a sample may be ahead of all before it and count at once: a robot may rest for a year."""
 
 CONFIRMED = 600 * SECOND
@@ -28,7 +28,7 @@ def stretches(spans: Iterable[tuple[int, int]], gap: int) -> list[tuple[int, int
     return found
 
 
-class Leaps:
+class ClockJumps:
     """Decides sample by sample, in order of arrival, by times alone: what counts now, later, or never."""
 
     def __init__(self, newest: int, aside: Iterable[int] = ()) -> None:
@@ -42,7 +42,7 @@ class Leaps:
 
     def ahead(self, time: int) -> bool:
         """Whether a sample is too far ahead to count at once."""
-        return time > self.newest + LEAP
+        return time > self.newest + CLOCK_JUMP
 
     def hear(self, time: int) -> str:
         """One more: ``counts``, and those set aside never will; ``waits`` with those; with them it ``confirms``.

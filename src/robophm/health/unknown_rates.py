@@ -24,7 +24,7 @@ Bound = Literal["at least", "at most", "if they never fail"]
 
 
 @dataclass(frozen=True)
-class Unknown:
+class PartsOfUnknownRate:
     """What parts of unknown rate make of the figures of a system that they are in."""
 
     parts: int
@@ -103,7 +103,9 @@ class Unknown:
         return f"as {self.if_never}, and may be more or less"
 
 
-def unknown(outlook: Outlook, *diagrams: Block, later: bool = False, seen: Collection[str] = ()) -> Unknown | None:
+def unknown(
+    outlook: Outlook, *diagrams: Block, later: bool = False, seen: Collection[str] = ()
+) -> PartsOfUnknownRate | None:
     """Of one system, or of several that must work together; None where every rate in it is known.
 
     ``later``: the hazard rate is of survivors at another time than now. ``seen``: failure modes, by path, of which
@@ -122,14 +124,14 @@ def unknown(outlook: Outlook, *diagrams: Block, later: bool = False, seen: Colle
     working = needed or all(not outlook.known(system, system.needed).any() for system in systems)
     count = sum(int(plant.multiplicity[plant.component_of[unit]]) for unit in units)
     rate: Literal["at least", "if they never fail"] = "at least" if needed or (working and not later) else IF_NEVER
-    return Unknown(count, rate, "at most", "at most" if working else IF_NEVER)
+    return PartsOfUnknownRate(count, rate, "at most", "at most" if working else IF_NEVER)
 
 
-def alone(parts: Iterable[Component]) -> Unknown | None:
+def alone(parts: Iterable[Component]) -> PartsOfUnknownRate | None:
     """Of parts whatever they are wired to: of figures that are made of them nothing is a bound; None where all rates
     are known."""
     count = sum(part.quantity for part in parts if part.unknown)
-    return Unknown(count, IF_NEVER, "at most", IF_NEVER) if count else None
+    return PartsOfUnknownRate(count, IF_NEVER, "at most", IF_NEVER) if count else None
 
 
 def named(robot: Robot) -> str:
@@ -148,7 +150,7 @@ def marked(mark: str, text: str) -> str:
     return UNKNOWN if mark and number in ("∞", "0") else mark + text
 
 
-def marks(left_out: Unknown | None) -> tuple[str, str, str]:
+def marks(left_out: PartsOfUnknownRate | None) -> tuple[str, str, str]:
     """What stands before a hazard rate, a survival, and what lies ahead: "≥ ", "≤ ", or "? " if they never fail."""
     if left_out is None:
         return "", "", ""

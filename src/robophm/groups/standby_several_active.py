@@ -22,7 +22,7 @@ from robophm.core.errors import StructureError
 from robophm.groups.member import Member, alike
 from robophm.groups.path import Array, Path, Rows
 from robophm.groups.quadrature import log_integral, log_sum
-from robophm.groups.sequence import InOrder
+from robophm.groups.standby_one_active import InOrder
 from robophm.groups.state import Solved
 from robophm.groups.table import LogTable
 

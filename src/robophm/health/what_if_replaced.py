@@ -22,7 +22,7 @@ Array = npt.NDArray[np.float64]
 _NEW = "\0new"  # no name of a part has a control character
 
 
-class Swapped:
+class WhatIfReplaced:
     """Diagrams that must work until the end of phases from 1 on, with some units put in new now.
 
     Given that the same diagrams work now, with the old units in them, and what else an outlook knows.

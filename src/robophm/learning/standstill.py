@@ -28,7 +28,7 @@ class Downtimes(NamedTuple):
     end: Array
 
 
-class Standing:
+class Standstill:
     """A robot's structure, asked about parts that are down; without a diagram any of them stops it."""
 
     def __init__(self, diagram: Block | None = None) -> None:

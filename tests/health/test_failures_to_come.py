@@ -17,10 +17,10 @@ from robophm.core.errors import RobophmError
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Plan, Task
+from robophm.health.failures_to_come import FailuresToCome, failures_to_come
 from robophm.health.importance import Drawn, importances
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
-from robophm.health.to_come import FailuresToCome, failures_to_come
 from robophm.monitoring.monitor import Monitor
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
+from robophm.health.failures_to_come import Contribution, FailuresToCome
 from robophm.health.report import ComponentHealth
-from robophm.health.to_come import Contribution, FailuresToCome
 from robophm.report.bars import bars_svg
 from robophm.report.markup import Html
 from robophm.report.page import figure, table_html

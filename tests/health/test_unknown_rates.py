@@ -17,7 +17,7 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.health.report import HealthReport
 from robophm.health.task_report import task_report
-from robophm.health.unknown import IF_NEVER, Unknown, unknown
+from robophm.health.unknown_rates import IF_NEVER, PartsOfUnknownRate, unknown
 from robophm.monitoring.monitor import Monitor
 
 from .test_to_come import draw
@@ -172,7 +172,10 @@ def test_what_an_unknown_rate_cannot_be(parts: dict[str, Any], more: dict[str, A
 
 
 def test_every_sentence_counts_one_and_many_rightly() -> None:
-    one, many = Unknown(1, "at least", "at most", "at most"), Unknown(1200, IF_NEVER, "at most", IF_NEVER)
+    one, many = (
+        PartsOfUnknownRate(1, "at least", "at most", "at most"),
+        PartsOfUnknownRate(1200, IF_NEVER, "at most", IF_NEVER),
+    )
     assert one.left_out == "1 part of unknown rate is left out of the totals"
     assert many.left_out == "1,200 parts of unknown rate are left out of the totals"
     assert (one.said(one.failing, "9 %"), many.said(many.failing, "9 %")) == ("at least 9 %", "9 %, if they never fail")

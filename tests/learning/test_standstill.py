@@ -8,7 +8,7 @@ import pytest
 from robophm.blocks.diagram import KOutOfN, LoadSharing, Network, Parallel, Series, Standby
 from robophm.learning.life_cycle import Upkept, Watch, return_on_watching, simulate
 from robophm.learning.maintenance import Costs
-from robophm.learning.standing import Downtimes, Standing, apart
+from robophm.learning.standstill import Downtimes, Standstill, apart
 from robophm.life.exponential import Exponential
 from robophm.life.weibull import Weibull
 
@@ -45,7 +45,7 @@ def by_states(works):
     ],
 )
 def test_steady_availability(diagram, works):
-    found = simulate(PARTS, HORIZON, REPETITIONS, 3, Standing(diagram), 7.0)
+    found = simulate(PARTS, HORIZON, REPETITIONS, 3, Standstill(diagram), 7.0)
     steady = by_states(works)
     spread = np.std(found.samples) / 7 / HORIZON / np.sqrt(REPETITIONS)  # costs are nearly all of standing still
     assert found.availability == pytest.approx(steady, abs=4 * spread + 2 * 100 / HORIZON)
@@ -53,7 +53,7 @@ def test_steady_availability(diagram, works):
 
 
 def test_a_parallel_of_one_is_that_one():
-    one = simulate({"a": PARTS["a"]}, HORIZON, REPETITIONS, 3, Standing(Parallel("a")), 7.0)
+    one = simulate({"a": PARTS["a"]}, HORIZON, REPETITIONS, 3, Standstill(Parallel("a")), 7.0)
     alone = simulate({"a": PARTS["a"]}, HORIZON, REPETITIONS, 3, None, 7.0)
     assert one.samples == pytest.approx(alone.samples)
     assert one.availability == alone.availability
@@ -62,11 +62,11 @@ def test_a_parallel_of_one_is_that_one():
 def test_equal_parts_told_apart_and_not():
     """Two of three that are drawn each; and three in series that are drawn as one."""
     equal = Upkept(LIVES["a"], PARTS["a"].costs, parts=3, units=("a[1]", "a[2]", "a[3]"))
-    found = simulate({"a": equal}, HORIZON, REPETITIONS, 5, Standing(KOutOfN(2, "a[1]", "a[2]", "a[3]")))
+    found = simulate({"a": equal}, HORIZON, REPETITIONS, 5, Standstill(KOutOfN(2, "a[1]", "a[2]", "a[3]")))
     A = UP["a"]
     assert found.availability == pytest.approx(3 * A**2 - 2 * A**3, abs=0.006)
     together = Upkept(LIVES["a"], PARTS["a"].costs, parts=3, units=("a",))
-    found = simulate({"a": together}, HORIZON, REPETITIONS, 5, Standing(Series("a", "other")))
+    found = simulate({"a": together}, HORIZON, REPETITIONS, 5, Standstill(Series("a", "other")))
     assert found.availability == pytest.approx(A**3, abs=0.006)
 
 
@@ -97,23 +97,23 @@ def test_hours_by_plain_loops(diagram, monkeypatch):
             up = {name: not any(n == name and b < middle < e for n, b, e in spans) for name in "abc"}
             expected[r] += 0.0 if works(up) else high - low
     for at_once in (4_000_000, 60, 1):  # numbers of an array: whole repetitions at a time, however many that are
-        monkeypatch.setattr("robophm.learning.standing._AT_ONCE", at_once)
-        found = Standing(diagram).hours(down, 100.0, 7)
+        monkeypatch.setattr("robophm.learning.standstill._AT_ONCE", at_once)
+        found = Standstill(diagram).hours(down, 100.0, 7)
         assert found == pytest.approx(expected, abs=1e-9)
     assert found.max() > 0
 
 
 def test_what_one_part_that_is_down_stops():
-    standing = Standing(KOutOfN(2, "a", "b", "c"))
+    standing = Standstill(KOutOfN(2, "a", "b", "c"))
     assert standing.stops("a", UP) == pytest.approx(1 - UP["b"] * UP["c"])
     assert standing.stops("a", {}) == 0.0
-    assert Standing(Series("a", "b")).stops("a", UP) == 1.0
-    assert Standing(Series("a", "b")).stops("c", UP) == 0.0  # drawn nowhere
-    assert Standing().stops("a", UP) == 1.0
+    assert Standstill(Series("a", "b")).stops("a", UP) == 1.0
+    assert Standstill(Series("a", "b")).stops("c", UP) == 0.0  # drawn nowhere
+    assert Standstill().stops("a", UP) == 1.0
 
 
 def test_units_that_no_diagram_draws_stop_nothing():
-    found = Standing(Series("a")).hours({"z": [Downtimes(np.array([0]), np.array([1.0]), np.array([9.0]))]}, 10.0, 2)
+    found = Standstill(Series("a")).hours({"z": [Downtimes(np.array([0]), np.array([1.0]), np.array([9.0]))]}, 10.0, 2)
     assert found.tolist() == [0.0, 0.0]
 
 
@@ -121,7 +121,7 @@ def test_watching_a_redundant_part_saves_less():
     watch = Watch(50.0, 0.0, 1.0, 5.0)
     watched = {name: Upkept(part.life, Costs(1.0, 1.0, 0.0, DOWN[name]), None, watch) for name, part in PARTS.items()}
     saved = [
-        return_on_watching(watched, 5000.0, 50, 1, None, Standing(diagram), 3.0).saved.mean()
+        return_on_watching(watched, 5000.0, 50, 1, None, Standstill(diagram), 3.0).saved.mean()
         for diagram in (Series("a", "b", "c"), Parallel("a", "b", "c"))
     ]
     assert saved[0] > 3 * saved[1]

@@ -36,7 +36,7 @@ def ascending(times: Times) -> Times:
     return each
 
 
-class Said(NamedTuple):
+class SignalSamples(NamedTuple):
     """What one signal said, ascending in time."""
 
     times: Times
@@ -47,19 +47,19 @@ class Said(NamedTuple):
     """Time between two samples [ns]."""
 
     @classmethod
-    def of(cls, times: Times, values: Array) -> Said:
+    def of(cls, times: Times, values: Array) -> SignalSamples:
         """What these samples say."""
         if len(times) < 2:
             return cls(times, values, False, 0)
         between = times[1:] - times[:-1]
         return cls(times, values, bool(between.min() == 0), int(between.max()))
 
-    def after(self, time: int, value: float) -> Said:
+    def after(self, time: int, value: float) -> SignalSamples:
         """With a sample before it."""
         if not len(self.times):
-            return Said.of(np.array([time]), np.array([value]))
+            return SignalSamples.of(np.array([time]), np.array([value]))
         since = int(self.times[0]) - time
-        return Said(
+        return SignalSamples(
             np.concatenate((np.array([time]), self.times)),
             np.concatenate((np.array([value]), self.values)),
             self.again or since == 0,
@@ -67,10 +67,10 @@ class Said(NamedTuple):
         )
 
 
-_NOTHING = Said.of(np.empty(0, dtype=np.int64), np.empty(0))
+_NOTHING = SignalSamples.of(np.empty(0, dtype=np.int64), np.empty(0))
 
 
-class Held(NamedTuple):
+class HeldValues(NamedTuple):
     """What one signal said: each time once, with its last value; each value holds for ``max_age``."""
 
     times: Times
@@ -140,7 +140,7 @@ class Grid:
         return running
 
 
-class Stretch:
+class SampleStretch:
     """What a robot's signals said in a stretch that begins where the ledger stands."""
 
     def __init__(self, ledger: Ledger, columns: Columns, ends: Sequence[int], robot: Robot) -> None:
@@ -150,7 +150,9 @@ class Stretch:
         self.end = ends[-1]
         self.bounds: Times = np.array([self.start, *ends], dtype=np.int64)
         """The start, and where each period ends."""
-        self.raw = {signal: Said.of(*own) for signal, own in columns.items() if len(own[0]) and signal != CLOCK}
+        self.raw = {
+            signal: SignalSamples.of(*own) for signal, own in columns.items() if len(own[0]) and signal != CLOCK
+        }
         self._powered: dict[str, tuple[int, tuple[float, ...]]] = {}
         self.operating = self._operating()
         self.off = _NEVER if ledger.off is None else ledger.off
@@ -174,7 +176,7 @@ class Stretch:
             begins += [times[:1], times[1:][silent]]
             ends += [times[:-1][silent] + gap, times[-1:] + gap]
         name = self.robot.powered
-        power = Held(_NOTHING.times, _NOTHING.values, 0, 0)
+        power = HeldValues(_NOTHING.times, _NOTHING.values, 0, 0)
         if name:
             part = Part(self)
             power, self._powered = part.signal(name, name, 0), part.last
@@ -222,7 +224,7 @@ class Stretch:
 class Part:
     """Some of the signals of a stretch: what they said, how that cuts the time, and what was noticed."""
 
-    def __init__(self, stretch: Stretch) -> None:
+    def __init__(self, stretch: SampleStretch) -> None:
         self.stretch = stretch
         self.last: dict[str, tuple[int, tuple[float, ...]]] = {}
         """By key, for the next stretch."""
@@ -232,10 +234,10 @@ class Part:
         """Nanoseconds of operation without a valid value, by key."""
         self.extrapolated: Counter[str] = Counter()
         """Nanoseconds of operation out of the range of a model, by failure mode."""
-        self._held: dict[str, Held] = {}
+        self._held: dict[str, HeldValues] = {}
         self._grids: dict[tuple[str, ...], Grid] = {}
 
-    def signal(self, name: str, key: str, max_age: int) -> Held:
+    def signal(self, name: str, key: str, max_age: int) -> HeldValues:
         """Hold all that a signal said, as it is."""
         return self._hold(key, self.stretch.raw.get(name, _NOTHING), max_age)
 
@@ -248,12 +250,12 @@ class Part:
                 values = channel.scale * said.values + channel.offset
                 valid = (values >= channel.low) & (values <= channel.high)
                 self.rejected[channel.signal] = self.rejected.get(channel.signal, False) | ~valid
-                said = Said.of(said.times[valid], said.values[valid])
+                said = SignalSamples.of(said.times[valid], said.values[valid])
         held = self._hold(key, said, channel.max_age)  # what is kept for the next stretch is as it came
         if (channel.scale, channel.offset) != (1.0, 0.0):
             self._held[key] = held._replace(values=channel.scale * held.values + channel.offset)
 
-    def _hold(self, key: str, said: Said, max_age: int) -> Held:
+    def _hold(self, key: str, said: SignalSamples, max_age: int) -> HeldValues:
         """With what was said last before; kept under a key, also for the next stretch."""
         if key in self.stretch.ledger.last:
             time, (value,) = self.stretch.ledger.last[key]
@@ -264,10 +266,10 @@ class Part:
             times, values = times[keep], values[keep]
         if len(times):
             self.last[key] = int(times[-1]), (float(values[-1]),)
-        self._held[key] = Held(times, values, said.longest, max_age)
+        self._held[key] = HeldValues(times, values, said.longest, max_age)
         return self._held[key]
 
-    def held(self, key: str) -> Held:
+    def held(self, key: str) -> HeldValues:
         """What is held under a key."""
         return self._held[key]
 
