@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import Line, agree, benchmark, race
-from robophm.design.bom import read_parts
-from robophm.design.bom.assumptions import Assumptions
-from robophm.design.bom.models import Rater, rates
+from robophm.design.importers.bom import read_parts
+from robophm.design.importers.bom.assumptions import Assumptions
+from robophm.design.importers.bom.models import Rater, rates
 
 ROWS = 10_000
 

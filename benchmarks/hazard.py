@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from benchmarks import Line, agree, benchmark, race, ramstk
-from robophm.design.bom.models import Rating, rates
+from robophm.design.importers.bom.models import Rating, rates
 from robophm.hazard.acceleration import acceleration_model
 from robophm.hazard.handbooks import handbook_model
 

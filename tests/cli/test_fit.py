@@ -137,7 +137,7 @@ def test_without_surpyval(inside, lives, monkeypatch):
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "surpyval", None)
     from robophm.core.errors import RobophmError
-    from robophm.learning.surpyval import library
+    from robophm.learning.life_data.surpyval import library
 
     with pytest.raises(RobophmError, match=r"fitting needs SurPyval \(surpyval\). Install robophm\[fit\]"):
         library()
@@ -146,6 +146,6 @@ def test_without_surpyval(inside, lives, monkeypatch):
 def test_surpyval_is_loaded_by_nothing_else(command, run):
     import subprocess
 
-    code = "import robophm.cli.fit, robophm.learning.life_stress, sys; print('surpyval' in sys.modules)"
+    code = "import robophm.cli.fit, robophm.learning.life_data.life_stress, sys; print('surpyval' in sys.modules)"
     found = subprocess.run([command[0], "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "False"

@@ -11,9 +11,9 @@ from typer.testing import CliRunner
 from robophm.cli.app import app
 from robophm.core.errors import DesignError
 from robophm.core.signal import SECOND, Sample
-from robophm.design.bom import import_bom
-from robophm.design.bom.assumptions import Assumptions
 from robophm.design.file import load, parse
+from robophm.design.importers.bom import import_bom
+from robophm.design.importers.bom.assumptions import Assumptions
 from robophm.design.task_file import parse_plan
 from robophm.hazard.acceleration import ACCELERATIONS
 from robophm.hazard.handbooks import handbook_model, handbook_models

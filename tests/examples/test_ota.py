@@ -9,7 +9,7 @@ from ruamel.yaml import YAML
 
 from robophm.blocks.diagram import Parallel
 from robophm.design.file import load
-from robophm.design.legacy import legacy_rate, legacy_reliability
+from robophm.design.importers.legacy.figures import legacy_rate, legacy_reliability
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 

@@ -12,7 +12,7 @@ from rosbags.typesys import Stores, get_typestore
 from robophm.core.errors import DataError, DesignError, SourceError
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
-from robophm.learning.wear_signal import Stretches
+from robophm.learning.wear.signal_to_readings import Stretches
 from robophm.monitoring.wear_history import wear_history, worn_modes
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.recordings.recording import Recording

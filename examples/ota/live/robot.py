@@ -8,9 +8,9 @@ import threading
 import time
 
 from drive import Ota
-from ros import Ros, header
 
 from robophm.transports.signals.source import Told
+from ros import Ros, header
 
 RATE = 20
 """Messages a second."""

@@ -9,8 +9,8 @@ from typing import Any
 
 from robophm.core.signal import SECOND, Sample
 from robophm.transports.health_topics import Outlet
-from robophm.transports.health_topics.compose import compose
 from robophm.transports.health_topics.definitions import typestore
+from robophm.transports.health_topics.message_of_fields import compose
 from robophm.transports.signals.source import LiveSource, Told
 
 

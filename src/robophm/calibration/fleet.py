@@ -29,7 +29,7 @@ from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import HOUR, SECOND, Sample
 from robophm.core.waiting_time import time_at
 from robophm.design.file import load
-from robophm.design.legacy import potc_paper
+from robophm.design.importers.legacy.figures import potc_paper
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.design.task_file import Row, load_plan, plan_of_rows

@@ -20,9 +20,9 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, as_designed, nominal_outlook
 from robophm.health.report import plain
 from robophm.health.unknown_rates import PartsOfUnknownRate, alone, marks, named, unknown
-from robophm.learning.sensor_choice import Choice, choose, explained
-from robophm.learning.sensors import coverage, read_sensors, seen
-from robophm.learning.suspects import Diagnosis, Sensor, suspects
+from robophm.learning.diagnosis.coverage_matrix import coverage, read_sensors, seen
+from robophm.learning.diagnosis.fault_isolation import Diagnosis, Sensor, suspects
+from robophm.learning.diagnosis.sensor_choice import Choice, choose, explained
 from robophm.monitoring.monitor import Monitor
 from robophm.report.fmeca_page import effect_text, fmeca_csv, fmeca_page, unknown_words
 from robophm.report.words import more_text, number_text, percent_text

@@ -17,9 +17,9 @@ from robophm.cli.output import console, estimate_text, print_json, print_table, 
 from robophm.cli.unused import refuse_unused
 from robophm.core.errors import RobophmError, StructureError, nearest
 from robophm.design.file import load as load_design
-from robophm.design.open_psa import Model, load
-from robophm.design.open_psa.as_design import as_design
-from robophm.design.open_psa.writing import document
+from robophm.design.importers.open_psa import Model, load
+from robophm.design.importers.open_psa.as_design import as_design
+from robophm.design.importers.open_psa.writing import document
 from robophm.design.robot import Robot
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed

@@ -15,12 +15,12 @@ from robophm.cli.output import console, may_make, may_write, print_json, print_t
 from robophm.cli.unused import refuse_unused
 from robophm.core.errors import DataError, RobophmError
 from robophm.design.file import load, read
-from robophm.learning.evidence import edited, named_mode
-from robophm.learning.fitting import Bounded, Fit, How, fit, fit_all, goodness
-from robophm.learning.life_data import LifeData, read_life_data, written_quantity
-from robophm.learning.life_design import design_keys, snippet
-from robophm.learning.life_stress import LifeStressFit, fit_life_stress
-from robophm.learning.repairable import PowerLaw, fit_power_law, systems
+from robophm.learning.failure_mode_edits import edited, named_mode
+from robophm.learning.life_data.distribution_fitting import Bounded, Fit, How, fit, fit_all, goodness
+from robophm.learning.life_data.fit_in_design import design_keys, snippet
+from robophm.learning.life_data.life_stress import LifeStressFit, fit_life_stress
+from robophm.learning.life_data.observed_lives import LifeData, read_life_data, written_quantity
+from robophm.learning.life_data.repairable_systems import PowerLaw, fit_power_law, systems
 from robophm.report.fit_page import fit_page, life_stress_page, parameters_text, span_text
 from robophm.report.probability_plot import probability_text
 from robophm.report.words import number_text

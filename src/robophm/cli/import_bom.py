@@ -11,10 +11,10 @@ from typing import Any
 
 from robophm.cli.output import console, may_write, print_json, print_table, table, warn, write
 from robophm.core.errors import RobophmError
-from robophm.design.bom import ImportedList, ImportedPart, import_bom
-from robophm.design.bom.assumptions import OF_ALL, Assumptions
-from robophm.design.bom.columns import ColumnMapping, mapping_text, parse_mapping
 from robophm.design.file import replace_text
+from robophm.design.importers.bom import ImportedList, ImportedPart, import_bom
+from robophm.design.importers.bom.assumptions import OF_ALL, Assumptions
+from robophm.design.importers.bom.columns import ColumnMapping, mapping_text, parse_mapping
 from robophm.report.words import rate_text
 
 MOST_LINES = 20

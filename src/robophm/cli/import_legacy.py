@@ -9,8 +9,8 @@ from pathlib import Path
 from robophm.cli.output import console, may_write, print_json, print_table, table, warn, write
 from robophm.cli.show import promises
 from robophm.core.errors import RobophmError
-from robophm.design.legacy import reliability_at
-from robophm.design.legacy_import import Imported, import_legacy
+from robophm.design.importers.legacy.figures import reliability_at
+from robophm.design.importers.legacy.reading import Imported, import_legacy
 from robophm.health.report import plain
 from robophm.report.words import number_text, percent_text, rate_text
 

@@ -14,10 +14,10 @@ from robophm.design.file import load, parse, read, replace_text
 from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Robot
 from robophm.health.service import service_intervals
 from robophm.health.unknown_rates import few
-from robophm.learning.evidence import with_evidence
-from robophm.learning.failure_log import Seen, read_failure_log
-from robophm.learning.learn import LearnedRate, UnstatedRate, learn, unstated
-from robophm.learning.scale import Lived
+from robophm.learning.rates.evidence import with_evidence
+from robophm.learning.rates.failure_log import Seen, read_failure_log
+from robophm.learning.rates.life_scale import Lived
+from robophm.learning.rates.rate_update import LearnedRate, UnstatedRate, learn, unstated
 from robophm.report.words import number_text
 
 STORES = (".db", ".sqlite", ".sqlite3")

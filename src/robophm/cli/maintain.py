@@ -20,11 +20,18 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.replacement import replacements
 from robophm.health.unknown_rates import PartsOfUnknownRate, alone, few, named
-from robophm.learning.costs import PartCosts, read_costs
-from robophm.learning.life_cycle import TOGETHER, LifeCycle, Return, Upkept, return_on_watching, simulate
-from robophm.learning.maintenance import Costs, Policy, Visit, best_age, rescaled, together
-from robophm.learning.spares import spares
-from robophm.learning.standstill import Standstill
+from robophm.learning.maintenance.costs_table import PartCosts, read_costs
+from robophm.learning.maintenance.life_cycle_costs import (
+    TOGETHER,
+    LifeCycle,
+    Return,
+    Upkept,
+    return_on_watching,
+    simulate,
+)
+from robophm.learning.maintenance.replacement_age import Costs, Policy, Visit, best_age, rescaled, together
+from robophm.learning.maintenance.spares import spares
+from robophm.learning.maintenance.standstill import Standstill
 from robophm.life.distribution import LifeDistribution
 from robophm.monitoring.monitor import Monitor
 from robophm.report.words import duration_text, number_text

@@ -24,7 +24,7 @@ from robophm.cli.output import (
 from robophm.cli.unused import refuse_unused
 from robophm.core.errors import UnitError
 from robophm.design.file import load
-from robophm.design.legacy import legacy_rate, legacy_reliability
+from robophm.design.importers.legacy.figures import legacy_rate, legacy_reliability
 from robophm.design.robot import Module, Robot
 from robophm.groups.monte_carlo import Estimate, Wear, simulate
 from robophm.health.failures_to_come import failures_to_come

@@ -17,7 +17,7 @@ from robophm.core.errors import DesignError
 from robophm.design.asked import contradiction
 from robophm.design.build_task import build_knowledge
 from robophm.design.fault import Fault
-from robophm.design.legacy import UNIT_MODES, LegacyTask, UnitMode, legacy_task
+from robophm.design.importers.legacy.figures import UNIT_MODES, LegacyTask, UnitMode, legacy_task
 from robophm.design.robot import Robot
 from robophm.design.schema import Knowledge as SaidKnowledge
 from robophm.design.task import Knowledge, Plan, Task

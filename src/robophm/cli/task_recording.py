@@ -12,7 +12,7 @@ from robophm.cli.output import console, print_json, print_table, progress_consol
 from robophm.cli.progress import progress
 from robophm.core.errors import SourceError
 from robophm.core.signal import HOUR, SECOND
-from robophm.design.legacy import UNIT_MODES, LegacyTask, UnitMode, legacy_task
+from robophm.design.importers.legacy.figures import UNIT_MODES, LegacyTask, UnitMode, legacy_task
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Task
 from robophm.health.ledger import Ledger

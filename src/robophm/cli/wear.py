@@ -20,11 +20,11 @@ from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
 from robophm.health.prognosis import Outlook, RemainingLife
 from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks, unknown
 from robophm.health.worn import Worn, remaining_life
-from robophm.learning.bend import FALSE_ALARMS
-from robophm.learning.change import CORRELATED, Cusum, design
-from robophm.learning.evidence import named_mode
-from robophm.learning.wear import FEWEST, Array, Process, Wear, at_load, wear
-from robophm.learning.wear_data import Readings, read_readings
+from robophm.learning.failure_mode_edits import named_mode
+from robophm.learning.wear.cusum import CORRELATED, Cusum, design
+from robophm.learning.wear.readings_table import Readings, read_readings
+from robophm.learning.wear.trend_bend import FALSE_ALARMS
+from robophm.learning.wear.wiener_and_gamma import FEWEST, Array, Process, Wear, at_load, wear
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.wear_history import WearHistory, wear_history, worn_modes
 from robophm.report.curve import sparkline

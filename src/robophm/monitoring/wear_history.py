@@ -17,8 +17,8 @@ from robophm.core.signal import CLOCK, SECOND
 from robophm.design.robot import FailureMode, Robot
 from robophm.health.ledger import Ledger
 from robophm.health.window import in_time
-from robophm.learning.wear_data import Readings
-from robophm.learning.wear_signal import Array, Reducer, Times, on_a_clock
+from robophm.learning.wear.readings_table import Readings
+from robophm.learning.wear.signal_to_readings import Array, Reducer, Times, on_a_clock
 from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.recorded_drives import Recorded, RecordedDrive, drives_of, living

@@ -11,8 +11,8 @@ from robophm.report.probability_plot import probability_svg
 from robophm.report.words import number_text
 
 if TYPE_CHECKING:
-    from robophm.learning.fitting import Bounded, Fit
-    from robophm.learning.life_stress import LifeStressFit
+    from robophm.learning.life_data.distribution_fitting import Bounded, Fit
+    from robophm.learning.life_data.life_stress import LifeStressFit
 
 MOST_DRAWN = 4
 

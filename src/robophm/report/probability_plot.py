@@ -14,7 +14,7 @@ from robophm.report.svg import svg
 from robophm.report.words import number_text
 
 if TYPE_CHECKING:
-    from robophm.learning.fitting import Fit
+    from robophm.learning.life_data.distribution_fitting import Fit
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ class _Paper:
     """Where times and shares lie on the paper of a fit."""
 
     def __init__(self, found: Fit) -> None:
-        from robophm.learning.fitting import straight
+        from robophm.learning.life_data.distribution_fitting import straight
 
         self.location = float(getattr(found.life, "location", 0.0)) if found.name == "weibull3" else 0.0
         self.straight = straight

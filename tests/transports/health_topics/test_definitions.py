@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robophm.transports.health_topics.compose import compose
 from robophm.transports.health_topics.definitions import Generation, definition, typestore
+from robophm.transports.health_topics.message_of_fields import compose
 from robophm.transports.health_topics.names import topics_of
 
 HASHES = {

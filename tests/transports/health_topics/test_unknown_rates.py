@@ -14,9 +14,9 @@ from robophm.health.mission import Completion
 from robophm.health.report import HealthReport
 from robophm.health.unknown_rates import alone
 from robophm.monitoring.monitor import Monitor
-from robophm.transports.health_topics.compose import compose
 from robophm.transports.health_topics.definitions import typestore
-from robophm.transports.health_topics.messages import (
+from robophm.transports.health_topics.message_of_fields import compose
+from robophm.transports.health_topics.report_fields import (
     diagnostics,
     hazard_rates,
     health,

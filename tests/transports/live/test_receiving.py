@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from robophm.core.signal import Sample
-from robophm.transports.health_topics.compose import compose
 from robophm.transports.health_topics.definitions import definition, typestore
+from robophm.transports.health_topics.message_of_fields import compose
 from robophm.transports.live.decoding import Reading
 from robophm.transports.live.receiving import Hearing, Queue
 from robophm.transports.signals.incidents import Notes

@@ -191,9 +191,9 @@ rospy.spin()
 
 
 def test_markers_in_colours_of_states(ros: System, sink: HealthTopics, report: HealthReport) -> None:
-    from robophm.transports.health_topics.compose import compose
     from robophm.transports.health_topics.definitions import typestore
-    from robophm.transports.health_topics.messages import COLOURS, markers
+    from robophm.transports.health_topics.message_of_fields import compose
+    from robophm.transports.health_topics.report_fields import COLOURS, markers
 
     message = compose(typestore(1), "visualization_msgs/msg/MarkerArray", markers(report, "base_link"))
     texts = {one.text.partition(":")[0]: one.color for one in message.markers if one.text}

@@ -69,7 +69,7 @@ class Tape:
         return text
 
     def say(self, after: float, topic: str, type_: str, **fields: Any) -> None:
-        from robophm.transports.health_topics.compose import compose
+        from robophm.transports.health_topics.message_of_fields import compose
 
         message = compose(self.store, type_, fields)
         if topic not in self.connections:

@@ -1,8 +1,9 @@
 """A robot's health as topics of ROS, of either generation: the sink, its messages and their names.
 
-``sink.py`` decides what is published when, ``messages.py`` puts figures into messages' fields, ``compose.py`` makes
-messages of them, ``definitions.py`` knows the types of phm_msgs (ros/phm_msgs), ``names.py`` makes topics of paths,
-``outlet.py`` has the publishers.
+``sink.py`` decides what is published when, ``report_fields.py`` puts a report's figures into fields of
+diagnostic_msgs/DiagnosticArray, phm_msgs/Health and the others, ``message_of_fields.py`` makes messages of such fields,
+``definitions.py`` knows the types of phm_msgs (ros/phm_msgs), ``names.py`` makes topics of paths, ``outlet.py`` has the
+publishers.
 """
 
 from __future__ import annotations

@@ -10,9 +10,9 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.health.report import HealthReport
-from robophm.transports.health_topics import messages
-from robophm.transports.health_topics.compose import compose
+from robophm.transports.health_topics import report_fields
 from robophm.transports.health_topics.definitions import PACKAGE, typestore
+from robophm.transports.health_topics.message_of_fields import compose
 from robophm.transports.health_topics.names import topics_of
 from robophm.transports.health_topics.outlet import Outlet, Publisher
 from robophm.transports.signals.incidents import UnknownTypeError
@@ -81,30 +81,34 @@ class HealthTopics(ReportSink):
 
     def publish(self, report: HealthReport) -> None:
         """Hazard rates and reliabilities, then all else."""
-        self._send(f"{self._root}/phm_hazard_rate", messages.hazard_rates(report))
-        self._send(f"{self._root}/phm_reliability", messages.reliabilities(report))
-        for one in messages.told_of(report):
+        self._send(f"{self._root}/phm_hazard_rate", report_fields.hazard_rates(report))
+        self._send(f"{self._root}/phm_reliability", report_fields.reliabilities(report))
+        for one in report_fields.told_of(report):
             path = one.path if one is report.system else f"{report.robot}/{one.path}"
             if topic := self._topics.get(path):
-                self._send(topic, messages.health(report, one))
-        self._send(f"{self._root}/phm/markers", messages.markers(report, self._frame))
+                self._send(topic, report_fields.health(report, one))
+        self._send(f"{self._root}/phm/markers", report_fields.markers(report, self._frame))
         time = report.time or 0
         if not 0 <= time - self._diagnosed < DIAGNOSTICS_EVERY:
             self._diagnosed = time
-            self._send("/diagnostics", messages.diagnostics(report, f"{self._root}/{HAZARD_RATE_NODE}".lstrip("/")))
+            self._send(
+                "/diagnostics", report_fields.diagnostics(report, f"{self._root}/{HAZARD_RATE_NODE}".lstrip("/"))
+            )
         self._send_completions(time)
 
     def judged(self, task: JudgedTask) -> None:
         """Of the tasks on phm_potc the latest."""
         self._latest[task.done] = task
-        self._send(f"{self._root}/phm/task_{'actual' if task.done else 'predicted'}", messages.task_completion(task))
+        self._send(
+            f"{self._root}/phm/task_{'actual' if task.done else 'predicted'}", report_fields.task_completion(task)
+        )
         self._send_completions(task.time)
 
     def _send_completions(self, time: int) -> None:
-        fields = messages.task_completions(time, self._latest.get(True), self._latest.get(False))
+        fields = report_fields.task_completions(time, self._latest.get(True), self._latest.get(False))
         self._send(f"{self._root}/phm_potc", fields)
 
-    def _send(self, topic: str, fields: messages.Fields) -> None:
+    def _send(self, topic: str, fields: report_fields.Fields) -> None:
         with self._lock:
             if entry := self._publishers.get(topic):
                 publisher, type_ = entry

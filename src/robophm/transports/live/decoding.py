@@ -10,9 +10,9 @@ import numpy as np
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND, named, split_signal
-from robophm.transports.recordings.columns.layout import NotCompilableError, compile_fields
+from robophm.transports.recordings.columns.field_extraction import Program
+from robophm.transports.recordings.columns.message_layout import NotCompilableError, compile_fields
 from robophm.transports.recordings.columns.single import Single
-from robophm.transports.recordings.columns.walk import Program
 from robophm.transports.signals.element_names import NotNamedError, name_getter
 from robophm.transports.signals.incidents import TypeRefusedError
 from robophm.transports.signals.message_type import HEADER, MessageType, field_getter, ways_to

@@ -95,8 +95,8 @@ def import_parts(
 
     ``columns`` say what a header means, where it is not what was found: 'part_number=Manufacturer number'.
     """
-    from robophm.design.bom import import_bom
-    from robophm.design.bom.columns import FIELDS, ColumnMapping
+    from robophm.design.importers.bom import import_bom
+    from robophm.design.importers.bom.columns import FIELDS, ColumnMapping
 
     said = dict(pair.partition("=")[::2] for pair in columns or ())
     with tempfile.TemporaryDirectory(prefix="robophm-") as folder:
@@ -134,7 +134,7 @@ def import_parts(
 @router.post("/api/imports/legacy", responses=REFUSED)
 def import_2020(body: Upload, name: FileName = "phm_configurations.yaml") -> Imported:
     """What a file of the 2020 tool would be as a design; nothing is changed."""
-    from robophm.design.legacy_import import import_legacy
+    from robophm.design.importers.legacy.reading import import_legacy
 
     with tempfile.TemporaryDirectory(prefix="robophm-") as folder:
         source = File(folder) / _plain(name)

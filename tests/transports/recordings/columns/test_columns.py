@@ -253,7 +253,7 @@ def test_types_that_are_not_compiled_are_decoded_one_by_one(tmp_path: Path, monk
     from mcap.writer import Writer
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-    monkeypatch.setattr("robophm.transports.recordings.columns.layout.MOST_STEPS", 50)
+    monkeypatch.setattr("robophm.transports.recordings.columns.message_layout.MOST_STEPS", 50)
     text = "string[60] names\nfloat64 x\nfloat64[] y\n"
     store = get_typestore(Stores.EMPTY)
     store.register(get_types_from_msg(text, "a_msgs/msg/A"))

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from robophm.transports.recordings.columns import read_columns
+from robophm.transports.recordings.columns.field_extraction import Bytes
 from robophm.transports.recordings.columns.pieces import DamageError
 from robophm.transports.recordings.columns.table import Pages, Table, find_rows
-from robophm.transports.recordings.columns.walk import Bytes
 
 from ..conftest import SIGNALS
 from ..test_recording import T0

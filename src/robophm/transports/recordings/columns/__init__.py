@@ -1,8 +1,8 @@
 """Exactly the fields asked for, straight from the file, as NumPy columns.
 
-``layout.py`` compiles a message definition and field paths to steps, ``walk.py`` takes them in many messages side by
-side, ``single.py`` in one; ``mcap.py``, ``bag.py`` and ``db3.py`` know where the messages lie, and ``columns.py`` puts
-them in order.
+``message_layout.py`` compiles a message definition and field paths to steps, ``field_extraction.py`` takes them in many
+messages side by side, ``single.py`` in one; ``mcap.py``, ``bag.py`` and ``db3.py`` know where the messages lie, and
+``columns.py`` puts them in order.
 """
 
 from __future__ import annotations

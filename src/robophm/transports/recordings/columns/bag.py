@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
+from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
 from robophm.transports.recordings.columns.pieces import (
     LONGEST_TEXT,
     MOST_TIME,
@@ -29,7 +30,6 @@ from robophm.transports.recordings.columns.pieces import (
     Messages,
     distinct,
 )
-from robophm.transports.recordings.columns.walk import Bytes, Ints, everywhere
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import SECOND, named, split_signal
-from robophm.transports.recordings.columns.layout import NotCompilableError, compile_fields
+from robophm.transports.recordings.columns.field_extraction import Ints, Program
+from robophm.transports.recordings.columns.message_layout import NotCompilableError, compile_fields
 from robophm.transports.recordings.columns.pieces import MOST_TIME, Messages, Piece, PiecedFile
-from robophm.transports.recordings.columns.walk import Ints, Program
 from robophm.transports.recordings.files import METADATA, PACKED, existing, parts_of, reading
 from robophm.transports.signals.element_names import Names, NotNamedError, name_getter
 from robophm.transports.signals.message_type import MessageType, field_getter, fields_of, message_type, ways_to

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robophm.core.errors import SourceError
+from robophm.transports.recordings.columns.field_extraction import Bytes
 from robophm.transports.recordings.columns.pieces import BATCH, MOST_TIME, DamageError, Messages, Piece, Told, tell
 from robophm.transports.recordings.columns.rows import Row, RowsFile
 from robophm.transports.recordings.columns.table import COLUMNS, Flags, Pages, Rows, find_rows
-from robophm.transports.recordings.columns.walk import Bytes
 from robophm.transports.recordings.files import check_whole
 
 if TYPE_CHECKING:

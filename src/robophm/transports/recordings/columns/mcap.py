@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.checksum import crc32
+from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
 from robophm.transports.recordings.columns.pieces import (
     BATCH,
     LONGEST_TEXT,
@@ -36,7 +37,6 @@ from robophm.transports.recordings.columns.pieces import (
     distinct,
     tell,
 )
-from robophm.transports.recordings.columns.walk import Bytes, Ints, everywhere
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection

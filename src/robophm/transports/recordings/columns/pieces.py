@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from robophm.core.errors import SourceError
 from robophm.health.clock_jumps import CLOCK_JUMP, stretches
 from robophm.transports.recordings.columns.checksum import crc32
-from robophm.transports.recordings.columns.walk import Bytes, Ints
+from robophm.transports.recordings.columns.field_extraction import Bytes, Ints
 from robophm.transports.recordings.files import fingerprint_of
 
 if TYPE_CHECKING:

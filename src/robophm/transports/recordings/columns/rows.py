@@ -9,8 +9,8 @@ from operator import itemgetter
 
 import numpy as np
 
+from robophm.transports.recordings.columns.field_extraction import Ints
 from robophm.transports.recordings.columns.pieces import MOST_TIME, Messages, Piece, PiecedFile
-from robophm.transports.recordings.columns.walk import Ints
 
 MOST_ROWS = 4096
 """Messages of a batch."""

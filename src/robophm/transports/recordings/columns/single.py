@@ -6,8 +6,8 @@ import struct
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from robophm.transports.recordings.columns.layout import NotCompilableError
-from robophm.transports.recordings.columns.walk import Align, End, Program, Step, Take, Text
+from robophm.transports.recordings.columns.field_extraction import Align, End, Program, Step, Take, Text
+from robophm.transports.recordings.columns.message_layout import NotCompilableError
 
 _LITTLE_ENDIAN = b"\x00\x01"
 """The first bytes of CDR; the other order is left to the decoder."""

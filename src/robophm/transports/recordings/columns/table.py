@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
 from robophm.transports.recordings.columns.pieces import BATCH, DamageError
-from robophm.transports.recordings.columns.walk import Bytes, Ints, everywhere
 
 COLUMNS = ("id", "topic_id", "timestamp", "data")
 """Of the table whose rows can be found."""

@@ -1,0 +1,119 @@
+"""A parts list becomes a design, or part of one: every row a component, rated by what the list says of it.
+
+What a model asks for and the list does not say is assumed, and said beside it; a part without a model, or of which too
+little is known for one, is said and becomes a part of unknown rate. Nothing is dropped or guessed in silence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from robophm.core.errors import DesignError
+from robophm.core.units import quantity
+from robophm.design.file import parse, read
+from robophm.design.importers.bom.assumptions import Assumptions, TooLittle
+from robophm.design.importers.bom.columns import ColumnMapping
+from robophm.design.importers.bom.component import LONGEST_DESCRIPTION, LONGEST_NAME, Wanted
+from robophm.design.importers.bom.kinds import GUESS
+from robophm.design.importers.bom.merging import Level, Outcome
+from robophm.design.importers.bom.models import Rater, Rating, rates
+from robophm.design.importers.bom.reading import Part, PartsList, read_parts
+from robophm.design.naming import design_name, printable, quoted
+from robophm.design.robot import Robot
+
+
+@dataclass(frozen=True)
+class ImportedPart:
+    """What became of a part."""
+
+    part: Part
+    rating: Rating | None
+    hazard_rate: float | None
+    """Of one of them, as the list gives it [1/h]; None where it has no rate."""
+    outcome: Outcome
+
+    @property
+    def guess(self) -> bool:
+        """Whether it is rated as what its letters alone say."""
+        return self.rating is not None and self.part.recognised.concluded.get("kind") == GUESS
+
+
+@dataclass(frozen=True)
+class ImportedList:
+    """A design with the parts of a list in it."""
+
+    text: str
+    robot: Robot
+    parts_list: PartsList
+    assumptions: Assumptions
+    parts: tuple[ImportedPart, ...]
+    removed: tuple[Outcome, ...]
+    """Parts of an earlier import of this list that it no longer has; those that stay are 'kept'."""
+
+
+def rate_parts(parts: Sequence[Part], assumptions: Assumptions) -> list[tuple[Rating | None, float | None, str]]:
+    """Model and inputs of each part with its hazard rate [1/h], or why it has none."""
+    rater = Rater(assumptions)
+    found: list[tuple[Rating | None, str]] = []
+    for part in parts:
+        try:
+            found.append((rater.rating(part.recognised), ""))
+        except TooLittle as reason:
+            found.append((None, str(reason)))
+    values = iter(rates([rating for rating, _ in found if rating]).tolist())
+    return [(rating, next(values) if rating else None, why) for rating, why in found]
+
+
+def import_bom(
+    source: Path,
+    design: Path,
+    *,
+    mapping: ColumnMapping | None = None,
+    assumptions: Assumptions | None = None,
+    environment: str | None = None,
+    module: Sequence[str] = (),
+) -> ImportedList:
+    """Put the parts of a list into a design, a new one where there is no such file; nothing is written.
+
+    ``environment`` is that of the design's level, or GM, unless it is given. Raises DesignError.
+    """
+    assumed = assumptions or Assumptions()
+    quantity(assumed.temperature, "degC")
+    if not 0 <= assumed.stress <= 1:
+        raise DesignError(f"stress {assumed.stress:g}; expected a share of the rated one, 0 to 1")
+    found = read_parts(source, mapping)
+    there = design.exists()
+    text = read(design) if there else f"schema_version: 1\nname: {quoted(design_name(design.stem, LONGEST_NAME))}\n"
+    if there:
+        parse(text, str(design))
+    level = Level(text, str(design), module)
+    stated = level.environment
+    assumed = replace(assumed, environment=environment or stated or Assumptions.environment)
+    own_environment = assumed.environment if stated and stated != assumed.environment else None
+    rated = rate_parts(found.parts, assumed)
+    file = printable(source.name)
+    wanted = [_wanted(part, *rating, own_environment) for part, rating in zip(found.parts, rated, strict=True)]
+    quality = assumed.quality or "each model's default, its lowest or commercial"
+    remarks = (
+        f"{file:.80}; where it says nothing else, assumed are: temperature {assumed.temperature},",
+        f"junctions and windings {assumed.rise} above it, voltage, current and power {assumed.stress:g} of the rated,",
+        f"environment {assumed.environment}, quality {quality}.",
+    )
+    result = level.merge(wanted, file=file, environment=assumed.environment, remarks=remarks)
+    robot = parse(result.text, str(design) if there else f"{source}, as a design")
+    parts = tuple(
+        ImportedPart(part, one.rating, one.hazard_rate, outcome)
+        for part, one, outcome in zip(found.parts, wanted, result.outcomes, strict=True)
+    )
+    return ImportedList(result.text, robot, found, assumed, parts, tuple(result.removed))
+
+
+def _wanted(part: Part, rating: Rating | None, rate: float | None, why: str, environment: str | None) -> Wanted:
+    if rating and environment and "environment" in rating.settled:
+        rating = replace(rating, inputs={**rating.inputs, "environment": environment})
+    said = part.described
+    words = ", ".join(dict.fromkeys(filter(None, (said.value, said.footprint, said.description, said.part_number))))
+    description = printable(words)[:LONGEST_DESCRIPTION] or part.name
+    return Wanted(part.row, part.name, part.references, part.quantity, description, rating, why, rate)

@@ -1,0 +1,147 @@
+"""A part of a list as a component of a design: what it says, how that is written, and how an edit of it is noticed."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from robophm.design.importers.bom.kinds import GUESS
+from robophm.design.importers.bom.models import Rating
+from robophm.design.importers.bom.references import ReferencesError, compressed, expand
+from robophm.design.naming import printable, quoted
+from robophm.design.robot import UNKNOWN
+
+LONGEST_NAME = 80
+LONGEST_DESCRIPTION = 300
+
+Content = dict[str, Any]
+"""A component as a design has it."""
+
+NEEDS = "  # needs a rate: "
+ASSUMED = "  # assumed: "
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A part as the list has it."""
+
+    row: int
+    name: str
+    references: tuple[str, ...]
+    quantity: int
+    description: str
+    rating: Rating | None
+    needs: str
+    """Why it has no rate."""
+    hazard_rate: float | None = None
+    """Of one of them [1/h]."""
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a component's source says of the list that it came from."""
+
+    file: str
+    references: tuple[str, ...]
+    stamp: str
+
+
+def content(part: Wanted, file: str) -> Content:
+    """A part as a component: with its model, or of unknown rate."""
+    made: Content = {"description": part.description, "quantity": part.quantity}
+    if part.rating is None:
+        made["rate"] = UNKNOWN
+    else:
+        made["hazard"] = {"model": part.rating.model, "inputs": dict(part.rating.inputs)}
+    assumed = f"; assumed {', '.join(part.rating.assumed)}" if part.rating and part.rating.assumed else ""
+    guess = f"; {GUESS}" if part.rating and GUESS in part.rating.assumed.get("model", "") else ""
+    return made | {"source": f"{_source(part, file)}{guess}{assumed} [import {stamp(made)}]"}
+
+
+def stamp(made: Content) -> str:
+    """Of all that a component says but its source: another one where somebody has edited it."""
+
+    def words(value: Any) -> Any:
+        return {key: words(inner) for key, inner in value.items()} if isinstance(value, dict) else str(value)
+
+    said = words({key: value for key, value in made.items() if key != "source"})
+    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()[:8]
+
+
+def origin(source: object) -> Origin | None:
+    """What a source says of an import; None where it is of none."""
+    match = _SOURCE.match(source) if isinstance(source, str) else None
+    if not match:
+        return None
+    try:
+        references = expand(match["references"].removeprefix("no references"))
+    except ReferencesError:
+        return Origin(match["file"], (), "")
+    return Origin(match["file"], references, match["stamp"] or "")
+
+
+_SOURCE = re.compile(
+    r"(?P<file>.*), row \d+: (?P<references>[^;\[]*)(?:.*\[import (?P<stamp>[0-9a-f]{8})\])?", re.DOTALL
+)
+
+
+def _source(part: Wanted, file: str) -> str:
+    return f"{file}, row {part.row}: {compressed(part.references) or 'no references'}"
+
+
+def lines(name: str, part: Wanted, file: str, pad: str) -> Iterator[str]:
+    """A component, rated or of unknown rate, as lines of a design."""
+    yield f"{pad}{quoted(name)}:\n"
+    for key, value in content(part, file).items():
+        text = rate_text(part, f"{pad}  ") if key in ("hazard", "rate") else line(key, value)
+        yield f"{pad}  {text}\n"
+
+
+def rate_text(part: Wanted, pad: str) -> str:
+    """Where its rate is from, or that it is unknown and why; the first line without its indentation."""
+    if part.rating:
+        return hazard_text(part.rating, pad)
+    return f"{line('rate', UNKNOWN)}{NEEDS}{printable(part.needs)}"
+
+
+def line(key: str, value: object) -> str:
+    """A key and its value."""
+    return f"{key}: {value if isinstance(value, int) else quoted(str(value))}"
+
+
+def hazard_text(rating: Rating, pad: str) -> str:
+    """Model and inputs; the first line without its indentation."""
+    return f"hazard:\n{pad}  {hazard_line(rating, 'model')}\n{pad}  {inputs_text(rating, f'{pad}  ')}"
+
+
+def hazard_line(rating: Rating, key: str) -> str:
+    """The model, or one of the inputs, with why it is assumed."""
+    why = rating.assumed.get(key)
+    text = line(key, rating.model if key == "model" else rating.inputs[key])
+    return f"{text}{ASSUMED}{why}" if why else text
+
+
+def inputs_text(rating: Rating, pad: str) -> str:
+    """All inputs, line by line, likewise."""
+    if not rating.inputs:
+        return "inputs: {}"
+    return "\n".join(("inputs:", *(f"{pad}  {hazard_line(rating, name)}" for name in rating.inputs)))
+
+
+def differ(one: object, other: object) -> bool:
+    """As a design says them: 4 is '4'."""
+    return stamp({"": one}) != stamp({"": other})
+
+
+def short(value: object) -> str:
+    """A value of a component, for people."""
+    if isinstance(value, Mapping):
+        inputs = value.get("inputs")
+        model = str(value.get("model", "")).rpartition(".")[2]
+        value = f"{model} {', '.join(map(str, inputs.values()))}" if isinstance(inputs, dict) else model
+    text = str(value)
+    return text if len(text) <= 80 else text[:79] + "…"

@@ -1,0 +1,107 @@
+"""Rates parts: each kind's model with its inputs, what the list says and what is assumed, and the hazard rates."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from robophm.core.errors import ModelError, UnitError, nearest
+from robophm.design.importers.bom.assumptions import Assumptions, TooLittle
+from robophm.design.importers.bom.kinds import DEVICE, GUESS
+from robophm.design.importers.bom.parts import Recognised
+from robophm.design.importers.bom.rules import RULES
+from robophm.hazard.handbooks import handbook_model
+from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS
+from robophm.hazard.model import Array, Choice
+
+
+@dataclass(frozen=True)
+class Rating:
+    """A model and its inputs, as the design has them, and settled for evaluation."""
+
+    model: str
+    inputs: Mapping[str, str]
+    assumed: Mapping[str, str]
+    """Inputs that the list does not say, and why they are what they are."""
+    settled: Mapping[str, str | float]
+
+
+BEYOND = {
+    "mechanical part": "it is a mechanical part: state its rate, or a model of nswc_11 with its loads",
+    DEVICE: "it is a whole device, not one electronic part: state its maker's figure, or its own parts",
+    "cable": "it is a cable, of which no handbook has a model: state its rate",
+}
+"""Why what is no electronic part is not rated as one."""
+
+
+class Rater:
+    """Rates parts under the same assumptions; equal inputs are settled once.
+
+    Raises ModelError where the environment or the quality is none that any model knows.
+    """
+
+    def __init__(self, assumed: Assumptions) -> None:
+        self.assumed = assumed
+        self.settled: dict[tuple[str, ...], dict[str, str | float]] = {}
+        if assumed.environment not in ENVIRONMENTS:
+            hint = nearest(assumed.environment, ENVIRONMENTS)
+            raise ModelError(f"environment '{assumed.environment}' is no symbol of Table 3-2{hint}")
+        models = [handbook_model(name) for name in dict.fromkeys(rule.model for rule in RULES.values())]
+        levels = [choice for model in models if isinstance(choice := model.inputs.get("quality"), Choice)]
+        if assumed.quality and not any(choice.option(assumed.quality) for choice in levels):
+            known = [level for choice in levels for level in (*choice.options, *choice.aliases)]
+            raise ModelError(f"quality '{assumed.quality}' is a level of no model{nearest(assumed.quality, known)}")
+
+    def rating(self, part: Recognised) -> Rating:
+        """The model of a part with its inputs. Raises TooLittle where there is none, or it needs more."""
+        if not part.kind:
+            raise TooLittle("what kind of part it is, is not clear from its reference and words")
+        if part.kind in BEYOND:
+            raise TooLittle(BEYOND[part.kind])
+        if part.kind not in RULES:
+            raise TooLittle(f"no handbook has a model of a {part.kind}")
+        rule = RULES[part.kind]
+        model = handbook_model(rule.model)
+        try:
+            inputs, assumed = rule.inputs(part, self.assumed)
+            if part.concluded.get("kind") == GUESS:
+                assumed["model"] = "; ".join(filter(None, (f"{part.kind} is {GUESS}", assumed.get("model", ""))))
+            level, choices = self.assumed.quality, model.inputs.get("quality")
+            if level and isinstance(choices, Choice):
+                if choices.option(level) is not None:
+                    inputs["quality"] = level
+                elif choices.default:
+                    inputs["quality"], assumed["quality"] = choices.default, f"this model knows no {level}"
+            given: dict[str, Any] = dict(inputs)
+            if "environment" in model.inputs:
+                given["environment"] = self.assumed.environment
+            key = (rule.model, *(f"{name}={text}" for name, text in given.items()))
+            if key not in self.settled:
+                self.settled[key] = model.settle(given)
+            return Rating(rule.model, inputs, assumed, self.settled[key])
+        except (ModelError, UnitError) as error:
+            raise TooLittle(str(error)) from None
+
+
+def rates(ratings: Sequence[Rating]) -> Array:
+    """The hazard rate of one part of each [1/h]; parts that share a model and its words are rated at once."""
+    result = np.zeros(len(ratings))
+    groups: dict[tuple[Any, ...], list[int]] = defaultdict(list)
+    for i, rating in enumerate(ratings):
+        words = ((name, value if isinstance(value, str) else None) for name, value in rating.settled.items())
+        groups[(rating.model, *words)].append(i)
+    for (name, *_), members in groups.items():
+        first = ratings[members[0]].settled
+        inputs = {
+            key: value if isinstance(value, str) else _column(ratings, members, key) for key, value in first.items()
+        }
+        result[members] = handbook_model(name).evaluate(inputs).value
+    return result
+
+
+def _column(ratings: Sequence[Rating], members: Iterable[int], key: str) -> Array:
+    return np.array([ratings[i].settled[key] for i in members], dtype=float)

@@ -1,0 +1,289 @@
+"""The rows of a parts list as parts: references expanded and counted, faulty rows told of, none lost."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from robophm.core.errors import DesignError
+from robophm.design.importers.bom.columns import Column, ColumnMapping, PartsTable, read_table
+from robophm.design.importers.bom.component import LONGEST_NAME
+from robophm.design.importers.bom.kinds import NO_PARTS
+from robophm.design.importers.bom.parts import Described, Recognised, recognise, with_points
+from robophm.design.importers.bom.references import ReferencesError, are_references, compressed, expand
+from robophm.design.importers.bom.tables import Row
+from robophm.design.naming import design_name
+
+MOST_PARTS = 100_000
+"""Of one row: what a component's quantity may be."""
+
+MOST_REFERENCES = 1_000_000
+"""In all rows."""
+
+
+@dataclass(frozen=True)
+class RowError:
+    """A cell that cannot be read; its row is left out, the others are not."""
+
+    row: int
+    column: str
+    value: str
+    expected: str
+
+    def __str__(self) -> str:
+        """For people."""
+        return f"row {self.row}, {self.column}: '{self.value}'; expected {self.expected}; the row is left out"
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something to know about a row, which is in the design or left out on purpose."""
+
+    row: int
+    text: str
+
+    def __str__(self) -> str:
+        """For people."""
+        return f"row {self.row}: {self.text}"
+
+
+@dataclass(frozen=True)
+class Part:
+    """A row that is a part."""
+
+    row: int
+    references: tuple[str, ...]
+    quantity: int
+    name: str
+    """Without what makes it unique in a design."""
+    described: Described
+    recognised: Recognised
+
+
+@dataclass(frozen=True)
+class PartsList:
+    """A parts list, read."""
+
+    table: PartsTable
+    parts: tuple[Part, ...]
+    errors: tuple[RowError, ...]
+    left_out: tuple[Note, ...]
+    """Rows that are no fitted parts: DNP, quantity 0, headings, sums."""
+    notes: tuple[Note, ...]
+    """What is odd in rows that are taken."""
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """What each column was taken for."""
+        return self.table.columns
+
+
+def read_parts(path: Path, mapping: ColumnMapping | None = None) -> PartsList:
+    """Read a parts list: .csv, .xlsx or .ods. Raises DesignError for what is none; faulty rows are told of."""
+    return _List(read_table(path, mapping)).read()
+
+
+class _List:
+    """From the rows of a table to parts."""
+
+    def __init__(self, table: PartsTable) -> None:
+        self.table = table
+        self.places = {column.field: column.place for column in table.columns}
+        self.headers = {column.field: column.header for column in table.columns}
+        self.parts: list[Part] = []
+        self.errors: list[RowError] = []
+        self.left_out: list[Note] = []
+        self.notes: list[Note] = []
+        self.count = 0
+
+    def read(self) -> PartsList:
+        rows = list(self.table.rows)
+        for i, row in enumerate(rows):
+            ends = _SUM.match(next(cell for cell in row.cells if cell))
+            if ends and not self.any_parts(rows[i:]):
+                self.left_out += [
+                    Note(after.number, f"{_text(after)} is below the list, no part") for after in rows[i:]
+                ]
+                break
+            self.row(row, of_a_group=not ends and self.of_a_group(rows, i))
+        for reference, places in self.twice():
+            at = ", ".join(map(str, places[:5]))
+            self.notes.append(
+                Note(places[0], f"{reference} stands in rows {at}; each of them is taken for parts of its own")
+            )
+        return PartsList(self.table, tuple(self.parts), tuple(self.errors), tuple(self.left_out), tuple(self.notes))
+
+    def cell(self, row: Row, field: str) -> str:
+        at = self.places.get(field, len(row.cells))
+        return row.cells[at] if at < len(row.cells) else ""
+
+    def any_parts(self, rows: Sequence[Row]) -> bool:
+        """Whether a part follows a sum: with a reference, or in a list without them with a quantity."""
+        if "reference" in self.places:
+            return any(are_references(self.cell(row, "reference")) for row in rows if self.cell(row, "reference"))
+        return any(re.fullmatch(r"[0-9]+", self.cell(row, "quantity")) for row in rows[1:])
+
+    def of_a_group(self, rows: Sequence[Row], i: int) -> bool:
+        """Whether a row's quantity is of it and of rows below, which have none and are the same part."""
+        here = rows[i]
+        if not self.cell(here, "quantity") or not self.cell(here, "reference") or i + 1 == len(rows):
+            return False
+        below = rows[i + 1]
+        alike = [name for name in ("part_number", "description", "footprint") if self.cell(here, name)] or ["value"]
+        return (
+            not self.cell(below, "quantity")
+            and bool(self.cell(below, "reference"))
+            and bool(self.cell(here, alike[0]))
+            and all(self.cell(here, name) == self.cell(below, name) for name in alike)
+        )
+
+    def twice(self) -> Iterator[tuple[str, list[int]]]:
+        counts = Counter(reference for part in self.parts for reference in part.references)
+        rows: dict[str, list[int]] = {reference: [] for reference, count in counts.items() if count > 1}
+        for part in self.parts if rows else ():
+            for reference in part.references:
+                if reference in rows:
+                    rows[reference].append(part.row)
+        yield from rows.items()
+
+    def row(self, row: Row, *, of_a_group: bool) -> None:
+        said = {field: row.cells[at] if at < len(row.cells) else "" for field, at in self.places.items()}
+        said = {field: self.plain(row.number, field, cell) for field, cell in said.items()}
+        if all(said[column.field] in ("", column.header) for column in self.table.columns) and any(said.values()):
+            self.left_out.append(Note(row.number, "is the header again"))
+            return
+        filled = [cell for cell in said.values() if cell]
+        reference, count = said.get("reference", ""), said.get("quantity", "")
+        if (
+            not filled
+            or _SUM.match(next(cell for cell in row.cells if cell))
+            or (len(filled) == 1 and "reference" in said and not re.search(r"\d", reference))
+        ):
+            text = " ".join(cell for cell in row.cells if cell)
+            self.left_out.append(Note(row.number, f"'{text:.60}' is a heading or a sum, no part"))
+            return
+        described = Described(**{name: said.get(name, "") for name in Described.__dataclass_fields__})
+        if why := _unfitted(said):
+            self.left_out.append(Note(row.number, f"{reference or described.value or 'a part'} is not fitted ({why})"))
+            return
+        try:
+            references = expand(reference)
+        except ReferencesError as error:
+            self.errors.append(RowError(row.number, self.headers["reference"], reference[:80], str(error)))
+            return
+        self.count += len(references)
+        if self.count > MOST_REFERENCES:
+            raise DesignError(f"row {row.number}: more than {MOST_REFERENCES:,} references in all")
+        number = self.quantity(row.number, count) if count else len(references) or 1
+        if number is None:
+            return
+        ordered = "quantity" in self.headers and _ORDERED.search(self.headers["quantity"])
+        if references and number > len(references) and (of_a_group or ordered):
+            why = "is of this row and those of the same part below" if of_a_group else "is what is ordered"
+            self.notes.append(
+                Note(row.number, f"the quantity {number} {why}; {_counted(references)}, and so many are taken")
+            )
+            number = len(references)
+        if number == 0:
+            self.left_out.append(Note(row.number, f"{reference or described.value or 'a part'} has quantity 0"))
+            return
+        if references and count and number != len(references):
+            more = max(number, len(references))
+            self.notes.append(Note(row.number, f"{_counted(references)}, the quantity is {number}; {more} are taken"))
+            number = more
+        doubled = [name for name, times in Counter(references).items() if times > 1]
+        if doubled:
+            self.notes.append(Note(row.number, f"{', '.join(doubled[:5])} stand several times in this row"))
+        name = _short_references(references) or described.value or described.part_number or described.description
+        recognised = recognise(references, described, self.table.decimal)
+        if recognised.kind in NO_PARTS:
+            self.left_out.append(Note(row.number, f"{reference or name} is no electrical part"))
+            return
+        self.parts.append(
+            Part(
+                row.number,
+                references,
+                number,
+                design_name(name or f"row {row.number}", LONGEST_NAME),
+                described,
+                recognised,
+            )
+        )
+
+    def plain(self, row: int, field: str, cell: str) -> str:
+        """A cell's text; a formula is none, and is not passed on."""
+        if literal := re.fullmatch(r'="([^"]*)"', cell):  # how 0603 is kept from becoming 603
+            return literal[1]
+        if _FORMULA.match(cell):
+            self.notes.append(Note(row, f"{self.headers[field]}: '{cell:.60}' is a formula, which counts as nothing"))
+            return ""
+        return "" if cell in ("~", "-", "–", "n/a", "N/A") else cell
+
+    def quantity(self, row: int, cell: str) -> int | None:
+        text = with_points(cell, self.table.decimal)
+        match = re.fullmatch(
+            r"[x×]?\s?([0-9]{1,9})(?:\.0{1,6})?\s?(?:x|×|pcs?\.?|pieces|stk\.?|st\.?|stück|ea\.?|pz\.?)?",
+            text,
+            re.IGNORECASE,
+        )
+        if match and int(match[1]) <= MOST_PARTS:
+            return int(match[1])
+        self.errors.append(
+            RowError(row, self.headers["quantity"], cell[:80], f"a whole number from 0 to {MOST_PARTS:,}")
+        )
+        return None
+
+
+def _text(row: Row) -> str:
+    return f"'{' '.join(cell for cell in row.cells if cell):.60}'"
+
+
+def _counted(references: Sequence[str]) -> str:
+    counting = "is 1 reference" if len(references) == 1 else f"are {len(references)} references"
+    return f"{compressed(references):.60} {counting}"
+
+
+_ORDERED = re.compile(
+    r"digi-?key|mouser|lcsc|farnell|newark|arrow|reichelt|order|purchase|buy|bestell|stock|moq|minimum", re.IGNORECASE
+)
+"""Headers of how many are bought, and not of how many are on the board."""
+
+_SUM = re.compile(
+    r"\s*((grand |sub[- ]?)?total|sum|summe|gesamt|somme|totale|shipping|postage|versand|tax|vat|mwst)\b"
+    r"(?!.*\d.*\d.*\d.*\d)",
+    re.IGNORECASE,
+)
+_FORMULA = re.compile(r"[=@]|[+-][^\d\s.,/]*[|(!]")
+_DNP = re.compile(
+    r"(?<!\w)(?:dn[pfim]|do[ -]not[ -](?:populate|fit|install|mount|place|stuff)|"
+    r"not[ -](?:fitted|populated|mounted|installed)|"
+    r"no[ -]?pop|unpopulated|nicht bestück\w*|unbestückt|non mont[ée]e?|ne pas monter)(?!\w)",
+    re.IGNORECASE,
+)
+_DNP_ALONE = re.compile(r"np|nf|nm|nc|n\.?b\.?|no ?fit|no ?load|dnl|dns", re.IGNORECASE)
+_NO = {"", "0", "no", "n", "false", "nein", "non", "fitted", "populate", "populated", "mounted", "bestückt"}
+
+
+def _unfitted(said: Mapping[str, str]) -> str:
+    """Why a row's part is not on the board, '' where it is."""
+    flag = said.get("unfitted", "").casefold()
+    if flag not in _NO:
+        return f"{said['unfitted']:.40}"
+    fitted = said.get("fitted", "").casefold()
+    if fitted in {"no", "n", "0", "false", "nein", "non"} or _DNP.search(fitted) or _DNP_ALONE.fullmatch(fitted):
+        return f"{said['fitted']:.40}"
+    for name in ("value", "note", "description", "library", "part_number"):
+        cell = said.get(name, "")
+        if _DNP.search(cell) or (name in ("value", "note") and _DNP_ALONE.fullmatch(cell)):
+            return f"{cell:.40}"
+    return ""
+
+
+def _short_references(references: tuple[str, ...]) -> str:
+    text = compressed(references[:200])
+    if len(text) <= 24:
+        return text
+    return f"{references[0]} … {references[-1]}"

@@ -1,0 +1,180 @@
+"""The probability of a basic event: what the Open-PSA model exchange format calls an expression."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+
+from robophm.core.errors import nearest
+from robophm.design.importers.open_psa.markup import Element, Markup
+
+_DEPTH = 50  # parameters that are made of parameters
+
+_FUNCTIONS: Mapping[str, tuple[int, int, Callable[..., float]]] = {
+    # fewest and most arguments
+    "neg": (1, 1, lambda x: -x),
+    "add": (1, 1000, lambda *xs: math.fsum(xs)),
+    "sub": (1, 1000, lambda x, *xs: x - math.fsum(xs)),
+    "mul": (1, 1000, lambda *xs: math.prod(xs)),
+    "div": (2, 2, lambda x, y: x / y),
+    "pow": (2, 2, math.pow),
+    "exp": (1, 1, math.exp),
+    "log": (1, 1, math.log),
+    "log10": (1, 1, math.log10),
+    "sqrt": (1, 1, math.sqrt),
+    "abs": (1, 1, abs),
+    "min": (1, 1000, min),
+    "max": (1, 1000, max),
+    # of what is uncertain, the mean
+    "uniform-deviate": (2, 2, lambda low, high: (low + high) / 2),
+    "normal-deviate": (2, 2, lambda mean, deviation: mean),
+    "lognormal-deviate": (3, 3, lambda mean, factor, level: mean),
+}
+_TIMED = ("exponential", "GLM", "Weibull")
+Life = Mapping[str, float]
+"""Of a part: its rate [1/h], or scale [h], shape and location [h] of a Weibull distribution."""
+
+_UNITS = ("bool", "int", "float", "hours", "hours-1", "demands")
+
+
+class Expressions:
+    """The parameters of a model, and what expressions are worth at a mission time [h], None where none is given."""
+
+    def __init__(self, file: Markup, parameters: Mapping[str, Element], time: float | None) -> None:
+        self.file, self.parameters, self.time = file, parameters, time
+        self._values: dict[str, float] = {}
+        self._under_way: list[str] = []
+
+    def probability(self, event: Element) -> tuple[float, float]:
+        """(p, 1 − p) of a basic event. Raises DesignError where it has none, or one outside [0, 1]."""
+        inside = list(event.inside())
+        name = event.attributes.get("name")
+        if len(inside) != 1:
+            raise self.file.fault(event.line, f"'{name}' has {len(inside)} expressions; expected its probability")
+        said = inside[0]
+        if said.tag in _TIMED:
+            cumulative = self._cumulative_hazard(said)
+            if cumulative is not None:
+                return -math.expm1(-cumulative), math.exp(-cumulative)
+        p = self.value(said)
+        if not 0 <= p <= 1:
+            raise self.file.fault(said.line, f"'{name}' has the probability {p:g}; expected 0 … 1")
+        return p, 1.0 - p
+
+    def life(self, event: Element) -> Life | None:
+        """Of a basic event that fails as a part of constant or Weibull rate does, until the mission time; else None."""
+        said = next(iter(event.inside()), None)
+        if said is None or said.tag not in ("exponential", "Weibull"):
+            return None
+        *parameters, time = said.inside()
+        if not self._is_mission_time(time):
+            return None
+        names = ("rate",) if said.tag == "exponential" else ("scale", "shape", "location")
+        found = {name: self.value(one) for name, one in zip(names, parameters, strict=True)}
+        return found if found.get("location", 0.0) >= 0 else None
+
+    def _is_mission_time(self, said: Element) -> bool:
+        while said.tag == "parameter":
+            said = next(iter(self.parameters[said.attributes["name"].rpartition(".")[2]].inside()))
+        return said.tag == "system-mission-time"
+
+    def value(self, said: Element) -> float:
+        """What an expression is worth."""
+        if said.tag in ("float", "int", "bool"):
+            return self._number(said)
+        if said.tag == "pi":
+            return math.pi
+        if said.tag == "parameter":
+            return self._parameter(said)
+        if said.tag == "system-mission-time":
+            if self.time is None:
+                raise self.file.fault(said.line, "asks for the mission time; expected it as --time, in hours")
+            return self.time
+        if said.tag in _TIMED:
+            cumulative = self._cumulative_hazard(said)
+            return (
+                self._guarded(said, _glm, self._arguments(said, 4, 4))
+                if cumulative is None
+                else -math.expm1(-cumulative)
+            )
+        if said.tag not in _FUNCTIONS:
+            known = (*_FUNCTIONS, *_TIMED, "float", "int", "bool", "parameter", "system-mission-time")
+            raise self.file.fault(said.line, f"expression '{said.tag}' is not taken{nearest(said.tag, known)}")
+        fewest, most, function = _FUNCTIONS[said.tag]
+        return self._guarded(said, function, self._arguments(said, fewest, most))
+
+    def _number(self, said: Element) -> float:
+        text = said.attributes.get("value", "")
+        if said.tag == "bool" and text in ("true", "false"):
+            return float(text == "true")
+        try:
+            number = float(text) if said.tag != "bool" else math.nan
+        except ValueError:
+            says = f"{said.tag} value {text!r:.60} is no number; expected one without a unit"
+            raise self.file.fault(said.line, says) from None
+        if not math.isfinite(number):
+            raise self.file.fault(said.line, f"{said.tag} value {text!r:.60} is not a finite number")
+        return number
+
+    def _parameter(self, said: Element) -> float:
+        name = said.attributes.get("name", "").rpartition(".")[2]
+        if name not in self.parameters:
+            raise self.file.fault(said.line, f"parameter '{name}' is not defined{nearest(name, self.parameters)}")
+        if name not in self._values:
+            if name in self._under_way:
+                circle = " → ".join([*self._under_way[self._under_way.index(name) :], name])
+                raise self.file.fault(said.line, f"loop: parameter {circle}")
+            if len(self._under_way) >= _DEPTH:
+                raise self.file.fault(said.line, f"more than {_DEPTH} parameters that are made of each other")
+            definition = self.parameters[name]
+            unit = definition.attributes.get("unit", "float")
+            if unit not in _UNITS:
+                raise self.file.fault(definition.line, f"unit '{unit}' is not taken; expected {', '.join(_UNITS)}")
+            inside = list(definition.inside())
+            if len(inside) != 1:
+                raise self.file.fault(definition.line, f"parameter '{name}' has {len(inside)} expressions, not one")
+            self._under_way.append(name)
+            self._values[name] = self.value(inside[0])
+            self._under_way.pop()
+        return self._values[name]
+
+    def _arguments(self, said: Element, fewest: int, most: int) -> list[float]:
+        inside = list(said.inside())
+        if not fewest <= len(inside) <= most:
+            expected = str(fewest) if fewest == most else f"at least {fewest}"
+            raise self.file.fault(said.line, f"'{said.tag}' has {len(inside)} arguments; expected {expected}")
+        return [self.value(one) for one in inside]
+
+    def _cumulative_hazard(self, said: Element) -> float | None:
+        """Of what has one; a GLM with repair has none."""
+        if said.tag == "exponential":
+            rate, time = self._arguments(said, 2, 2)
+            hazard = rate * time
+        elif said.tag == "Weibull":
+            scale, shape, start, time = self._arguments(said, 4, 4)
+            if not (scale > 0 and shape > 0):
+                raise self.file.fault(said.line, f"Weibull of scale {scale:g}, shape {shape:g}; expected above zero")
+            hazard = self._guarded(said, math.pow, [max(time - start, 0.0) / scale, shape])
+        else:
+            return None
+        if not hazard >= 0:
+            raise self.file.fault(said.line, f"'{said.tag}' of a negative rate or time")
+        return hazard
+
+    def _guarded(self, said: Element, function: Callable[..., float], arguments: list[float]) -> float:
+        try:
+            value = function(*arguments)
+        except (ArithmeticError, ValueError):
+            value = math.nan
+        if not math.isfinite(value):
+            raise self.file.fault(
+                said.line, f"'{said.tag}' of {', '.join(f'{x:g}' for x in arguments)} is not a number"
+            )
+        return value
+
+
+def _glm(gamma: float, rate: float, repair: float, time: float) -> float:
+    """Fails on demand or at a rate, is repaired at a rate (Open-PSA MEF 2.0d, section 4.3.2)."""
+    if rate + repair == 0:
+        return gamma
+    return (rate - (rate - gamma * (rate + repair)) * math.exp(-(rate + repair) * time)) / (rate + repair)

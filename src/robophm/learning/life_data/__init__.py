@@ -1,0 +1,7 @@
+"""Life data → life distributions, by SurPyval.
+
+``observed_lives.py`` has times to failure with all censoring and stresses, ``distribution_fitting.py`` fits and
+compares distributions, ``life_stress.py`` fits accelerated tests (Arrhenius, inverse power, steps),
+``repairable_systems.py`` the power law of repaired systems (Crow–AMSAA), ``fit_in_design.py`` says a fit as a design
+does, ``surpyval.py`` loads the library.
+"""

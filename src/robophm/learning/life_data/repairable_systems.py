@@ -1,0 +1,154 @@
+"""Systems that are repaired and go on: whether their failures come faster or slower, by a power law of time.
+
+Crow–AMSAA: failures are a Poisson process of mean λ·t^β. β < 1 improves, β > 1 wears, β = 1 neither.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2, norm
+
+from robophm.core.errors import DataError
+from robophm.learning.life_data.distribution_fitting import LEVEL, Bounded
+from robophm.learning.life_data.observed_lives import LifeData
+from robophm.learning.life_data.surpyval import asked, library
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """How often repaired systems fail by time."""
+
+    systems: int
+    failures: int
+    shape: Bounded
+    """β"""
+    scale: float
+    """λ, of λ·t^β failures of one system by t."""
+    until: float
+    """When the last system was last seen [unit of the data]."""
+    mean_time: Bounded
+    """Between failures, then."""
+    p_value: float
+    """P(a trend so clear | none): MIL-HDBK-189's χ² of 2·Σ ln(T/t)."""
+    unbiased: bool = False
+    """Whether β is Crow's unbiased estimate; else that of maximum likelihood."""
+
+    @property
+    def estimate(self) -> str:
+        """What β, and all that follows from it, is by."""
+        return "unbiased" if self.unbiased else "maximum likelihood"
+
+    @property
+    def intensity(self) -> float:
+        """Failures of one system per unit of time, at ``until``."""
+        return 1 / self.mean_time.value
+
+
+def fit_power_law(
+    times: Mapping[str, Sequence[float]], ends: Mapping[str, float], *, level: float = LEVEL, unbiased: bool = True
+) -> PowerLaw:
+    """Of the failure times of each system and how long each was watched, from 0 on.
+
+    ``unbiased``: with n − 1 in the place of n, as NIST and Crow do; else maximum likelihood. Intervals of the time
+    between failures are NIST's (e-Handbook 8.4.5.2). Raises DataError where there are too few failures.
+    """
+    for item, some in times.items():
+        if not ends.get(item, 0) > 0:
+            raise DataError(f"'{item}' was watched for no time; expected until when, a row with censored: yes")
+        if any(not 0 < t <= ends[item] for t in some):
+            raise DataError(
+                f"'{item}' fails at {min(some):g} … {max(some):g}; expected after 0, by {ends[item]:g}, its end"
+            )
+    n = sum(map(len, times.values()))
+    if n < 3:
+        raise DataError(f"{n} failures of repaired systems: a trend needs at least 3")
+    logs = sum(math.log(ends[item] / t) for item, some in times.items() for t in some)
+    if not logs > 0:
+        raise DataError("all failures are at the very end of what was watched: no trend to fit; expected times apart")
+    equal = len(set(ends.values())) == 1
+    if equal:
+        shape = (n - 1 if unbiased else n) / logs
+    else:
+        shape = _of_unequal(times, ends)
+        unbiased = False
+    until = max(ends.values())
+    scale = n / sum(end**shape for end in ends.values())
+    rate = scale * shape * until ** (shape - 1)
+    tail, freedom = (1 - level) / 2, 2 * n
+    of = n - 1 if unbiased else n  # that of the exponent, so that bounds are the same by both estimates
+    bounds = (shape * chi2.ppf(one, freedom) / (2 * of) for one in (tail, 1 - tail))
+    z = float(norm.ppf(1 - tail))
+    low = n * of / (n + z**2 / 4 + math.sqrt(n * z**2 / 2 + z**4 / 16)) ** 2
+    below = n - z * math.sqrt(n / 2)
+    high = n * of / below**2 if below > 0 else math.inf
+    p = float(chi2.cdf(2 * logs, freedom))
+    return PowerLaw(
+        len(ends), n, Bounded(shape, *(float(one) for one in bounds)), scale, until,
+        Bounded(1 / rate, low / rate, high / rate), 2 * min(p, 1 - p), unbiased,
+    )  # fmt: skip
+
+
+def _of_unequal(times: Mapping[str, Sequence[float]], ends: Mapping[str, float]) -> float:
+    """β of systems that were not watched equally long, by SurPyval."""
+    x: list[float] = []
+    item: list[str] = []
+    kind: list[int] = []
+    for name, end in ends.items():
+        for t in times.get(name, ()):
+            x, item, kind = [*x, t], [*item, name], [*kind, 0]
+        x, item, kind = [*x, end], [*item, name], [*kind, 1]
+    with asked("power law"):
+        return float(library("recurrent").CrowAMSAA.fit(x, i=item, c=kind).params[1])
+
+
+def fit_grouped(ends: Sequence[float], counts: Sequence[int]) -> tuple[float, float]:
+    """λ and β of one system whose failures were counted between times, from 0 on (MIL-HDBK-189).
+
+    Raises DataError where that says nothing of a trend.
+    """
+    if len(ends) != len(counts) or len(ends) < 2 or sum(counts) < 3:
+        raise DataError(f"{sum(counts)} failures in {len(ends)} intervals; expected at least 3 in 2")
+    edges = [0.0, *ends]
+    if any(not b > a for a, b in zip(edges, ends, strict=False)):
+        raise DataError("intervals do not follow one another; expected ends that ascend from 0")
+    with asked("grouped failures"):
+        rows = [[a, b] for a, b in zip(edges, ends, strict=False)]
+        alpha, beta = library("recurrent").CrowAMSAA.fit(rows, c=[2] * len(rows), n=list(counts)).params
+    return float(alpha) ** -float(beta), float(beta)
+
+
+def mean_time_between(failures: int, hours: float, *, level: float = LEVEL) -> Bounded:
+    """Mean time between failures of a constant rate, of a test that ended at a time  (χ², NIST 8.4.5.1)."""
+    tail = (1 - level) / 2
+    low = 2 * hours / float(chi2.ppf(1 - tail, 2 * failures + 2))
+    high = 2 * hours / float(chi2.ppf(tail, 2 * failures)) if failures else math.inf
+    return Bounded(hours / failures if failures else math.inf, low, high)
+
+
+def systems(data: LifeData) -> tuple[dict[str, list[float]], dict[str, float]]:
+    """Failure times of each item and how long it was watched. Raises DataError where that is not said."""
+    if data.stresses:
+        raise DataError(f"{data.source}: repaired systems are taken at one stress; it has {', '.join(data.stresses)}")
+    if np.any(data.count != 1):
+        raise DataError(f"{data.source}: each failure of a repaired system is a row; expected no count but 1")
+    if not data.items:
+        raise DataError(f"{data.source}: whose failures are they? expected a column 'item'")
+    if np.any(data.failed & (data.low != data.high)):
+        raise DataError(f"{data.source}: repaired systems are taken at known times; these have intervals")
+    times: dict[str, list[float]] = {item: [] for item in data.items}
+    ends: dict[str, float] = {}
+    for item, t, failed in zip(data.items, data.low.tolist(), data.failed.tolist(), strict=True):
+        if failed:
+            times[item].append(t)
+        elif item in ends:
+            raise DataError(f"{data.source}: '{item}' ends twice, at {ends[item]:g} and {t:g}; expected once")
+        else:
+            ends[item] = t
+    for item in times:
+        if item not in ends:
+            raise DataError(f"{data.source}: until when was '{item}' watched? expected a row of it with censored: yes")
+    return times, ends

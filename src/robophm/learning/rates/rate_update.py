@@ -1,0 +1,191 @@
+"""What was seen of a robot's failure modes, as rates: how far each stated rate is off, and how sure that is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import gammaln
+from scipy.stats import chi2
+
+from robophm.core.errors import DataError, UnitError
+from robophm.core.units import quantity
+from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot, Uncertainty
+from robophm.learning.rates.failure_log import Seen
+from robophm.learning.rates.gamma_poisson import VAGUEST, FleetPosterior, Posterior, fleet
+from robophm.learning.rates.life_scale import Ratio, at_rate, fit_scale, information, of_power
+
+USUAL_PRIOR = 1.0
+"""Failures that a stated rate counts as, where neither the design nor the user says more."""
+
+
+@dataclass(frozen=True)
+class LearnedRate:
+    """What the field says of the rate of one failure mode."""
+
+    mode: FailureMode
+    stated: float
+    """Rate as stated, whatever was learned before [1 per unit of its clock]."""
+    failures: float
+    expected: float
+    """By the stated rate."""
+    exposure: float
+    """[unit of its clock]"""
+    of_fleet: FleetPosterior
+    """Of the hazard, as times the stated one, of lives that are no power of age of the rate; robots in the order of
+    ``robots``."""
+    robots: tuple[str, ...]
+    factor: float
+    """The rate is so many times the stated one: that at which the hazard is what is now to be expected."""
+    shape: float
+    """As sure as if so many failures had been seen."""
+    low: float
+    high: float
+    """The factor of one robot of this fleet is between them with 90 %."""
+
+    @property
+    def posterior(self) -> Posterior:
+        """Of the fleet's mean hazard."""
+        return self.of_fleet.mean
+
+    @property
+    def rate(self) -> float:
+        """[1 per unit of its clock]"""
+        return self.stated * self.factor
+
+
+def learn(robot: Robot, seen: Iterable[Seen], prior: str | None = None, of: str | None = None) -> list[LearnedRate]:
+    """How far each stated rate is off, of the failure modes of which anything was seen; in design order.
+
+    A rate that is unknown cannot be off: see ``unstated``.
+    ``prior``: what stated rates count as, such as '10000 h' or '2 failures'; else what the design's ``uncertainty``
+    says, else one failure. ``of``: one robot of the fleet, else what is known of any. Raises DataError.
+    """
+    by_mode: dict[str, list[Seen]] = {}
+    for one in seen:
+        by_mode.setdefault(one.mode.path, []).append(one)
+    names = sorted({one.robot for some in by_mode.values() for one in some})
+    if of is not None and of not in names:
+        raise DataError(f"no robot '{of}' in what was seen; there are {', '.join(names[:12]) or 'none'}")
+    return [
+        _learned(mode, by_mode[mode.path], prior, of)
+        for mode in robot.modes
+        if mode.path in by_mode and not mode.unknown
+    ]
+
+
+@dataclass(frozen=True)
+class UnstatedRate:
+    """What the field alone says of a failure mode whose rate is unknown, as if that were constant."""
+
+    mode: FailureMode
+    failures: float
+    exposure: float
+    """[unit of its clock]"""
+
+    @property
+    def rate(self) -> float:
+        """The likeliest [1 per unit of its clock]; not a number where nothing was gone through."""
+        return self.failures / self.exposure if self.exposure > 0 else math.nan
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Within which it lies with 90 %, exactly (Garwood, Biometrika 28, 1936); of no failure, below the second with
+        95 %."""
+        if not self.exposure > 0:
+            return 0.0, math.inf
+        low = float(chi2.ppf(0.05, 2 * self.failures)) if self.failures else 0.0
+        return low / (2 * self.exposure), float(chi2.ppf(0.95, 2 * self.failures + 2)) / (2 * self.exposure)
+
+
+def unstated(robot: Robot, seen: Iterable[Seen]) -> list[UnstatedRate]:
+    """Of the failure modes of unknown rate of which anything was seen, all robots together; in design order."""
+    found: dict[str, list[Seen]] = {}
+    for one in seen:
+        if one.mode.unknown:
+            found.setdefault(one.mode.path, []).append(one)
+    return [
+        UnstatedRate(mode, math.fsum(one.failures for one in found[mode.path]),
+                     math.fsum(one.exposure for one in found[mode.path]))
+        for mode in robot.modes if mode.path in found
+    ]  # fmt: skip
+
+
+def _learned(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str | None) -> LearnedRate:
+    factor = mode.evidence.factor if mode.evidence else 1.0
+    robots = tuple(one.robot for one in seen)
+    told = _by_lives if mode.life.degree is None else _by_count
+    expected, found, any_, own = told(mode, factor, seen, prior)
+    ratio = own[robots.index(of)] if of in robots else any_
+    return LearnedRate(
+        mode, mode.rate / factor, sum(one.failures for one in seen), expected, sum(one.exposure for one in seen),
+        found, robots, *ratio,
+    )  # fmt: skip
+
+
+_Told = tuple[float, FleetPosterior, Ratio, tuple[Ratio, ...]]
+
+
+def _by_count(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str | None) -> _Told:
+    """Of a life whose hazard is a power of age: failures expected, the fleet, any robot of it, each robot."""
+    beta = mode.life.degree or 1.0
+    expected = [one.expected / factor**beta for one in seen]
+    found = fleet([one.failures for one in seen], expected, _strength(mode, mode.rate / factor, beta, prior))
+    if found.spread == 0:
+        any_ = of_power(found.mean.shape, found.mean.rate, beta, found.mean.unseen)
+        return sum(expected), found, any_, (any_,) * len(seen)
+    any_ = of_power(found.shape, found.shape / found.mean.estimate, beta)
+    return sum(expected), found, any_, tuple(of_power(one.shape, one.rate, beta) for one in found.robots)
+
+
+def _by_lives(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str | None) -> _Told:
+    """The same, of a life whose hazard is no power of age."""
+    try:
+        life = at_rate(mode.life, 1 / factor)
+        beta = information(life)
+        expected = math.fsum(
+            one.parts * float(life.increment(one.start, one.length)) for some in seen for one in some.lives
+        )
+        strength = _strength(mode, mode.rate / factor, beta, prior)
+        found = fit_scale(life, [one.lives for one in seen], expected, strength, beta)
+    except DataError as error:
+        raise DataError(f"'{mode.path}': {error}") from None
+    return expected, found.fleet, found.of_any, found.of_robot
+
+
+def _strength(mode: FailureMode, rate: float, beta: float, prior: str | None) -> float:
+    """Failures that a stated rate counts as, as a gamma of the hazard."""
+    if prior is not None:
+        return _said(mode, rate, prior)
+    stated = mode.evidence.stated if mode.evidence else mode.uncertainty
+    return USUAL_PRIOR if stated is None else max(1 / _square_of_variation(stated, beta), VAGUEST)
+
+
+def _said(mode: FailureMode, rate: float, prior: str) -> float:
+    number, _, unit = prior.strip().partition(" ")
+    unit_of_clock = CLOCK_UNITS[mode.clock]
+    try:
+        if unit.strip() in ("failure", "failures"):
+            value = quantity(number, "")
+        else:
+            value = quantity(prior, unit_of_clock) * rate
+    except UnitError as error:
+        raise DataError(
+            f"prior '{prior:.40}': {error} ('{mode.path}' ages by {unit_of_clock}); expected e.g. '2 failures'"
+        ) from None
+    if not value > 0:
+        raise DataError(f"prior '{prior:.40}': expected more than nothing, e.g. '0.5 failures' or '1000 h'")
+    return value
+
+
+def _square_of_variation(uncertainty: Uncertainty, beta: float) -> float:
+    """Squared coefficient of variation of θ^β."""
+    if uncertainty.error_factor is not None:
+        return math.expm1(min((beta * math.log(uncertainty.error_factor) / 1.6448536269514722) ** 2, 700.0))
+    if uncertainty.failures is not None:
+        k = uncertainty.failures
+        return math.expm1(min(float(gammaln(k + 2 * beta) + gammaln(k) - 2 * gammaln(k + beta)), 700.0))
+    powers = np.array(uncertainty.samples) ** beta
+    return max(float(powers.var() / powers.mean() ** 2), 1e-9)

@@ -1,0 +1,108 @@
+"""What was learned in the design: beside its rate, all else letter for letter, and said again the same way."""
+
+import math
+
+import pytest
+
+from robophm.core.errors import DesignError
+from robophm.design.file import parse
+from robophm.learning.failure_mode_edits import edited
+from robophm.learning.rates.evidence import with_evidence
+from robophm.learning.rates.failure_log import Seen
+from robophm.learning.rates.rate_update import learn
+
+TEXT = """\
+schema_version: 1  # first
+name: R
+environment: GM
+modules:
+  Power:
+    components:
+      cell: {quantity: 3, rate: 5 FPMH}  # maker's
+      "lamp: old":
+        hazard:  # handbook
+          model: general.mtbf
+          inputs: {mtbf: 40000 h, source: maker}
+        uncertainty: {failures: 2}
+      # behind it
+components:
+  bearing:
+    rate: 2 FPMH
+    life: {distribution: weibull, shape: 2}
+  own: {life: {distribution: weibull, scale: 1000 h, shape: 1}}
+  gear:
+    failure_modes:
+      tooth: {rate: 1 FPMH, }
+"""
+
+
+@pytest.fixture
+def text():
+    try:
+        parse(TEXT)
+    except DesignError as error:
+        pytest.fail(str(error))
+    return TEXT
+
+
+def seen(robot, failures=20, hours=1e6):
+    return [Seen(mode, "a", failures, float(mode.life.cumulative_hazard(hours)), hours) for mode in robot.modes]
+
+
+def test_all_else_stays(text):
+    robot = parse(text)
+    learned = learn(robot, seen(robot))
+    new = with_evidence(text, "R", learned)
+    kept = [line for line in new.splitlines() if "learned" not in line]
+    was = [line for line in text.splitlines() if line in new.splitlines()]
+    assert kept == was
+    after = {mode.path: mode for mode in parse(new).modes}
+    for one in learned:
+        assert after[one.mode.path].rate == pytest.approx(one.mode.rate * one.factor, rel=1e-5)
+        assert after[one.mode.path].life.mean() == pytest.approx(1 / after[one.mode.path].rate, rel=1e-9)
+        assert after[one.mode.path].uncertainty.failures == pytest.approx(one.shape, rel=1e-5)
+    assert "# maker's" in new
+    assert "      # behind it" in new
+
+
+def test_learned_again_it_is_not_counted_twice(text):
+    robot = parse(text)
+    once = with_evidence(text, "R", learn(robot, seen(robot)))
+    again = parse(once)
+    learned = learn(again, seen(again))
+    assert with_evidence(once, "R", learned) == once
+    more = with_evidence(once, "R", learn(again, seen(again, 40)))
+    assert more.count("learned:") == once.count("learned:")
+
+
+def test_weibull_by_numerical_integration(text):
+    """θ of a Weibull of shape 2: the hazard is θ² times, whose gamma posterior is integrated."""
+    robot = parse(text)
+    mode = next(one for one in robot.modes if one.path == "bearing")
+    (learned,) = learn(robot, [Seen(mode, "a", 3, 2.0, 1.0)])
+    from scipy.integrate import quad
+
+    shape, rate = 1 + 3, 1 + 2.0
+
+    def density(theta):
+        x = theta**2
+        return 2 * theta * rate**shape * x ** (shape - 1) * math.exp(-rate * x) / math.gamma(shape)
+
+    first, second = (quad(lambda t, k=k: t**k * density(t), 0, 10)[0] for k in (1, 2))
+    hazard = quad(lambda t: t**2 * density(t), 0, 10)[0]
+    assert learned.factor == pytest.approx(math.sqrt(hazard), rel=1e-8)  # the rate at which the hazard is the mean one
+    assert learned.shape == pytest.approx(first**2 / (second - first**2), rel=1e-7)
+    assert quad(density, learned.low, learned.high)[0] == pytest.approx(0.9, rel=1e-7)
+
+
+def test_an_alias_cannot_have_evidence_of_its_own():
+    text = ("schema_version: 1\nname: R\nmodules:\n  a: &a\n    components:\n      m: {rate: 1 FPMH}\n"
+            "  b: *a\n")  # fmt: skip
+    robot = parse(text)
+    with pytest.raises(DesignError, match=r"R:7: 'b' is an alias, which several parts share; expected 'b/m'"):
+        with_evidence(text, "R", learn(robot, seen(robot)))
+
+
+def test_a_result_that_is_no_design_is_refused(text):
+    with pytest.raises(DesignError, match="learned"):
+        edited(text, "R", {"bearing": {"learned": "{factor: -1, shape: 1, failures: 1, expected: 1}"}})

@@ -1,0 +1,161 @@
+"""Rates of lives that are no power of age: closed forms, the gamma of powers, fleets drawn with known spread."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.stats import gamma, lognorm, nbinom
+
+from robophm.core.errors import DataError
+from robophm.design.file import parse
+from robophm.learning.rates.failure_log import read_failure_log
+from robophm.learning.rates.gamma_poisson import fleet, update
+from robophm.learning.rates.life_scale import Lived, fit_scale, information, of_power
+from robophm.learning.rates.rate_update import learn
+from robophm.life import life_distribution
+
+
+def life(name, mean=100.0, **shape):
+    return life_distribution(name).with_rate(1 / mean, **shape)
+
+
+@pytest.mark.parametrize(
+    ("of", "beta"),
+    [
+        (life("weibull", shape=2.5), 2.5),
+        (life("lognormal", log_deviation=0.5), 1 / 0.5),
+        (life("gamma", shape=3), math.sqrt(3)),  # Fisher information of the scale: k
+        (life("loglogistic", shape=4), 4 / math.sqrt(3)),
+        (life("normal", deviation=20), 100 / 20),
+        (life("extreme_value", scale=15), 100 / 15),
+        (life("exponential", location=10), 100 / 90),
+    ],
+)
+def test_what_one_life_tells_of_its_rate(of, beta):
+    assert information(of) == pytest.approx(beta, rel=0.015)
+
+
+def test_of_a_power_it_is_the_gamma():
+    """Of Weibull lives what is promised is E·θ^β: Gamma(a + n, a + E)."""
+    of, rng = life("weibull", shape=1.8), np.random.default_rng(3)
+    ages = np.minimum(of.quantile(rng.random(30)) * 0.7, 90.0)
+    lived = [Lived(0.0, float(age), float(age < 90), 1.0) for age in ages]
+    n, E = sum(one.failures for one in lived), float(of.increment(np.zeros(30), ages).sum())
+    found, expected = fit_scale(of, [lived], E, 2.0, 1.8), update(n, E, 2.0)
+    assert found.of_any.times**1.8 == pytest.approx(expected.estimate, rel=1e-5)
+    low, _, high = expected.interval
+    assert (found.of_any.low**1.8, found.of_any.high**1.8) == pytest.approx((low, high), rel=1e-4)
+    assert found.of_any.shape == pytest.approx(of_power(expected.shape, expected.rate, 1.8).shape, rel=1e-3)
+    assert found.fleet.mean.mean == pytest.approx(found.of_any.times)
+
+
+def lognormal_promise(deviation, lived):
+    """What is promised at rates θ times that of a lognormal life of mean 100, by SciPy."""
+    median = 100 * math.exp(-(deviation**2) / 2)
+
+    def promised(theta):
+        of = lognorm(deviation, scale=median / theta)
+        return sum(one.parts * (of.logsf(one.start) - of.logsf(one.start + one.length)) for one in lived)
+
+    return promised
+
+
+def test_lognormal_lives():
+    """With a prior of a failures a·θ^β + E(θ) is Gamma(a + n): the roots of SciPy's lognormal survival."""
+    of, rng = life("lognormal", log_deviation=0.6), np.random.default_rng(1)
+    lived = [Lived(0.0, float(age), 1.0, 1.0) for age in of.quantile(rng.random(50)) / 1.3]
+    # What was before they were watched says nothing.
+    lived += [Lived(60.0, 25.0, 1.0, 1.0), Lived(50.0, 40.0, 0.0, 3.0)]
+    promised = lognormal_promise(0.6, lived)
+    found = fit_scale(of, [lived], float(promised(1.0)), 4.0, 1 / 0.6).of_any
+
+    def root(wanted):
+        return brentq(lambda theta: 4 * theta ** (1 / 0.6) + promised(theta) - wanted, 0.01, 100)
+
+    expected = root(4 + 51), *(root(gamma.ppf(level, 4 + 51)) for level in (0.05, 0.95))
+    assert (found.times, found.low, found.high) == pytest.approx(expected, rel=1e-4)
+    assert found.low < 1.3 < found.high
+
+
+def test_robots_that_differ_do_and_those_that_do_not_do_not():
+    rng, of = np.random.default_rng(7), life("lognormal", log_deviation=0.5)
+
+    def lived(spread):
+        ratios = np.exp(spread * rng.standard_normal(15))
+        return ratios, [[Lived(0.0, float(of.quantile(p)) / r, 1.0, 1.0) for p in rng.random(12)] for r in ratios]
+
+    ratios, robots = lived(0.5)
+    found = fit_scale(of, robots, 180.0, 1.0, 2.0)
+    assert found.fleet.p_value < 1e-4
+    # The likeliest spread of 12 failures each about what is promised where as many are as failed, by SciPy.
+    each = [lognormal_promise(0.5, some) for some in robots]
+    centre = brentq(lambda theta: sum(one(theta) for one in each) - 180, 0.1, 10)
+    usual = np.array([one(centre) for one in each])
+    s = np.geomspace(0.1, 100, 4000)[:, None]
+    likeliest = s[nbinom.logpmf(12, s, s / (s + usual)).sum(axis=1).argmax(), 0]
+    assert found.fleet.spread == pytest.approx(1 / math.sqrt(likeliest), rel=0.01)
+    held = [one.low <= r <= one.high for one, r in zip(found.of_robot, ratios, strict=True)]
+    assert sum(held) >= 11  # less in one of a thousand
+    assert np.mean([found.of_any.low <= r <= found.of_any.high for r in ratios]) >= 0.7
+    alike = [fit_scale(of, lived(0.0)[1], 180.0, 1.0, 2.0).fleet.spread > 0 for _ in range(6)]
+    assert sum(alike) <= 2
+
+
+def test_a_fleet_of_powers_differs_as_much_as_by_counts():
+    """Exponential lives by what is promised, and by counts: two ways to the same fleet."""
+    rng, of = np.random.default_rng(9), life("weibull", shape=1.0)
+    robots = [[Lived(0.0, float(t), 1.0, 1.0) for t in rng.exponential(100 / r, 20)] for r in rng.gamma(4.0, 0.25, 12)]
+    n = [len(some) for some in robots]
+    E = [sum(one.length for one in some) / 100 for some in robots]
+    counts, lives = fleet(n, E, 1.0), fit_scale(of, robots, sum(E), 1.0, 1.0)
+    assert lives.fleet.spread == pytest.approx(counts.spread, rel=0.01)
+    assert lives.fleet.p_value == pytest.approx(counts.p_value, rel=0.01)
+    assert lives.of_any.times == pytest.approx(counts.mean.estimate, rel=1e-4)
+    for one, other in zip(lives.of_robot, counts.robots, strict=True):
+        assert (one.times, one.low, one.high) == pytest.approx((other.mean, *other.interval[::2]), rel=0.01)
+
+
+PUMP = """
+schema_version: 1
+name: R
+components:
+  pump: {rate: 0.01 /h, life: {distribution: %s}%s}
+"""
+
+
+def test_from_a_log_into_a_design_and_again(tmp_path):
+    """What was learned is no prior of the next learning: learning from the learned design gives the same."""
+    log = tmp_path / "log.csv"
+    log.write_text("part,robot,exposure [h],censored\n" + "".join(f"pump,r{i},{30 + i},\n" for i in range(8)))
+    stated = parse(PUMP % ("lognormal, log_deviation: 0.5", ""))
+    (one,) = learn(stated, read_failure_log(log, stated).seen)
+    assert one.low < 100 / 38 < one.high  # about: their mean age is 33.5 h, the stated life's 100 h
+    again = parse(
+        PUMP
+        % (
+            "lognormal, log_deviation: 0.5",
+            f", learned: {{factor: {one.factor!r}, shape: {one.shape!r}, failures: 8, expected: 1}}",
+        )
+    )
+    assert again.modes[0].life.mean() == pytest.approx(100 / one.factor)
+    (other,) = learn(again, read_failure_log(log, again).seen)
+    assert (other.factor, other.shape) == pytest.approx((one.factor, one.shape), rel=1e-6)
+    assert other.expected == pytest.approx(one.expected, rel=1e-9)
+
+
+def test_what_no_rate_can_be_learned_of(tmp_path):
+    log = tmp_path / "log.csv"
+    log.write_text("part,exposure [h]\npump,40\n")
+    curve = parse(
+        PUMP.replace("rate: 0.01 /h, ", "") % ("piecewise, ages: [0 h, 10 h], hazard_rates: [0 /h, 1 /h]", "")
+    )
+    with pytest.raises(DataError, match="'pump': a piecewise life has no scale that a rate could set"):
+        learn(curve, read_failure_log(log, curve).seen)
+    late = parse(PUMP % ("lognormal, log_deviation: 0.5, location: 50 h", ""))
+    with pytest.raises(DataError, match="'pump': a part failed at an age at which it cannot"):
+        learn(late, read_failure_log(log, late).seen)
+    tail = parse(PUMP % ("loglogistic, shape: 2", ""))
+    log.write_text("part,robot,exposure [h],since [h]\npump,a,9010,9000\npump,b,9010,9000\n")
+    with pytest.raises(DataError, match=r"'pump': 2 failures, but in the ages .* promises at most 0.00444, whatever"):
+        learn(tail, read_failure_log(log, tail).seen)
