@@ -14,13 +14,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import robophm
-from robophm import virtual_life
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.health import exposure
 from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger
+from robophm.monitoring import by_block
 from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
@@ -169,8 +169,8 @@ def test_a_life_out_of_columns_is_the_monitors_bit_for_bit(
     robot = shop(max_age, gap, stale, powered=powered)
     expected, looks = stepwise(robot, arrivals, period, step)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(virtual_life, "ENOUGH", enough)
-        patch.setattr(virtual_life, "PERIODS", periods)
+        patch.setattr(by_block, "ENOUGH", enough)
+        patch.setattr(by_block, "PERIODS", periods)
         patch.setattr(exposure, "EACH", each)
         found, seen = by_columns(robot, arrivals, period, step, sizes)
     state, other = in_order(found.ledger.to_json()), in_order(expected.ledger.to_json())
@@ -187,7 +187,7 @@ def test_a_block_of_nothing_but_bad_samples_is_counted(bad: tuple[int, float]) -
     arrivals += [(START + i * SECOND, Sample(time, "/a.t", value)) for i in range(200, 220)]
     expected, _ = stepwise(robot, arrivals, 60, 60 * SECOND)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(virtual_life, "ENOUGH", 1)
+        patch.setattr(by_block, "ENOUGH", 1)
         found, _ = by_columns(robot, arrivals, 60, 60 * SECOND, [200])
     assert sum(found.ledger.counts.values()) == 20
     assert found.ledger.to_json() == expected.ledger.to_json()
@@ -256,8 +256,8 @@ def test_a_block_may_have_nothing_of_a_signal() -> None:
 
 def test_a_flood_is_bounded_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stamps that stand still, then time that goes on: the open period is integrated before it is over."""
-    monkeypatch.setattr(virtual_life, "MOST_WAITING", 500)
-    monkeypatch.setattr(virtual_life, "ENOUGH", 100)
+    monkeypatch.setattr(by_block, "MOST_WAITING", 500)
+    monkeypatch.setattr(by_block, "ENOUGH", 100)
     monitor = Monitor(shop(5, 60, "nominal", powered=False))
     life = BlockMonitor(monitor, 600 * SECOND)
 
