@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 import threading
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
@@ -74,12 +74,7 @@ class Listening:
         self._closed = True
         self._pool.shutdown(cancel_futures=True)
 
-    def messages(self, stream: Stream, raws: Sequence[bytes]) -> None:
-        """Messages have come."""
-        stream.sequence = self._hearing.messages(stream.reading, raws, stream.sequence)
-
-    def ended(self, stream: Stream) -> None:
-        """A connection is gone."""
+    def _lost(self, stream: Stream) -> None:
         key = stream.reading.topic, stream.uri
         del self._streams[key]
         if not self._closed:
@@ -155,7 +150,8 @@ class Listening:
             if before != reading.identity:
                 self._notes.add(f"type changed on {reading.topic}")
         self._types[reading.topic] = reading.identity
-        self._streams[key] = stream = Stream(self._node.loop, connection, key[1], reading, self)
+        stream = Stream(self._node.loop, connection, key[1], reading, self._hearing, self._lost)
+        self._streams[key] = stream
         self._node.loop.add(stream)
         self._settle()
 
