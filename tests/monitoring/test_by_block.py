@@ -26,7 +26,7 @@ from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
 from robophm.transports.recordings.recording import Recording
-from robophm.transports.signals.source import Heard
+from robophm.transports.signals.source import SignalColumns
 from robophm.transports.synthetic import SyntheticOta
 
 OTA = Path(__file__).parents[2] / "examples" / "ota" / "robot.yaml"
@@ -98,7 +98,7 @@ def kept(monitor: Monitor) -> Any:
     return json.dumps(state, sort_keys=True)
 
 
-def blocks(arrivals: Arrivals, sizes: Sequence[int]) -> Iterator[dict[str, Heard]]:
+def blocks(arrivals: Arrivals, sizes: Sequence[int]) -> Iterator[dict[str, SignalColumns]]:
     """By signal, cut anywhere between arrivals."""
     rest, sizes = arrivals, [*sizes, len(arrivals)]
     for size in sizes:
@@ -108,7 +108,7 @@ def blocks(arrivals: Arrivals, sizes: Sequence[int]) -> Iterator[dict[str, Heard
         block = {}
         for signal in sorted({sample.signal for _, sample in part}):
             own = [(at, sample) for at, sample in part if sample.signal == signal]
-            block[signal] = Heard(
+            block[signal] = SignalColumns(
                 np.array([at for at, _ in own]),
                 np.array([sample.time for _, sample in own]),
                 np.array([sample.value for _, sample in own]),
@@ -246,10 +246,10 @@ def test_a_block_may_have_nothing_of_a_signal() -> None:
     """As where no message in it has the element that is asked for."""
     monitor = Monitor(shop(5, 60, "nominal", powered=False))
     life = BlockMonitor(monitor)
-    nothing = Heard(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))
+    nothing = SignalColumns(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))
     for minute in range(5):
         times = START + (minute * 60 + np.arange(60)) * SECOND
-        life.observe({"/a.t": Heard(times, times, np.full(60, 30.0)), "/b.v": nothing})
+        life.observe({"/a.t": SignalColumns(times, times, np.full(60, 30.0)), "/b.v": nothing})
     life.finish()
     assert monitor.report().clocks["calendar"] * 3600 == pytest.approx(299, rel=1e-12)
 
@@ -264,7 +264,7 @@ def test_a_flood_is_bounded_and_counted(monkeypatch: pytest.MonkeyPatch) -> None
     def say(first: int, seconds: np.ndarray[Any, Any]) -> None:
         times = START + np.round(seconds * SECOND).astype(np.int64)
         arrived = START + first * SECOND + np.arange(len(times))
-        life.observe({"/a.t": Heard(arrived, times, np.full(len(times), 30.0))})
+        life.observe({"/a.t": SignalColumns(arrived, times, np.full(len(times), 30.0))})
 
     say(0, np.arange(120) * 1.0)  # the first period is over
     say(120, np.full(2000, 120.0))

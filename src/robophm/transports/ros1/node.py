@@ -15,10 +15,10 @@ from robophm.core.errors import SourceError
 from robophm.transports.ros1.environment import place
 from robophm.transports.ros1.loop import Loop
 from robophm.transports.ros1.master import system_state
+from robophm.transports.ros1.served_subscriber import Greeting, Publication
 from robophm.transports.ros1.slave import Caller, Slave, believed
-from robophm.transports.ros1.subscriber import Greeting, Publication
 from robophm.transports.ros1.xmlrpc import call
-from robophm.transports.signals.incidents import Notes, PeerError
+from robophm.transports.signals.incidents import Incidents, PeerError
 
 POLL_SECONDS = 2.0
 """Between two looks at what the master knows; in between it tells what changes."""
@@ -34,12 +34,12 @@ class Node:
     Raises SourceError where the name is none, or there is no master.
     """
 
-    def __init__(self, name: str | None = None, master: str | None = None, notes: Notes | None = None) -> None:
+    def __init__(self, name: str | None = None, master: str | None = None, notes: Incidents | None = None) -> None:
         self.name = name or f"/robophm_{uuid.uuid4().hex[:12]}"
         if not _NAME.match(self.name):
             raise SourceError(f"'{self.name}' is not the name of a ROS node; expected e.g. '/robophm'")
         self.place = place(master)
-        self.notes = Notes() if notes is None else notes
+        self.notes = Incidents() if notes is None else notes
         try:
             system_state(self.place.master, self.name)
         except PeerError as error:

@@ -12,7 +12,7 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import signal_name
 from robophm.transports.ros1.definition import compiled, known_definition, md5_of
 from robophm.transports.ros1.node import Node
-from robophm.transports.ros1.subscriber import Subscriber
+from robophm.transports.ros1.served_subscriber import Subscriber
 from robophm.transports.ros1.tcpros import encoded
 from robophm.transports.signals.message_type import serialized
 

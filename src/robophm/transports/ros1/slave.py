@@ -11,9 +11,9 @@ from xmlrpc.server import SimpleXMLRPCDispatcher
 
 from robophm.transports.ros1.environment import Place
 from robophm.transports.ros1.loop import Loop, Peer
-from robophm.transports.ros1.subscriber import Publication
+from robophm.transports.ros1.served_subscriber import Publication
 from robophm.transports.ros1.xmlrpc import CALL_SECONDS, LONGEST_HEAD, body_length, parsed
-from robophm.transports.signals.incidents import Notes
+from robophm.transports.signals.incidents import Incidents
 
 MOST_PUBLISHERS = 1000
 """Publishers of one topic that are believed."""
@@ -57,7 +57,7 @@ class Caller(Peer):
 class Callee(Protocol):
     """A node, as those who call it meet it."""
 
-    notes: Notes
+    notes: Incidents
     place: Place
     port: int
     """Where subscribers connect."""

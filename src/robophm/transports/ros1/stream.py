@@ -7,7 +7,7 @@ import struct
 from collections.abc import Callable
 
 from robophm.transports.live.decoding import Reading
-from robophm.transports.live.receiving import Hearing
+from robophm.transports.live.receiving import Receiver
 from robophm.transports.ros1.loop import Loop, Peer
 from robophm.transports.ros1.tcpros import LONGEST_MESSAGE
 
@@ -25,7 +25,7 @@ class Stream(Peer):
         connection: socket.socket,
         uri: str,
         reading: Reading,
-        hearing: Hearing,
+        hearing: Receiver,
         lost: Callable[[Stream], None],
     ) -> None:
         super().__init__(loop, connection)

@@ -9,7 +9,7 @@ from typing import Protocol, Self
 
 from robophm.core.errors import SourceError
 from robophm.transports.ros2_dds.graph import Graph, join
-from robophm.transports.signals.incidents import Notes
+from robophm.transports.signals.incidents import Incidents
 
 _NAME = re.compile(r"(/[A-Za-z_]\w*)+\Z", re.ASCII)
 
@@ -29,11 +29,11 @@ class Node:
     Raises SourceError where the name is none or this process has it already, or there is no DDS.
     """
 
-    def __init__(self, name: str | None = None, domain: int | None = None, notes: Notes | None = None) -> None:
+    def __init__(self, name: str | None = None, domain: int | None = None, notes: Incidents | None = None) -> None:
         self.name = name or f"/robophm_{uuid.uuid4().hex[:12]}"
         if not _NAME.match(self.name):
             raise SourceError(f"'{self.name}' is not the name of a ROS node; expected e.g. '/robophm'")
-        self.notes = Notes() if notes is None else notes
+        self.notes = Incidents() if notes is None else notes
         self.published: dict[str, Publication] = {}
         self._closing = threading.Lock()
         self._closed = False

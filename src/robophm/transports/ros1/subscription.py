@@ -11,7 +11,7 @@ from contextlib import suppress
 
 from robophm.core.errors import SourceError
 from robophm.transports.live.decoding import Reading
-from robophm.transports.live.receiving import CLOCK_TOPIC, Hearing
+from robophm.transports.live.receiving import CLOCK_TOPIC, Receiver
 from robophm.transports.ros1.definition import reading_of
 from robophm.transports.ros1.node import Node
 from robophm.transports.ros1.stream import Stream
@@ -25,7 +25,7 @@ CONNECTORS = 8
 """Connections made at the same time."""
 
 
-class Listening:
+class Subscription:
     """Listens to topics through a node.
 
     All but the making of connections happens in the node's loop, so that nothing here is shared between threads.
@@ -35,7 +35,7 @@ class Listening:
         self,
         node: Node,
         wanted: Mapping[str, Collection[str]],
-        hearing: Hearing,
+        hearing: Receiver,
     ) -> None:
         self.mistake: SourceError | None = None
         """The first signal that a topic does not have, or type that cannot be read."""
