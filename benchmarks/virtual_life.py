@@ -26,7 +26,7 @@ from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.recordings.recording import Recording
-from robophm.transports.signals.source import Heard, SignalSource, TopicInfo
+from robophm.transports.signals.source import SignalColumns, SignalSource, TopicInfo
 from robophm.transports.synthetic import SyntheticOta
 
 CHANNELS = 20
@@ -65,7 +65,7 @@ class Hours(SignalSource):
         end, count = START + round(self.hours * HOUR), round(self.hours * 3600 * RATE)
         return [TopicInfo(f"/t{i}", "", count, START, end, ("temperature",)) for i in range(CHANNELS)]
 
-    def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, Heard]]:
+    def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, SignalColumns]]:
         """An hour in a block."""
         step, chance = SECOND // RATE, np.random.default_rng(2)
         for hour in range(int(np.ceil(self.hours))):
@@ -76,7 +76,7 @@ class Hours(SignalSource):
                 begin = int(chance.integers(0, len(self._noise) - count))
                 heat = 27 + 8 * np.sin(2 * np.pi * (hour / 24 + i / CHANNELS))
                 own = times + i * 1000
-                block[f"/t{i}.temperature"] = Heard(own, own, heat + self._noise[begin : begin + count])
+                block[f"/t{i}.temperature"] = SignalColumns(own, own, heat + self._noise[begin : begin + count])
             yield block
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:

@@ -20,7 +20,7 @@ from robophm.health.task_report import task_report
 from robophm.health.unknown_rates import IF_NEVER, PartsOfUnknownRate, unknown
 from robophm.monitoring.monitor import Monitor
 
-from .test_to_come import draw
+from .test_failures_to_come import draw
 
 
 def robot(components: dict[str, Any], **more: Any) -> Robot:

@@ -14,19 +14,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import robophm
-from robophm import virtual_life
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.health import exposure
 from robophm.health.exposure import Exposure
 from robophm.health.ledger import Ledger
+from robophm.monitoring import by_block
 from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
 from robophm.transports.recordings.recording import Recording
-from robophm.transports.signals.source import Heard
+from robophm.transports.signals.source import SignalColumns
 from robophm.transports.synthetic import SyntheticOta
 
 OTA = Path(__file__).parents[2] / "examples" / "ota" / "robot.yaml"
@@ -98,7 +98,7 @@ def kept(monitor: Monitor) -> Any:
     return json.dumps(state, sort_keys=True)
 
 
-def blocks(arrivals: Arrivals, sizes: Sequence[int]) -> Iterator[dict[str, Heard]]:
+def blocks(arrivals: Arrivals, sizes: Sequence[int]) -> Iterator[dict[str, SignalColumns]]:
     """By signal, cut anywhere between arrivals."""
     rest, sizes = arrivals, [*sizes, len(arrivals)]
     for size in sizes:
@@ -108,7 +108,7 @@ def blocks(arrivals: Arrivals, sizes: Sequence[int]) -> Iterator[dict[str, Heard
         block = {}
         for signal in sorted({sample.signal for _, sample in part}):
             own = [(at, sample) for at, sample in part if sample.signal == signal]
-            block[signal] = Heard(
+            block[signal] = SignalColumns(
                 np.array([at for at, _ in own]),
                 np.array([sample.time for _, sample in own]),
                 np.array([sample.value for _, sample in own]),
@@ -169,8 +169,8 @@ def test_a_life_out_of_columns_is_the_monitors_bit_for_bit(
     robot = shop(max_age, gap, stale, powered=powered)
     expected, looks = stepwise(robot, arrivals, period, step)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(virtual_life, "ENOUGH", enough)
-        patch.setattr(virtual_life, "PERIODS", periods)
+        patch.setattr(by_block, "ENOUGH", enough)
+        patch.setattr(by_block, "PERIODS", periods)
         patch.setattr(exposure, "EACH", each)
         found, seen = by_columns(robot, arrivals, period, step, sizes)
     state, other = in_order(found.ledger.to_json()), in_order(expected.ledger.to_json())
@@ -187,7 +187,7 @@ def test_a_block_of_nothing_but_bad_samples_is_counted(bad: tuple[int, float]) -
     arrivals += [(START + i * SECOND, Sample(time, "/a.t", value)) for i in range(200, 220)]
     expected, _ = stepwise(robot, arrivals, 60, 60 * SECOND)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(virtual_life, "ENOUGH", 1)
+        patch.setattr(by_block, "ENOUGH", 1)
         found, _ = by_columns(robot, arrivals, 60, 60 * SECOND, [200])
     assert sum(found.ledger.counts.values()) == 20
     assert found.ledger.to_json() == expected.ledger.to_json()
@@ -246,25 +246,25 @@ def test_a_block_may_have_nothing_of_a_signal() -> None:
     """As where no message in it has the element that is asked for."""
     monitor = Monitor(shop(5, 60, "nominal", powered=False))
     life = BlockMonitor(monitor)
-    nothing = Heard(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))
+    nothing = SignalColumns(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))
     for minute in range(5):
         times = START + (minute * 60 + np.arange(60)) * SECOND
-        life.observe({"/a.t": Heard(times, times, np.full(60, 30.0)), "/b.v": nothing})
+        life.observe({"/a.t": SignalColumns(times, times, np.full(60, 30.0)), "/b.v": nothing})
     life.finish()
     assert monitor.report().clocks["calendar"] * 3600 == pytest.approx(299, rel=1e-12)
 
 
 def test_a_flood_is_bounded_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stamps that stand still, then time that goes on: the open period is integrated before it is over."""
-    monkeypatch.setattr(virtual_life, "MOST_WAITING", 500)
-    monkeypatch.setattr(virtual_life, "ENOUGH", 100)
+    monkeypatch.setattr(by_block, "MOST_WAITING", 500)
+    monkeypatch.setattr(by_block, "ENOUGH", 100)
     monitor = Monitor(shop(5, 60, "nominal", powered=False))
     life = BlockMonitor(monitor, 600 * SECOND)
 
     def say(first: int, seconds: np.ndarray[Any, Any]) -> None:
         times = START + np.round(seconds * SECOND).astype(np.int64)
         arrived = START + first * SECOND + np.arange(len(times))
-        life.observe({"/a.t": Heard(arrived, times, np.full(len(times), 30.0))})
+        life.observe({"/a.t": SignalColumns(arrived, times, np.full(len(times), 30.0))})
 
     say(0, np.arange(120) * 1.0)  # the first period is over
     say(120, np.full(2000, 120.0))

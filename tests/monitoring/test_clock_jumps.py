@@ -18,7 +18,7 @@ from robophm.monitoring.live_loop import watch
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
-from robophm.transports.signals.source import Heard, SignalSource, TopicInfo
+from robophm.transports.signals.source import SignalColumns, SignalSource, TopicInfo
 
 START = 1_795_000_000 * SECOND
 IN_2038 = 2_147_483_000 * SECOND
@@ -123,7 +123,7 @@ def test_by_the_column_as_one_by_one(design: Robot, seed: int) -> None:
     times, values = (np.array([sample[i] for sample in samples]) for i in (0, 2))
     cuts = np.sort(chance.integers(0, len(samples), 5))
     for rows in np.split(np.arange(len(samples)), cuts):
-        life.observe({T: Heard(arrived[rows], times[rows], values[rows])})
+        life.observe({T: SignalColumns(arrived[rows], times[rows], values[rows])})
         life._go_on()
     life.finish()
     one, other = (json.dumps(each.to_json(), sort_keys=True) for each in (monitor.ledger, life.ledger))

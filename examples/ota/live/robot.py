@@ -8,9 +8,9 @@ import threading
 import time
 
 from drive import Ota
-
-from robophm.transports.signals.source import Told
 from ros import Ros, header
+
+from robophm.transports.signals.source import WholeMessage
 
 RATE = 20
 """Messages a second."""
@@ -31,7 +31,7 @@ def main() -> None:
 
         def hear() -> None:
             for heard in goals:
-                if isinstance(heard, Told) and heard.message is not None:
+                if isinstance(heard, WholeMessage) and heard.message is not None:
                     pose, twist = heard.message.pose.pose, heard.message.twist.twist
                     ota.goal, ota.cruise = (pose.position.x, pose.position.y), twist.linear.x
 

@@ -11,7 +11,7 @@ from robophm.core.signal import SECOND, Sample
 from robophm.transports.health_topics import Outlet
 from robophm.transports.health_topics.definitions import typestore
 from robophm.transports.health_topics.message_of_fields import compose
-from robophm.transports.signals.source import LiveSource, Told
+from robophm.transports.signals.source import LiveSource, WholeMessage
 
 
 class Ros:
@@ -35,7 +35,7 @@ class Ros:
         store = typestore(self._outlet.generation)
         return lambda fields: publisher.publish(compose(store, type_, fields))
 
-    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | Told]:
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[Sample | WholeMessage]:
         """Samples and messages as they come; a clock sample ten times a second."""
         return self.source.listen(signals, topics)
 

@@ -10,7 +10,7 @@ from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
 from robophm.report.words import number_text
 from robophm.transports.running_ros import open_live
 from robophm.transports.signals.element_names import names_in
-from robophm.transports.signals.source import Told, TopicInfo
+from robophm.transports.signals.source import TopicInfo, WholeMessage
 
 SHOWN = 6
 """Numbers of one topic in the table; JSON has all."""
@@ -30,7 +30,7 @@ def run(ros: str, seconds: float, *, as_json: bool) -> None:
             if isinstance(heard, Sample) and heard.signal != CLOCK:
                 topic, field = split_signal(heard.signal)
                 values[topic][field] = heard.value
-            elif isinstance(heard, Told) and heard.message is not None:
+            elif isinstance(heard, WholeMessage) and heard.message is not None:
                 names.setdefault(heard.topic, {}).update(names_in(heard.message))
             if time.monotonic() >= end:  # clock samples come in silence too
                 break

@@ -14,7 +14,7 @@ from robophm.core.signal import HOUR, NOT_FINITE, SECOND, Sample
 from robophm.health.clock_jumps import ClockJumps, why_not
 from robophm.health.window import Window
 from robophm.monitoring.monitor import WINDOW, Monitor
-from robophm.transports.signals.source import Heard
+from robophm.transports.signals.source import SignalColumns
 
 Flags = npt.NDArray[np.bool_]
 
@@ -39,15 +39,15 @@ class BlockMonitor:
         self.step = step
         self.arrived: int | None = None
         """At a tick: what had arrived until then [ns], and nothing else, is in the ledger, integrated or pending."""
-        self._new: dict[str, list[Heard]] = {}
-        self._waiting: dict[str, Heard] = {}
+        self._new: dict[str, list[SignalColumns]] = {}
+        self._waiting: dict[str, SignalColumns] = {}
         """Taken, and not yet integrated; ascending in time."""
         self._missed: dict[str, npt.NDArray[np.int64]] = {}
         """When what was not taken arrived, by reason; not yet counted."""
         self._resume()
         np.empty(31 << 17)  # untouched and let go of: glibc keeps smaller ones' pages then, a third of the time
 
-    def observe(self, block: Mapping[str, Heard]) -> None:
+    def observe(self, block: Mapping[str, SignalColumns]) -> None:
         """Take samples that arrived after those of the block before."""
         for signal, heard in block.items():
             if len(heard.times):
@@ -63,7 +63,7 @@ class BlockMonitor:
     def _resume(self) -> None:
         columns = self.ledger.pending.columns()
         self._waiting = {
-            signal: Heard(np.full(len(times), np.iinfo(np.int64).min), times, values)
+            signal: SignalColumns(np.full(len(times), np.iinfo(np.int64).min), times, values)
             for signal, (times, values) in columns.items()
         }
 
@@ -79,7 +79,7 @@ class BlockMonitor:
             self._go_through(new, self.ledger.integrated_to)
         self.ledger.aside = aside
 
-    def _believed(self, new: dict[str, Heard]) -> tuple[dict[str, Heard], list[Sample]]:
+    def _believed(self, new: dict[str, SignalColumns]) -> tuple[dict[str, SignalColumns], list[Sample]]:
         """What counts as a monitor lets it, and what is set aside behind it, as a clock may have jumped ahead."""
         known = self.ledger.newest if self.ledger.newest is not None else min(int(h.times[0]) for h in new.values())
         leaps = ClockJumps(known, (one.time for one in self.ledger.aside))
@@ -115,7 +115,7 @@ class BlockMonitor:
             self._count(None)
         return columns, [sample for _, sample in aside]
 
-    def _go_through(self, new: dict[str, Heard], begun: int) -> None:
+    def _go_through(self, new: dict[str, SignalColumns], begun: int) -> None:
         new = self._taken(new, begun)
         for signal, heard in new.items():
             self._waiting[signal] = _in_time([*_some(self._waiting, signal), heard])
@@ -138,7 +138,7 @@ class BlockMonitor:
         self._count(None)
         self._hold_back(before, self.ledger.newest)
 
-    def _begin(self, new: Mapping[str, Heard]) -> dict[str, Heard]:
+    def _begin(self, new: Mapping[str, SignalColumns]) -> dict[str, SignalColumns]:
         """The first period, sample by sample: until it is over, time may yet begin earlier. Gives what is left."""
         arrived, times, values = _joined([*new.values()])
         signals, whose = [*new], np.repeat(np.arange(len(new)), [len(heard.times) for heard in new.values()])
@@ -158,7 +158,7 @@ class BlockMonitor:
         left = {signal: heard.rows(heard.arrived > now) for signal, heard in new.items()}
         return {signal: heard for signal, heard in left.items() if len(heard.times)}
 
-    def _taken(self, new: Mapping[str, Heard], begun: int) -> dict[str, Heard]:
+    def _taken(self, new: Mapping[str, SignalColumns], begun: int) -> dict[str, SignalColumns]:
         """Without what is late or not finite."""
         taken = {}
         late = self._late(new, begun)
@@ -173,7 +173,7 @@ class BlockMonitor:
                 taken[signal] = heard
         return taken
 
-    def _late(self, new: Mapping[str, Heard], begun: int) -> dict[str, Flags]:
+    def _late(self, new: Mapping[str, SignalColumns], begun: int) -> dict[str, Flags]:
         """Of each signal that has them, which samples lie in a period that was over when they came."""
         lags = [_lags(heard) for heard in new.values()]
         first = min(int(heard.times.min()) for heard in new.values())
@@ -189,7 +189,7 @@ class BlockMonitor:
         parts = np.split(late, np.cumsum([len(heard.times) for heard in new.values()])[:-1])
         return {signal: part for signal, part in zip(new, parts, strict=True) if part.any()}
 
-    def _ends(self, begun: int, new: Sequence[Heard]) -> Iterator[tuple[int, int]]:
+    def _ends(self, begun: int, new: Sequence[SignalColumns]) -> Iterator[tuple[int, int]]:
         """The ends of periods that a monitor integrates to, and when the sample arrived that made it do so."""
         period = self.monitor.period
         newest = [
@@ -262,45 +262,45 @@ class BlockMonitor:
         return sum(len(heard.times) for heard in self._waiting.values())
 
 
-def _heard(some: Sequence[tuple[int, Sample]]) -> Heard:
+def _heard(some: Sequence[tuple[int, Sample]]) -> SignalColumns:
     arrived, times = (
         np.array(column, dtype=np.int64) for column in zip(*((at, one.time) for at, one in some), strict=True)
     )
-    return Heard(arrived, times, np.array([one.value for _, one in some]))
+    return SignalColumns(arrived, times, np.array([one.value for _, one in some]))
 
 
-def _some(waiting: Mapping[str, Heard], signal: str) -> list[Heard]:
+def _some(waiting: Mapping[str, SignalColumns], signal: str) -> list[SignalColumns]:
     return [waiting[signal]] if signal in waiting else []
 
 
-def _joined(parts: Sequence[Heard]) -> Heard:
+def _joined(parts: Sequence[SignalColumns]) -> SignalColumns:
     if len(parts) == 1:
         return parts[0]
     times, values = (np.concatenate([part[column] for part in parts]) for column in (1, 2))
     if all(part.arrived is part.times for part in parts):
-        return Heard(times, times, values)
-    return Heard(np.concatenate([part.arrived for part in parts]), times, values)
+        return SignalColumns(times, times, values)
+    return SignalColumns(np.concatenate([part.arrived for part in parts]), times, values)
 
 
-def _in_time(parts: Sequence[Heard]) -> Heard:
+def _in_time(parts: Sequence[SignalColumns]) -> SignalColumns:
     """Samples in order of time; of equal times the greatest value last."""
     heard = _joined([part for part in parts if len(part.times)])
     return heard if _ascends(heard) else heard.rows(np.lexsort((heard.values, heard.times)))
 
 
-def _once(heard: Heard) -> Heard:
+def _once(heard: SignalColumns) -> SignalColumns:
     """Times of arrival that are the samples' own are not kept a second time."""
     arrived, times, values = heard
     if arrived is not times and len(times) and arrived[0] == times[0] and np.array_equal(arrived, times):
-        return Heard(times, times, values)
+        return SignalColumns(times, times, values)
     return heard
 
 
-def _ascends(heard: Heard) -> bool:
+def _ascends(heard: SignalColumns) -> bool:
     return bool((heard.times[1:] > heard.times[:-1]).all())
 
 
-def _lags(heard: Heard) -> tuple[int, int]:
+def _lags(heard: SignalColumns) -> tuple[int, int]:
     """How long after their time samples arrived, at least and at most [ns]."""
     if heard.arrived is heard.times:
         return 0, 0

@@ -19,7 +19,7 @@ from robophm.monitoring.replay import REPAIR, REPORT_STEP, ReportHistory, kept_l
 from robophm.stores.store import Progress, Store
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.signals.sink import JudgedTask, ReportSink
-from robophm.transports.signals.source import Gap, LiveItem, LiveSource, SignalSource, Told
+from robophm.transports.signals.source import Gap, LiveItem, LiveSource, SignalSource, WholeMessage
 
 SAVE_EVERY = 5.0
 """Seconds between two saves: what a crash may cost where there is no journal to take it from."""
@@ -98,7 +98,7 @@ def watch(
         if on_start:
             on_start(monitor)
         for heard in _listen(source, robot.signals, task_topics):
-            if isinstance(heard, Told):
+            if isinstance(heard, WholeMessage):
                 if judged := tasks.hear(heard):
                     for sink in sinks:
                         sink.judged(judged)

@@ -15,7 +15,7 @@ from robophm.health.window import Window
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.task_evaluation import completion_as_done, task_as_done, task_as_planned
 from robophm.transports.signals.sink import JudgedTask
-from robophm.transports.signals.source import Told
+from robophm.transports.signals.source import WholeMessage
 from robophm.transports.tasks import DoneTask, PlannedTask, TaskTopics
 
 FINENESS = 50
@@ -55,7 +55,7 @@ class LiveTasks:
                 kept.append((at, then))
         self._past = kept
 
-    def hear(self, told: Told) -> JudgedTask | None:
+    def hear(self, told: WholeMessage) -> JudgedTask | None:
         """The task that a message completes, judged by the ledger up to the newest sample."""
         task = self._topics.hear(*told)
         if isinstance(task, PlannedTask):

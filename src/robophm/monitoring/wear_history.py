@@ -22,7 +22,7 @@ from robophm.learning.wear.signal_to_readings import Array, Reducer, Times, on_a
 from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.recorded_drives import Recorded, RecordedDrive, drives_of, living
-from robophm.transports.signals.source import STAMP_LIMIT, Heard, SignalSource
+from robophm.transports.signals.source import STAMP_LIMIT, SignalColumns, SignalSource
 
 CLOCK_STEP = 600 * SECOND
 """Nanoseconds between two looks at the parts' clocks; between them they are taken to go evenly."""
@@ -112,7 +112,7 @@ def wear_history(
     return WearHistory(found, monitor, notes + monitor.ledger.counts)
 
 
-def _lived(source: SignalSource, drive: RecordedDrive, monitor: Monitor) -> Iterator[Mapping[str, Heard]]:
+def _lived(source: SignalSource, drive: RecordedDrive, monitor: Monitor) -> Iterator[Mapping[str, SignalColumns]]:
     """The blocks of a drive, after the robot has lived through each; the last is empty and says that all has come."""
     life = BlockMonitor(monitor, CLOCK_STEP)
     if (blocks := source.columns(drive.signals, 0)) is not None:
@@ -136,11 +136,11 @@ def _lived(source: SignalSource, drive: RecordedDrive, monitor: Monitor) -> Iter
     yield {}
 
 
-def _block(gathered: Mapping[str, Sequence[tuple[int, int, float]]]) -> dict[str, Heard]:
+def _block(gathered: Mapping[str, Sequence[tuple[int, int, float]]]) -> dict[str, SignalColumns]:
     found = {}
     for signal, rows in gathered.items():
         arrived, times, values = zip(*rows, strict=True)
-        found[signal] = Heard(np.array(arrived, np.int64), np.array(times, np.int64), np.array(values))
+        found[signal] = SignalColumns(np.array(arrived, np.int64), np.array(times, np.int64), np.array(values))
     return found
 
 
@@ -152,7 +152,7 @@ class _InOrder:
         self._complete = np.iinfo(np.int64).min
         self._waiting: dict[str, list[tuple[Times, Array]]] = {signal: [] for signal in signals}
 
-    def feed(self, block: Mapping[str, Heard]) -> Iterator[dict[str, tuple[Times, Array]]]:
+    def feed(self, block: Mapping[str, SignalColumns]) -> Iterator[dict[str, tuple[Times, Array]]]:
         """What is complete with a block; with an empty one all that is left."""
         newest = max((int(heard.arrived[-1]) for heard in block.values() if len(heard.arrived)), default=None)
         if block and newest is None:

@@ -21,7 +21,7 @@ import pytest
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
-from robophm.transports.signals.source import LiveSource, Told
+from robophm.transports.signals.source import LiveSource, WholeMessage
 
 from ...conftest import NO_RCLPY
 from ..listener import Heard, within
@@ -178,7 +178,7 @@ def test_whole_messages_come_between_samples(source: LiveSource, publish: Callab
     listened = source.listen(["/c/level.data"], ["/c/text"])
     within(8, lambda: level.subscribers == text.subscribers == 1)
     text.publish(text.types["std_msgs/msg/String"]("grüße"))
-    told = next(one for one in listened if isinstance(one, Told))
+    told = next(one for one in listened if isinstance(one, WholeMessage))
     assert (told.topic, told.message.data) == ("/c/text", "grüße")
     assert abs(told.time - time.time_ns()) < 10 * SECOND
 

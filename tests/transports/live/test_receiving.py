@@ -14,9 +14,9 @@ from robophm.core.signal import Sample
 from robophm.transports.health_topics.definitions import definition, typestore
 from robophm.transports.health_topics.message_of_fields import compose
 from robophm.transports.live.decoding import Reading
-from robophm.transports.live.receiving import Hearing, Queue
-from robophm.transports.signals.incidents import Notes
-from robophm.transports.signals.source import Gap, Told
+from robophm.transports.live.receiving import Queue, Receiver
+from robophm.transports.signals.incidents import Incidents
+from robophm.transports.signals.source import Gap, WholeMessage
 from robophm.transports.tasks import TaskTopics
 
 MESSAGES = 10_000
@@ -57,19 +57,19 @@ def test_damaged_messages(generation: Any) -> None:
     from robophm.transports.ros1.definition import compiled
     from robophm.transports.ros2_dds.definition import defined
 
-    chance, notes, heard = random.Random(generation), Notes(), Counter[str]()
+    chance, notes, heard = random.Random(generation), Incidents(), Counter[str]()
     listener = TaskTopics(notes)
 
     def put(some: Any) -> None:
         for one in some:
-            if isinstance(one, Told):
+            if isinstance(one, WholeMessage):
                 listener.hear(*one)
                 heard["whole"] += 1
             elif isinstance(one, Sample):
                 assert isinstance(one.value, float)
                 heard["samples"] += 1
 
-    hearing = Hearing(notes, put, ["/robot_task_list", "/plan", "/odom"], simulated=False)
+    hearing = Receiver(notes, put, ["/robot_task_list", "/plan", "/odom"], simulated=False)
     store = typestore(generation)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     readings, raws = {}, {}
@@ -104,7 +104,7 @@ def test_damaged_messages(generation: Any) -> None:
 
 
 def test_a_queue_hands_on_whole_messages_in_order_and_counts_what_does_not_fit() -> None:
-    notes = Notes()
+    notes = Incidents()
     queue = Queue(notes, 5)
     taken = queue.taken(lambda: None)
     messages = [[Sample(number, f"/t.{field}", float(number)) for field in "ab"] for number in range(3)]

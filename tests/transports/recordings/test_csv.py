@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import Sample
-from robophm.transports import source
+from robophm.transports.recordings import text
 from robophm.transports.recordings.csv import CsvRecording, parse_time
 
 
@@ -92,6 +92,6 @@ def test_not_text(tmp_path: Path) -> None:
 def test_bounds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(SourceError, match="at most 4096"):
         read(tmp_path / "t.csv", "time," + ",".join(f"/a.x{i}" for i in range(5000)) + "\n")
-    monkeypatch.setattr(source, "LONGEST_LINE", 100)
+    monkeypatch.setattr(text, "LONGEST_LINE", 100)
     with pytest.raises(SourceError, match="line 2: longer than 100 bytes"):
         read(tmp_path / "t.csv", "time,/a.x\n1," + " " * 200 + "2\n", "/a.x")

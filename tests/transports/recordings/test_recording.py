@@ -17,7 +17,7 @@ from robophm.core.signal import SECOND, Sample
 from robophm.transports.recordings.recording import Recording
 from robophm.transports.synthetic import SyntheticOta
 
-from .conftest import SIGNALS
+from ..conftest import SIGNALS
 
 TEMPERATURE = "sensor_msgs/msg/Temperature"
 JOINTS = "sensor_msgs/msg/JointState"

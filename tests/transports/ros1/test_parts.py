@@ -10,11 +10,11 @@ import pytest
 
 from robophm.core.errors import SourceError
 from robophm.transports.ros1.environment import Place, place
-from robophm.transports.ros1.listening import wait_after
 from robophm.transports.ros1.loop import Loop, Peer
+from robophm.transports.ros1.subscription import wait_after
 from robophm.transports.ros1.tcpros import decoded, encoded
 from robophm.transports.ros1.xmlrpc import body_length
-from robophm.transports.signals.incidents import Notes
+from robophm.transports.signals.incidents import Incidents
 
 
 @pytest.mark.parametrize(
@@ -78,7 +78,7 @@ def test_a_fault_in_one_connection_ends_no_other(caplog: pytest.LogCaptureFixtur
             self.send(bytes(self.received))
             self.received.clear()
 
-    notes = Notes()
+    notes = Incidents()
     loop = Loop("test", notes)
     port = loop.listen("127.0.0.1", lambda connection: Faulty(loop, connection))
     loop.start()

@@ -13,7 +13,7 @@ from robophm.transports.ros2_dds import Ros2Dds
 from robophm.transports.ros2_dds.cyclone import Offer
 from robophm.transports.ros2_dds.definition import dds_name, defined, known, name_of_dds, ros2_name
 from robophm.transports.ros2_dds.environment import Place, place
-from robophm.transports.ros2_dds.listening import told_hash
+from robophm.transports.ros2_dds.subscription import told_hash
 
 HASHES = {
     # as rosidl of Jazzy writes them into share/*/msg/*.json

@@ -15,12 +15,12 @@ from robophm.core.signal import REORDERED, SECOND, Sample, Step, named, signal_n
 from robophm.design.file import parse
 from robophm.monitoring.replay import replay
 from robophm.transports.live.decoding import LARGE, Reading
-from robophm.transports.live.receiving import Hearing
+from robophm.transports.live.receiving import Receiver
 from robophm.transports.recordings.columns import read_columns
 from robophm.transports.recordings.columns.columns import by_signal
 from robophm.transports.recordings.csv import CsvRecording
 from robophm.transports.recordings.recording import Recording
-from robophm.transports.signals.incidents import Notes
+from robophm.transports.signals.incidents import Incidents
 from robophm.transports.signals.message_type import field_getter, message_type, serialized
 
 T0 = 1_700_000_000 * SECOND
@@ -276,8 +276,8 @@ def test_many_messages_in_any_order(tmp_path, write_messages, ordered):
 
 def live(reading, raws):
     """What a live source would give for these messages, and its notes."""
-    notes, heard = Notes(), []
-    hearing = Hearing(notes, heard.extend, (), simulated=False)
+    notes, heard = Incidents(), []
+    hearing = Receiver(notes, heard.extend, (), simulated=False)
     hearing.messages(reading, raws, None)
     return [(one.signal, one.value) for one in heard if isinstance(one, Sample)], notes.copy()
 

@@ -7,7 +7,8 @@ Aalen and Hoem, Scand. Actuarial J. 1978), so that E(θ) is Gamma(n) where n fai
 
 The stated rate counts as a failures in an exposure of its own, in which a·θ^β are promised, where β² is what one whole
 life tells of ln θ (Fisher): the shape of a Weibull life, 1/σ of a lognormal one. So a·θ^β + E(θ) ~ Gamma(a + n), which
-of a Weibull life is the gamma of ``gamma_poisson``; and as it rises with θ and with nothing else, its laws hold of all lives.
+of a Weibull life is the gamma of ``gamma_poisson``; and as it rises with θ and with nothing else, its laws hold of all
+lives.
 """
 
 from __future__ import annotations

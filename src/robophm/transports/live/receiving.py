@@ -16,8 +16,8 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
 from robophm.transports.live.decoding import LARGE, Numbers, Reading
 from robophm.transports.signals.element_names import Names
-from robophm.transports.signals.incidents import Notes
-from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSource, Told
+from robophm.transports.signals.incidents import Incidents
+from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSource, WholeMessage
 
 CLOCK_TOPIC = "/clock"
 """Where the time comes from under use_sim_time (wiki.ros.org/Clock, design.ros2.org/articles/clock_and_time)."""
@@ -52,11 +52,11 @@ def _elapsed() -> int:
     return time.clock_gettime_ns(clock)
 
 
-class Hearing:
+class Receiver:
     """Gives messages their time; puts samples, those of the clock, and whole messages in order. All in one thread."""
 
     def __init__(
-        self, notes: Notes, put: Callable[[Sequence[LiveItem]], None], whole: Collection[str], *, simulated: bool
+        self, notes: Incidents, put: Callable[[Sequence[LiveItem]], None], whole: Collection[str], *, simulated: bool
     ) -> None:
         self.simulated = simulated
         """Receipt is the time of /clock."""
@@ -96,7 +96,7 @@ class Hearing:
     def _unreadable(self, topic: str) -> None:
         self.missing(topic, "unreadable message")
         if topic in self.whole and (receipt := self._receipt()):
-            self._put([Told(receipt, topic, None)])
+            self._put([WholeMessage(receipt, topic, None)])
 
     def _heard(self, topic: str, numbers: Numbers, before: int | None) -> int | None:
         if numbers.sequence is not None and before is not None and numbers.sequence > before + 1:
@@ -129,7 +129,7 @@ class Hearing:
         if topic in self.whole:
             if numbers.message is None:
                 self._notes.add(f"message on {topic} longer than {LARGE} bytes")
-            heard.append(Told(receipt, topic, numbers.message))
+            heard.append(WholeMessage(receipt, topic, numbers.message))
         self._put(heard)
         return numbers.sequence
 
@@ -174,7 +174,7 @@ class Queue:
     all at once, when ``hand_on`` says so.
     """
 
-    def __init__(self, notes: Notes, most: int) -> None:
+    def __init__(self, notes: Incidents, most: int) -> None:
         self._notes = notes
         self._most = most
         self._gathered: list[LiveItem] = []
@@ -188,7 +188,7 @@ class Queue:
 
     def put(self, heard: Sequence[LiveItem]) -> None:
         """All of one message, or nothing; to be taken once it is handed on."""
-        whole = bool(heard) and isinstance(heard[-1], Told)
+        whole = bool(heard) and isinstance(heard[-1], WholeMessage)
         if self._put - self._taken + len(heard) > self._most or (
             whole and self._whole_put - self._whole_taken >= MOST_WHOLE
         ):
@@ -238,7 +238,7 @@ class Queue:
                     if self._over.is_set():
                         return
                     self._taken += 1
-                    if isinstance(heard, Told):
+                    if isinstance(heard, WholeMessage):
                         self._whole_taken += 1
                     yield heard
         finally:
@@ -253,7 +253,7 @@ class _Closable(Protocol):
 class Run:
     """One call of ``listen``: what waits to be taken, and what is let go of when it is over, first to last."""
 
-    def __init__(self, queue: Queue, hearing: Hearing, *held: _Closable) -> None:
+    def __init__(self, queue: Queue, hearing: Receiver, *held: _Closable) -> None:
         self.hearing = hearing
         self._queue = queue
         self._held = held

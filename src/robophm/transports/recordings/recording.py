@@ -23,10 +23,10 @@ from robophm.health.clock_jumps import CLOCK_JUMP, stretches
 from robophm.transports.recordings.files import EmptyError, reading
 from robophm.transports.signals.element_names import Names, NotNamedError, name_getter, names_in
 from robophm.transports.signals.message_type import field_getter, fields_of, message_type, ways_to
-from robophm.transports.signals.source import STAMP_LIMIT, Heard, SignalSource, TopicInfo
+from robophm.transports.signals.source import STAMP_LIMIT, SignalColumns, SignalSource, TopicInfo
 
 if TYPE_CHECKING:
-    from robophm.transports.recordings.columns.pieces import PiecedFile, Told
+    from robophm.transports.recordings.columns.pieces import PiecedFile, TopicExtent
 
 LONGEST_NAMING = 1 << 18
 """Bytes of a message, beyond which it is not looked into for names."""
@@ -90,7 +90,7 @@ class Recording(SignalSource):
         return [span for spans in each for span in stretches(spans, CLOCK_JUMP)]
 
     @cached_property
-    def _told(self) -> list[tuple[PiecedFile, dict[int, Told]]]:
+    def _told(self) -> list[tuple[PiecedFile, dict[int, TopicExtent]]]:
         """What there is of each connection of each file."""
         found = []
         for file in self._files:
@@ -137,7 +137,7 @@ class Recording(SignalSource):
             wanted.setdefault(topic, []).append((signal, field))
         return self._samples(self._raw(wanted))
 
-    def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, Heard]]:
+    def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, SignalColumns]]:
         """The samples of these signals, straight from the files; what of a file is damaged is in the notes."""
         from robophm.transports.recordings.columns.columns import (  # which ask here what a recording is
             by_signal,

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
 from robophm.transports.recordings.recording import Recording
-from robophm.transports.signals.source import Heard
+from robophm.transports.signals.source import SignalColumns
 
 
 class Salvage(Recording):
@@ -25,7 +25,7 @@ class Salvage(Recording):
         self._damage = [f"damaged, and read as far as it is whole: {what}" for what in lost[:1]]
         self._found.update(self._damage)
 
-    def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, Heard]]:
+    def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, SignalColumns]]:
         """The samples of these signals that are whole."""
         for block in super().columns(signals, since):
             self.notes.update(set(self._damage) - self.notes.keys())

@@ -10,7 +10,7 @@ from functools import lru_cache
 from robophm.core.errors import SourceError
 from robophm.transports.live.decoding import Reading
 from robophm.transports.ros1.tcpros import ANY
-from robophm.transports.signals.incidents import Notes, PeerError, TypeRefusedError
+from robophm.transports.signals.incidents import Incidents, PeerError, TypeRefusedError
 from robophm.transports.signals.message_type import MessageType, message_type
 
 MOST_PARTS = 200
@@ -51,7 +51,7 @@ def known_definition(type_: str) -> str:
         raise SourceError(f"type '{type_[:200]}' is not of ROS Noetic, and comes without a definition") from None
 
 
-def reading_of(topic: str, header: Mapping[str, str], signals: Collection[str], notes: Notes) -> Reading:
+def reading_of(topic: str, header: Mapping[str, str], signals: Collection[str], notes: Incidents) -> Reading:
     """How the messages of a connection are read, by its publisher's header.
 
     Raises TypeRefusedError where the header has no type whose definition can be found and read, or it has no such
@@ -60,7 +60,7 @@ def reading_of(topic: str, header: Mapping[str, str], signals: Collection[str], 
     return Reading(topic, type_of(topic, header, notes), signals, header.get("md5sum", ANY))
 
 
-def type_of(topic: str, header: Mapping[str, str], notes: Notes) -> MessageType:
+def type_of(topic: str, header: Mapping[str, str], notes: Incidents) -> MessageType:
     """The type that a publisher's header names and defines. Raises PeerError as ``reading_of``."""
     name = header.get("type", "")
     text = header.get("message_definition", "")

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from robophm.transports.live.receiving import TICK, TOGETHER
-from robophm.transports.signals.incidents import Notes
+from robophm.transports.signals.incidents import Incidents
 
 MOST_HELD = 128 << 20
 """Bytes of unfinished messages over all sockets, beyond which the one that holds most is closed."""
@@ -117,7 +117,7 @@ class Loop(threading.Thread):
     Ticks come when the time is a whole multiple of ``tick`` [s].
     """
 
-    def __init__(self, name: str, notes: Notes) -> None:
+    def __init__(self, name: str, notes: Incidents) -> None:
         super().__init__(name=name, daemon=True)
         self.notes = notes
         self.tick = TICK

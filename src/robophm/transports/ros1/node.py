@@ -9,19 +9,16 @@ import time
 import uuid
 from collections.abc import Callable
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 from robophm.core.errors import SourceError
 from robophm.transports.ros1.environment import place
 from robophm.transports.ros1.loop import Loop
 from robophm.transports.ros1.master import system_state
+from robophm.transports.ros1.served_subscriber import Greeting, Publication
 from robophm.transports.ros1.slave import Caller, Slave, believed
-from robophm.transports.ros1.subscriber import Greeting
 from robophm.transports.ros1.xmlrpc import call
-from robophm.transports.signals.incidents import Notes, PeerError
-
-if TYPE_CHECKING:
-    from robophm.transports.ros1.publisher import Publisher
+from robophm.transports.signals.incidents import Incidents, PeerError
 
 POLL_SECONDS = 2.0
 """Between two looks at what the master knows; in between it tells what changes."""
@@ -37,19 +34,19 @@ class Node:
     Raises SourceError where the name is none, or there is no master.
     """
 
-    def __init__(self, name: str | None = None, master: str | None = None, notes: Notes | None = None) -> None:
+    def __init__(self, name: str | None = None, master: str | None = None, notes: Incidents | None = None) -> None:
         self.name = name or f"/robophm_{uuid.uuid4().hex[:12]}"
         if not _NAME.match(self.name):
             raise SourceError(f"'{self.name}' is not the name of a ROS node; expected e.g. '/robophm'")
         self.place = place(master)
-        self.notes = Notes() if notes is None else notes
+        self.notes = Incidents() if notes is None else notes
         try:
             system_state(self.place.master, self.name)
         except PeerError as error:
             raise SourceError(f"no ROS master: {error}; start roscore, or set ROS_MASTER_URI") from None
         self.subscribed: dict[str, Callable[[list[str]], None]] = {}
         """By topic: who wants to know its publishers."""
-        self.published: dict[str, Publisher] = {}
+        self.published: dict[str, Publication] = {}
         self.told_to_end: Callable[[], None] = lambda: None
         """What happens when the node retires."""
         self.bus: Callable[[], list[list[Any]]] = list
@@ -65,7 +62,7 @@ class Node:
         self.loop = Loop(f"ros1 {self.name}", self.notes)
         slave = Slave(self)
         slave_port = self.loop.listen(self.place.bind, lambda each: Caller(self.loop, each, slave.answer))
-        self.port = self.loop.listen(self.place.bind, lambda each: Greeting(self.loop, each, self))
+        self.port = self.loop.listen(self.place.bind, lambda each: Greeting(self.loop, each, self.published))
         self.uri = f"http://{self.place.host}:{slave_port}/"
         self._keeper = threading.Thread(target=self._keep, name=f"ros1 {self.name} registration", daemon=True)
         self.loop.start()
@@ -79,7 +76,7 @@ class Node:
         """Tell who publishes the topic, whenever it may have changed; from another thread."""
         self.subscribed[topic] = heard
 
-    def publish(self, topic: str, publisher: Publisher) -> None:
+    def publish(self, topic: str, publisher: Publication) -> None:
         """Make a publisher known. Raises SourceError where the node has one of this topic."""
         if topic in self.published:
             raise SourceError(f"{self.name} publishes {topic} already")

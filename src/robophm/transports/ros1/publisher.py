@@ -6,17 +6,15 @@ import socket
 import struct
 import threading
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import signal_name
 from robophm.transports.ros1.definition import compiled, known_definition, md5_of
-from robophm.transports.ros1.subscriber import Subscriber
+from robophm.transports.ros1.node import Node
+from robophm.transports.ros1.served_subscriber import Subscriber
 from robophm.transports.ros1.tcpros import encoded
 from robophm.transports.signals.message_type import serialized
-
-if TYPE_CHECKING:
-    from robophm.transports.ros1.node import Node
 
 QUEUE = 100
 """Messages that may wait for one subscriber."""

@@ -6,14 +6,14 @@ import os
 import socket
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 from xmlrpc.server import SimpleXMLRPCDispatcher
 
+from robophm.transports.ros1.environment import Place
 from robophm.transports.ros1.loop import Loop, Peer
+from robophm.transports.ros1.served_subscriber import Publication
 from robophm.transports.ros1.xmlrpc import CALL_SECONDS, LONGEST_HEAD, body_length, parsed
-
-if TYPE_CHECKING:
-    from robophm.transports.ros1.node import Node
+from robophm.transports.signals.incidents import Incidents
 
 MOST_PUBLISHERS = 1000
 """Publishers of one topic that are believed."""
@@ -54,10 +54,27 @@ class Caller(Peer):
         raise ValueError("malformed call")
 
 
+class Callee(Protocol):
+    """A node, as those who call it meet it."""
+
+    notes: Incidents
+    place: Place
+    port: int
+    """Where subscribers connect."""
+    subscribed: dict[str, Callable[[list[str]], None]]
+    """By topic: who wants to know its publishers."""
+    published: dict[str, Publication]
+    bus: Callable[[], list[list[Any]]]
+    """Its connections, as getBusInfo has them."""
+
+    def retire(self) -> None:
+        """The master, or ``rosnode kill``, ends the node."""
+
+
 class Slave:
     """Answers calls for a node."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Callee) -> None:
         self._node = node
         self._dispatcher = SimpleXMLRPCDispatcher(allow_none=True)
         self._dispatcher.register_instance(_Methods(node))
@@ -75,7 +92,7 @@ class Slave:
 class _Methods:
     """The methods by their names in ROS; each answers code, message, value."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Callee) -> None:
         self._node = node
 
     def getPid(self, _: str) -> tuple[int, str, int]:  # noqa: N802

@@ -8,15 +8,15 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
 from robophm.core.errors import SourceError
-from robophm.transports.live.receiving import QUEUE, TICK, Count, Hearing, Queue, RosSource, Run, by_topic, tick_of
+from robophm.transports.live.receiving import QUEUE, TICK, Count, Queue, Receiver, RosSource, Run, by_topic, tick_of
 from robophm.transports.ros1.definition import ros2_name, type_of
 from robophm.transports.ros1.environment import place
-from robophm.transports.ros1.listening import CONNECTORS, Listening
 from robophm.transports.ros1.master import published_topics, system_state
 from robophm.transports.ros1.node import Node
+from robophm.transports.ros1.subscription import CONNECTORS, Subscription
 from robophm.transports.ros1.tcpros import connect
 from robophm.transports.ros1.xmlrpc import call
-from robophm.transports.signals.incidents import Notes, PeerError
+from robophm.transports.signals.incidents import Incidents, PeerError
 from robophm.transports.signals.message_type import MessageType, numeric_fields
 from robophm.transports.signals.source import LiveItem, TopicInfo
 
@@ -41,7 +41,7 @@ class Ros1(RosSource):
 
     def __init__(self, master: str | None = None, *, queue: int = QUEUE, period: float = TICK) -> None:
         self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
-        self.notes = Notes()
+        self.notes = Incidents()
         self._queue = queue
         self._tick = tick_of(period)
         self._master = place(master).master
@@ -73,7 +73,7 @@ class Ros1(RosSource):
             with suppress(PeerError):
                 connection, header = connect(CALLER, topic, call(self._master, "lookupNode", CALLER, node))
                 connection.close()
-                self._types[topic, type_] = type_of(topic, header, Notes())
+                self._types[topic, type_] = type_of(topic, header, Incidents())
                 break
         known = self._types.get((topic, type_))
         fields = tuple(numeric_fields(known.definitions, known.name)) if known else ()
@@ -93,7 +93,7 @@ class Ros1(RosSource):
             self._run.close()
         if self._closed:
             raise SourceError("the source is closed")
-        self.notes = Notes()
+        self.notes = Incidents()
         queue = Queue(self.notes, self._queue)
         node = Node(master=self._master, notes=self.notes)
         node.loop.tick = self._tick
@@ -103,8 +103,8 @@ class Ros1(RosSource):
             simulated = node.ask("getParam", "/use_sim_time") is True
         except PeerError:  # it is not set
             simulated = False
-        hearing = Hearing(self.notes, queue.put, topics, simulated=simulated)
-        listening = Listening(node, wanted, hearing)
+        hearing = Receiver(self.notes, queue.put, topics, simulated=simulated)
+        listening = Subscription(node, wanted, hearing)
         run = Run(queue, hearing, listening, node)
         self._begin(run)
         try:

@@ -4,32 +4,38 @@ from __future__ import annotations
 
 import socket
 import struct
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from robophm.transports.live.decoding import Reading
+from robophm.transports.live.receiving import Receiver
 from robophm.transports.ros1.loop import Loop, Peer
 from robophm.transports.ros1.tcpros import LONGEST_MESSAGE
-
-if TYPE_CHECKING:
-    from robophm.transports.ros1.listening import Listening
-
 
 _LENGTH = struct.Struct("<I")
 
 
 class Stream(Peer):
-    """Cuts what a publisher sends into messages and hands them on."""
+    """Cuts what a publisher sends into messages and has them heard; ``lost`` is called when the connection is gone."""
 
     guest = False
 
-    def __init__(self, loop: Loop, connection: socket.socket, uri: str, reading: Reading, listening: Listening) -> None:
+    def __init__(
+        self,
+        loop: Loop,
+        connection: socket.socket,
+        uri: str,
+        reading: Reading,
+        hearing: Receiver,
+        lost: Callable[[Stream], None],
+    ) -> None:
         super().__init__(loop, connection)
         self.uri = uri
         self.reading = reading
         self.messages = 0
         self.sequence: int | None = None
         """Header.seq of the latest message."""
-        self._listening = listening
+        self._hearing = hearing
+        self._lost = lost
 
     def taken(self) -> None:
         """Hand on all messages that are whole."""
@@ -46,7 +52,7 @@ class Stream(Peer):
                 at = end
         if raws:
             self.messages += len(raws)
-            self._listening.messages(self, raws)
+            self.sequence = self._hearing.messages(self.reading, raws, self.sequence)
             del received[:at]
         if len(received) >= 4 and (length := _LENGTH.unpack_from(received)[0]) > LONGEST_MESSAGE:
             self.loop.notes.add(f"message on {self.reading.topic} longer than {LONGEST_MESSAGE} bytes")
@@ -54,4 +60,4 @@ class Stream(Peer):
 
     def ended(self) -> None:
         """Have it made again."""
-        self._listening.ended(self)
+        self._lost(self)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, cast
 
 from robophm.core.errors import SourceError
 from robophm.transports.ros2_dds.definition import Definition, dds_name
-from robophm.transports.signals.incidents import Notes
+from robophm.transports.signals.incidents import Incidents
 
 BLOCKED = 0
 """Nanoseconds that a writer waits for slow readers: it never does."""
@@ -88,7 +88,7 @@ class Log(threading.Thread):
 
     def __init__(self) -> None:
         super().__init__(name="ros2 log", daemon=True)
-        self.refused = Notes()
+        self.refused = Incidents()
         """Messages by topic, as DDS spells it; under no topic, packets that are none of DDS."""
         self._out, self._in = os.pipe()
         self.config = (

@@ -5,16 +5,22 @@ from __future__ import annotations
 import re
 import threading
 import uuid
-from typing import TYPE_CHECKING, Self
+from typing import Protocol, Self
 
 from robophm.core.errors import SourceError
 from robophm.transports.ros2_dds.graph import Graph, join
-from robophm.transports.signals.incidents import Notes
-
-if TYPE_CHECKING:
-    from robophm.transports.ros2_dds.publisher import Publisher
+from robophm.transports.signals.incidents import Incidents
 
 _NAME = re.compile(r"(/[A-Za-z_]\w*)+\Z", re.ASCII)
+
+
+class Publication(Protocol):
+    """A topic that a node publishes: what the node tells of it, and ends with itself."""
+
+    gid: bytes
+
+    def close(self) -> None:
+        """Publish no longer."""
 
 
 class Node:
@@ -23,12 +29,12 @@ class Node:
     Raises SourceError where the name is none or this process has it already, or there is no DDS.
     """
 
-    def __init__(self, name: str | None = None, domain: int | None = None, notes: Notes | None = None) -> None:
+    def __init__(self, name: str | None = None, domain: int | None = None, notes: Incidents | None = None) -> None:
         self.name = name or f"/robophm_{uuid.uuid4().hex[:12]}"
         if not _NAME.match(self.name):
             raise SourceError(f"'{self.name}' is not the name of a ROS node; expected e.g. '/robophm'")
-        self.notes = Notes() if notes is None else notes
-        self.published: dict[str, Publisher] = {}
+        self.notes = Incidents() if notes is None else notes
+        self.published: dict[str, Publication] = {}
         self._closing = threading.Lock()
         self._closed = False
         self.graph = self.join(domain)
@@ -43,7 +49,7 @@ class Node:
         """What nodes of a domain, or that of ROS_DOMAIN_ID, share in this process; to be left as often."""
         return join(domain)
 
-    def publish(self, topic: str, publisher: Publisher) -> None:
+    def publish(self, topic: str, publisher: Publication) -> None:
         """Make a publisher known. Raises SourceError where the node has one of this topic."""
         if topic in self.published:
             raise SourceError(f"{self.name} publishes {topic} already")

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import signal_name
 from robophm.transports.ros2_dds.definition import defined, known, ros2_name
+from robophm.transports.ros2_dds.node import Node
 from robophm.transports.signals.message_type import serialized
-
-if TYPE_CHECKING:
-    from robophm.transports.ros2_dds.node import Node
 
 
 class Publisher:

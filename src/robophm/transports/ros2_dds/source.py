@@ -12,8 +12,8 @@ from robophm.transports.live.receiving import (
     CLOCK_TOPIC,
     QUEUE,
     TICK,
-    Hearing,
     Queue,
+    Receiver,
     RosSource,
     Run,
     by_topic,
@@ -21,9 +21,9 @@ from robophm.transports.live.receiving import (
 )
 from robophm.transports.ros2_dds.cyclone import Offer
 from robophm.transports.ros2_dds.definition import name_of_dds
-from robophm.transports.ros2_dds.listening import Listening, definition_of, told_hash
 from robophm.transports.ros2_dds.node import Node
-from robophm.transports.signals.incidents import Notes
+from robophm.transports.ros2_dds.subscription import Subscription, definition_of, told_hash
+from robophm.transports.signals.incidents import Incidents
 from robophm.transports.signals.message_type import numeric_fields
 from robophm.transports.signals.source import LiveItem, TopicInfo
 
@@ -44,7 +44,7 @@ class Ros2(RosSource):
 
     def __init__(self, domain: int | None = None, *, queue: int = QUEUE, period: float = TICK) -> None:
         self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
-        self.notes = Notes()
+        self.notes = Incidents()
         self._queue = queue
         self._tick = tick_of(period)
         self._closed = False
@@ -97,11 +97,11 @@ class Ros2(RosSource):
         if self._run:
             self._run.close()
         simulated = any(offer.topic == f"rt{CLOCK_TOPIC}" for offer in self._offers())
-        self.notes = Notes()
+        self.notes = Incidents()
         queue = Queue(self.notes, self._queue)
-        hearing = Hearing(self.notes, queue.put, topics, simulated=simulated)
+        hearing = Receiver(self.notes, queue.put, topics, simulated=simulated)
         node = self._node(domain=self._graph.place.domain, notes=self.notes)
-        listening = Listening(node, wanted, hearing, self._tick)
+        listening = Subscription(node, wanted, hearing, self._tick)
         listening.served = queue.hand_on
         run = Run(queue, hearing, listening, node)
         self._begin(run)

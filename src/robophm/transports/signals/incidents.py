@@ -24,7 +24,7 @@ class UnknownTypeError(SourceError):
     """A type of message that the ROS that is installed here does not know, so that it cannot be published."""
 
 
-class Notes(Counter[str]):
+class Incidents(Counter[str]):
     """Counts that several threads add to; to go through them meanwhile, go through a ``copy()``."""
 
     def __init__(self) -> None:

@@ -31,7 +31,7 @@ class TopicInfo:
     """Paths of the numeric fields, ``pose.x``; of an array, ``effort[]``, a signal names one element."""
 
 
-class Heard(NamedTuple):
+class SignalColumns(NamedTuple):
     """Samples of one signal, in order of arrival."""
 
     arrived: NDArray[np.int64]
@@ -40,10 +40,10 @@ class Heard(NamedTuple):
     """[ns]"""
     values: NDArray[np.float64]
 
-    def rows(self, rows: Any) -> Heard:
+    def rows(self, rows: Any) -> SignalColumns:
         """Some of them."""
         times = self.times[rows]
-        return Heard(times if self.arrived is self.times else self.arrived[rows], times, self.values[rows])
+        return SignalColumns(times if self.arrived is self.times else self.arrived[rows], times, self.values[rows])
 
 
 class SignalSource(ABC):
@@ -70,7 +70,7 @@ class SignalSource(ABC):
         Raises SourceError at once where a signal is not in the source, and on the way where it is damaged.
         """
 
-    def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, Heard]] | None:
+    def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, SignalColumns]] | None:
         """The same samples by signal, in blocks that arrived one after the other; None where it has no columns.
 
         ``since`` [ns] leaves out what arrived before. Raises SourceError as ``samples``.
@@ -98,7 +98,7 @@ class SignalSource(ABC):
         self.close()
 
 
-class Told(NamedTuple):
+class WholeMessage(NamedTuple):
     """A message that came whole."""
 
     time: int
@@ -116,7 +116,7 @@ class Gap(NamedTuple):
     """As the notes count it: ``connection lost``."""
 
 
-LiveItem = Sample | Told | Gap
+LiveItem = Sample | WholeMessage | Gap
 """What a live source gives."""
 
 

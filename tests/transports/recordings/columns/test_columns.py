@@ -20,7 +20,7 @@ from robophm.transports.recordings.columns import Columns, pieces, read_columns,
 from robophm.transports.recordings.recording import Recording
 from robophm.transports.synthetic import SyntheticOta
 
-from ..conftest import SIGNALS
+from ...conftest import SIGNALS
 from ..test_recording import JOINTS, T0, TEMPERATURE, joints, rewrite, rewrite_mcap, temperature
 
 Write = Callable[..., Path]

@@ -21,7 +21,7 @@ from robophm.core.signal import SECOND
 from robophm.transports.recordings.columns import Block, read_columns
 from robophm.transports.recordings.columns.mcap import CHUNK, CHUNK_INDEX, MESSAGE_INDEX
 
-from ..conftest import SIGNALS
+from ...conftest import SIGNALS
 from ..test_recording import T0, TEMPERATURE, rewrite, rewrite_mcap, temperature
 
 Write = Callable[..., Path]

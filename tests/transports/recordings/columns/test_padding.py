@@ -11,7 +11,7 @@ import pytest
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.mcap import CHUNK
 
-from ..conftest import SIGNALS
+from ...conftest import SIGNALS
 from ..test_recording import T0
 from .test_damage import attempt, rows, rows_of, traced
 

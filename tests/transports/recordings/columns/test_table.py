@@ -16,7 +16,7 @@ from robophm.transports.recordings.columns.field_extraction import Bytes
 from robophm.transports.recordings.columns.pieces import DamageError
 from robophm.transports.recordings.columns.table import Pages, Table, find_rows
 
-from ..conftest import SIGNALS
+from ...conftest import SIGNALS
 from ..test_recording import T0
 
 TABLE = (

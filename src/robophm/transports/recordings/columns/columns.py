@@ -24,7 +24,7 @@ from robophm.transports.recordings.columns.pieces import MOST_TIME, Messages, Pi
 from robophm.transports.recordings.files import METADATA, PACKED, existing, parts_of, reading
 from robophm.transports.signals.element_names import Names, NotNamedError, name_getter
 from robophm.transports.signals.message_type import MessageType, field_getter, fields_of, message_type, ways_to
-from robophm.transports.signals.source import STAMP_LIMIT, Heard
+from robophm.transports.signals.source import STAMP_LIMIT, SignalColumns
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
 
@@ -52,9 +52,9 @@ class TopicColumns:
             return self.received
         return np.where(_believed(self.stamps, self.received), self.stamps, self.received)
 
-    def heard(self, field: str) -> Heard:
+    def heard(self, field: str) -> SignalColumns:
         """The samples of one field."""
-        one = Heard(self.received, self.times, self.values[field])
+        one = SignalColumns(self.received, self.times, self.values[field])
         return one.rows(~self.absent[field]) if field in self.absent else one
 
 
@@ -62,7 +62,7 @@ Block = dict[str, TopicColumns]
 """By topic: its messages of a stretch of time."""
 
 
-def by_signal(block: Block) -> dict[str, Heard]:
+def by_signal(block: Block) -> dict[str, SignalColumns]:
     """The samples of every field in a block."""
     return {f"{topic}.{field}": part.heard(field) for topic, part in block.items() for field in part.values}
 

@@ -18,7 +18,15 @@ import numpy as np
 
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.field_extraction import Bytes
-from robophm.transports.recordings.columns.pieces import BATCH, MOST_TIME, DamageError, Messages, Piece, Told, tell
+from robophm.transports.recordings.columns.pieces import (
+    BATCH,
+    MOST_TIME,
+    DamageError,
+    Messages,
+    Piece,
+    TopicExtent,
+    tell,
+)
 from robophm.transports.recordings.columns.rows import Row, RowsFile
 from robophm.transports.recordings.columns.table import COLUMNS, Flags, Pages, Rows, find_rows
 from robophm.transports.recordings.files import check_whole
@@ -91,12 +99,12 @@ class Db3File(RowsFile):
             return MOST_TIME  # said when its rows are read
         return first if isinstance(first, int) else MOST_TIME
 
-    def told(self) -> dict[int, Told]:
+    def told(self) -> dict[int, TopicExtent]:
         """How many messages each connection has, and when the first and the last of them were received."""
         if not self._found:
             return super().told()
         rows = self._found[1]
-        told: dict[int, Told] = {}
+        told: dict[int, TopicExtent] = {}
         for topic in np.unique(rows.topics).tolist():
             tell(told, topic, rows.times[rows.topics == topic])
         return told

@@ -19,7 +19,7 @@ from robophm.transports.recordings.columns.pieces import (
     MOST_TIME,
     DamageError,
     PiecedFile,
-    Told,
+    TopicExtent,
     unpack_zstd,
 )
 from robophm.transports.recordings.columns.rows import Row, RowsFile, one_by_one
@@ -154,7 +154,7 @@ class PackedMessages(RowsFile):
         """When the first message was received [ns]."""
         return self._inside.begin()
 
-    def told(self) -> dict[int, Told]:
+    def told(self) -> dict[int, TopicExtent]:
         """What there is of each connection."""
         return self._inside.told()
 

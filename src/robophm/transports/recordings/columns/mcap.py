@@ -33,7 +33,7 @@ from robophm.transports.recordings.columns.pieces import (
     DamageError,
     Messages,
     Piece,
-    Told,
+    TopicExtent,
     distinct,
     tell,
 )
@@ -128,7 +128,7 @@ class McapFile(ChunkedFile):
             raise DamageError("no index")
         return {id_: self.index(at, id_)["time"].astype(np.int64) for id_, at in chunk.indices.items()}
 
-    def told(self) -> dict[int, Told]:
+    def told(self) -> dict[int, TopicExtent]:
         """What there is of each connection, in chunks and outside them."""
         told = super().told()
         for id_ in np.unique(self._loose["channel"]).tolist():

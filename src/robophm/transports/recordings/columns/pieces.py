@@ -66,7 +66,7 @@ class Piece(NamedTuple):
     load: Callable[[], list[Messages]]
 
 
-class Told(NamedTuple):
+class TopicExtent(NamedTuple):
     """What there is of one connection."""
 
     messages: int
@@ -96,12 +96,12 @@ class PiecedFile(ABC):
         They come in order of ``first``; each must be loaded before the next is asked for.
         """
 
-    def told(self) -> dict[int, Told]:
+    def told(self) -> dict[int, TopicExtent]:
         """What there is of each connection that has messages: by the messages themselves, not by what is said of them.
 
         What is lost on the way is noted when the messages are read.
         """
-        counted: dict[int, Told] = {}
+        counted: dict[int, TopicExtent] = {}
         for piece in self.pieces([connection.id for connection in self.connections], -MOST_TIME, MOST_TIME):
             for messages in piece.load():
                 tell(counted, messages.connection, messages.times)
@@ -261,9 +261,9 @@ class ChunkedFile(MappedFile):
             for batch, following in zip_longest(batches, batches[1:]):
                 yield Piece(batch[0].first, partial(load, batch, following))
 
-    def told(self) -> dict[int, Told]:
+    def told(self) -> dict[int, TopicExtent]:
         """By the index of each chunk; of one without it by its messages."""
-        told: dict[int, Told] = {}
+        told: dict[int, TopicExtent] = {}
         for chunk in self.chunks:
             try:
                 for connection, times in self.indexed_times(chunk).items():
@@ -381,16 +381,16 @@ def _batches(chunks: Iterable[Chunk]) -> Iterator[list[Chunk]]:
         yield batch
 
 
-def tell(told: dict[int, Told], connection: int, times: Ints) -> None:
+def tell(told: dict[int, TopicExtent], connection: int, times: Ints) -> None:
     """Count some more messages of a connection."""
     if len(times):
-        count, spans = told.get(connection, Told(0, []))
+        count, spans = told.get(connection, TopicExtent(0, []))
         more = [(int(times.min()), int(times.max()))]
         if more[0][1] - more[0][0] > CLOCK_JUMP:
             ordered = np.sort(times)
             leaps = np.flatnonzero(np.diff(ordered) > CLOCK_JUMP)
             more = [*zip(ordered[[0, *(leaps + 1)]].tolist(), ordered[[*leaps, -1]].tolist(), strict=True)]
-        told[connection] = Told(count + len(times), stretches([*spans, *more], CLOCK_JUMP))
+        told[connection] = TopicExtent(count + len(times), stretches([*spans, *more], CLOCK_JUMP))
 
 
 def distinct(offsets: NDArray[Any], most: int) -> bool:

@@ -8,24 +8,36 @@ import threading
 import time
 from collections import deque
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from robophm.transports.ros1.loop import Loop, Peer
 from robophm.transports.ros1.tcpros import ANY, LONGEST_HEADER, decoded, encoded
 from robophm.transports.ros1.xmlrpc import CALL_SECONDS
 
-if TYPE_CHECKING:
-    from robophm.transports.ros1.node import Node
-    from robophm.transports.ros1.publisher import Publisher
+
+class Publication(Protocol):
+    """A topic that a node publishes, as its subscribers meet it."""
+
+    type: str
+    header: dict[str, str]
+    """What a connection begins with."""
+    queue: int
+    """Messages that may wait for one subscriber."""
+
+    def welcome(self, connection: socket.socket) -> None:
+        """A new subscriber; called in the loop."""
+
+    def farewell(self, subscriber: Subscriber) -> None:
+        """A subscriber is gone; called in the loop."""
 
 
 class Greeting(Peer):
     """A connection before it has said of which topic it is."""
 
-    def __init__(self, loop: Loop, connection: socket.socket, node: Node) -> None:
+    def __init__(self, loop: Loop, connection: socket.socket, published: Mapping[str, Publication]) -> None:
         super().__init__(loop, connection)
         self.deadline = time.monotonic() + CALL_SECONDS
-        self._node = node
+        self._published = published
 
     def taken(self) -> None:
         """Hand a connection whose header is there to its publisher, or say what is wrong with it."""
@@ -40,7 +52,7 @@ class Greeting(Peer):
             fields = decoded(bytes(self.received[4 : 4 + length]))
         except ValueError as error:
             self._refuse(str(error))
-        publisher = self._node.published.get(fields.get("topic", ""))
+        publisher = self._published.get(fields.get("topic", ""))
         if publisher is None:
             self._refuse("topic is not published here")
         elif wrong := _mismatch(fields, publisher.header):
@@ -66,7 +78,7 @@ def _mismatch(fields: Mapping[str, str], ours: Mapping[str, str]) -> str:
 class Subscriber(Peer):
     """A connection that is sent what a publisher publishes, as fast as it takes it."""
 
-    def __init__(self, loop: Loop, connection: socket.socket, publisher: Publisher) -> None:
+    def __init__(self, loop: Loop, connection: socket.socket, publisher: Publication) -> None:
         super().__init__(loop, connection)
         self._publisher = publisher
         self._waiting: deque[bytes] = deque()

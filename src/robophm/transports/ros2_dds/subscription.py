@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from robophm.core.errors import SourceError
 from robophm.transports.live.decoding import Reading
-from robophm.transports.live.receiving import CLOCK_TOPIC, TICK, TOGETHER, Hearing
+from robophm.transports.live.receiving import CLOCK_TOPIC, TICK, TOGETHER, Receiver
 from robophm.transports.ros2_dds.cyclone import AT_ONCE, HISTORY, Offer, Reader
 from robophm.transports.ros2_dds.definition import Definition, known, name_of_dds
 from robophm.transports.ros2_dds.node import Node
@@ -37,10 +37,10 @@ class Ear:
     """Of the latest message, where the transport numbers them."""
 
 
-class Listening(threading.Thread):
+class Subscription(threading.Thread):
     """Listens to the topics of signals through a node. All that DDS tells is heard in this thread."""
 
-    def __init__(self, node: Node, wanted: Mapping[str, Collection[str]], hearing: Hearing, tick: float) -> None:
+    def __init__(self, node: Node, wanted: Mapping[str, Collection[str]], hearing: Receiver, tick: float) -> None:
         super().__init__(name=f"ros2 {node.name}", daemon=True)
         self.mistake: SourceError | None = None
         """The first signal that a topic does not have, or type that cannot be read."""

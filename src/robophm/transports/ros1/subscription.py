@@ -5,13 +5,13 @@ from __future__ import annotations
 import socket
 import threading
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
 from robophm.core.errors import SourceError
 from robophm.transports.live.decoding import Reading
-from robophm.transports.live.receiving import CLOCK_TOPIC, Hearing
+from robophm.transports.live.receiving import CLOCK_TOPIC, Receiver
 from robophm.transports.ros1.definition import reading_of
 from robophm.transports.ros1.node import Node
 from robophm.transports.ros1.stream import Stream
@@ -25,7 +25,7 @@ CONNECTORS = 8
 """Connections made at the same time."""
 
 
-class Listening:
+class Subscription:
     """Listens to topics through a node.
 
     All but the making of connections happens in the node's loop, so that nothing here is shared between threads.
@@ -35,7 +35,7 @@ class Listening:
         self,
         node: Node,
         wanted: Mapping[str, Collection[str]],
-        hearing: Hearing,
+        hearing: Receiver,
     ) -> None:
         self.mistake: SourceError | None = None
         """The first signal that a topic does not have, or type that cannot be read."""
@@ -74,12 +74,7 @@ class Listening:
         self._closed = True
         self._pool.shutdown(cancel_futures=True)
 
-    def messages(self, stream: Stream, raws: Sequence[bytes]) -> None:
-        """Messages have come."""
-        stream.sequence = self._hearing.messages(stream.reading, raws, stream.sequence)
-
-    def ended(self, stream: Stream) -> None:
-        """A connection is gone."""
+    def _lost(self, stream: Stream) -> None:
         key = stream.reading.topic, stream.uri
         del self._streams[key]
         if not self._closed:
@@ -155,7 +150,8 @@ class Listening:
             if before != reading.identity:
                 self._notes.add(f"type changed on {reading.topic}")
         self._types[reading.topic] = reading.identity
-        self._streams[key] = stream = Stream(self._node.loop, connection, key[1], reading, self)
+        stream = Stream(self._node.loop, connection, key[1], reading, self._hearing, self._lost)
+        self._streams[key] = stream
         self._node.loop.add(stream)
         self._settle()
 
