@@ -74,7 +74,7 @@ def test_chance_knows_what_fails_together(inside: Callable[..., Any], tmp_path: 
 REFUSED = {
     "a shared load": "{load_sharing: {of: [A, B, C], exponent: 2}}",
     "two of three warm": "{standby: {of: [A, B, C], active: 2, dormancy: 0.1}}",
-    "cold, not equal": "{standby: {of: [A, B, D], active: 2}}",
+    "cold, its spares not equal": "{standby: {of: [A, B, C, D], active: 2}}",
     "in a function": "A\nfunctions: {lift: {load_sharing: {of: [B, C, D], exponent: 2}}}",
 }
 
