@@ -1,0 +1,31 @@
+"""Words that only we would understand are not used for what the field has a name for."""
+
+import ast
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+MODULES = sorted(path for path in (ROOT / "src" / "robophm").rglob("*.py") if "static" not in path.parts)
+OURS = {  # what it is called instead (docs/reference/glossary.md)
+    "VirtualLife": "BlockMonitor", "Leaps": "ClockJumps", "Swapped": "WhatIfReplaced", "Witness": "IntervalObserver",
+    "Bundle": "StressGroups", "Said": "SignalSamples", "Heard": "SignalColumns", "Hearing": "Receiver",
+    "Course": "ReportHistory", "Went": "the value itself", "judging": "task_evaluation", "swapped": "what_if_replaced",
+}  # fmt: skip
+
+
+def test_names_are_those_of_the_field() -> None:
+    found = {}
+    for module in MODULES:
+        nodes = ast.walk(ast.parse(module.read_text()))
+        named = {node.name for node in nodes if isinstance(node, ast.ClassDef | ast.FunctionDef)} | {module.stem}
+        found |= {f"{module.relative_to(ROOT)}: {name}": OURS[name] for name in named & OURS.keys()}
+    assert found == {}
+
+
+def test_the_glossary_says_each_word_once() -> None:
+    rows = re.findall(
+        r"^\| ([^|]+) \| ([^|]+) \|$", (ROOT / "docs" / "reference" / "glossary.md").read_text(), re.MULTILINE
+    )
+    words = [word.strip() for terms, _ in rows[2:] for word in terms.split(",")]
+    assert len(words) > 30
+    assert len(words) == len(set(words))
