@@ -20,7 +20,7 @@ from robophm.calibration.fleet import CONTROLS, OURS, predict_fleet
 from robophm.calibration.score import Calibration, score
 from robophm.calibration.tasks import found_out
 from robophm.cli.calibrate import print_calibration
-from robophm.cli.output import console
+from robophm.cli.shared.output import console
 from robophm.simulation.fleet import simulate
 
 DESIGN = Path(__file__).parents[1] / "examples/fleet/robot.yaml"

@@ -137,7 +137,7 @@ def every_command():
         inner = getattr(command, "commands", None)
         if inner:
             for name in sorted(inner):
-                yield from words(inner[name], [*before, name])
+                yield from words(command.get_command(None, name), [*before, name])
             return
         found = list(before)
         for one in command.params:
@@ -173,7 +173,7 @@ def test_a_defect_of_ours_is_never_taken_for_a_breached_threshold(inside, monkey
 
 def test_the_traceback_of_a_defect_is_there_for_who_asks(inside, monkeypatch, design):
     monkeypatch.setenv("ROBOPHM_TRACEBACK", "1")
-    monkeypatch.setattr("robophm.cli.check.run", lambda *_, **__: {}[4])
+    monkeypatch.setattr("robophm.cli.check.load", lambda *_, **__: {}[4])
     done = inside("check", design)
     assert done.returncode == DEFECT
     assert done.stderr.startswith("Traceback (most recent call last):")

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from robophm.cli import INVALID, OK
-from robophm.cli.output import SCHEMA_VERSION, json_text
+from robophm.cli.shared.output import SCHEMA_VERSION, json_text
 
 CDR = ["style=CDR", "capacitance=100 nF", "temperature=60 degC", "dc_voltage=8 V", "rated_voltage=16 V"]
 SET = [word for pair in (*CDR, "environment=GM") for word in ("--set", pair)]

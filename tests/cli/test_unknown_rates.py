@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from robophm.cli.live_table import LiveTable
-from robophm.cli.task_recording import _print_records
+from robophm.cli.shared.live_table import LiveTable
+from robophm.cli.shared.task_recording import _print_records
 from robophm.cli.watch import Watched, _Lines
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import load

@@ -15,14 +15,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robophm.cli.app import app
+from robophm.cli.app import COMMANDS
 from robophm.core.signal import SECOND
 
 ROOT = Path(__file__).resolve().parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
 ONES_OWN = ROOT / "tests" / "data" / "readme"
-COMMANDS = [command.name or command.callback.__name__ for command in app.registered_commands]
-COMMANDS += [group.name for group in app.registered_groups]
 CELLS = [row.split("|")[1] for row in TEXT.splitlines() if row.startswith("| `robophm")]
 PRINTED = [command for cell in CELLS for command in re.findall(r"`(robophm [^`]+)`", cell)]
 FINE = {"watch": (0, 130), "serve": (0, 130), "wear": (0, 1), "calibrate": (0, 1)}

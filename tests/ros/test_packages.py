@@ -75,7 +75,7 @@ def test_the_options_that_parameters_become_are_those_of_watch() -> None:
 
     from robophm.cli.app import app
 
-    watch: Any = typer.main.get_command(app).commands["watch"]  # type: ignore[attr-defined]
+    watch: Any = typer.main.get_command(app).get_command(None, "watch")  # type: ignore[attr-defined]
     options = {option for parameter in watch.params for option in parameter.opts}
     assert {f"--{flag}" for flag in ("namespace", "tasks", *module("command").FLAGS)} <= options
 

@@ -1,9 +1,11 @@
-"""What ``robophm calibrate`` prints."""
+"""``robophm calibrate``: whether predictions were honest."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
 
+import typer
 from rich.console import Console
 
 from robophm.calibration.fleet import CONTROLS, files, predict_fleet
@@ -12,9 +14,11 @@ from robophm.calibration.lives import LifeScore, Prognosis
 from robophm.calibration.predictions import Predictions, read_predictions
 from robophm.calibration.score import Calibration, score
 from robophm.calibration.tasks import TaskScore
-from robophm.cli.output import console, may_write, print_json, print_table, progress_console, table, write
-from robophm.cli.progress import counted
-from robophm.cli.unused import refuse_unused
+from robophm.cli import BREACHED
+from robophm.cli.shared.options import Json
+from robophm.cli.shared.output import console, may_write, print_json, print_table, progress_console, table, write
+from robophm.cli.shared.progress import counted
+from robophm.cli.shared.unused import refuse_unused
 from robophm.report.calibration_page import calibration_page
 from robophm.report.words import duration_text, number_text
 
@@ -71,8 +75,21 @@ def _prognosis_row(model: str, found: Prognosis) -> list[str]:
     return [model, f"{found.lives:,}", *shares, number_text(found.relative_accuracy), duration_text(found.convergence)]
 
 
-def run(predictions: Path, report: Path | None, *, controls: bool, jobs: int, as_json: bool) -> bool:
-    """Score a file or a fleet; whether our own model is rejected."""
+def command(
+    predictions: Annotated[
+        Path,
+        typer.Argument(
+            help="what was predicted and what happened, or a fleet's folder", metavar="PREDICTIONS.CSV|FLEET"
+        ),
+    ],
+    report: Annotated[Path | None, typer.Option(help="write a page about it, HTML")] = None,
+    controls: Annotated[
+        bool, typer.Option("--controls", help="of a fleet: also models that are wrong, which must be found out")
+    ] = False,
+    jobs: Annotated[int, typer.Option(help="of a fleet: processes that share the work", min=1, max=256)] = 1,
+    as_json: Json = False,
+) -> None:
+    """Say whether predictions were honest."""
     if predictions.is_dir():
         may_write(report, *files(predictions))
         said = of_fleet(predictions, controls=controls, jobs=jobs)
@@ -89,4 +106,5 @@ def run(predictions: Path, report: Path | None, *, controls: bool, jobs: int, as
         print_calibration(console(), calibration)
         if report:
             console().print(f"Report: {report}", markup=False)
-    return breached(calibration)
+    if breached(calibration):
+        raise typer.Exit(BREACHED)

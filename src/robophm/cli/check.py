@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from robophm.cli.output import console, print_json, warn
+from robophm.cli.shared.options import Design, Json
+from robophm.cli.shared.output import console, print_json, warn
 from robophm.core.errors import DesignError
 from robophm.design.file import load
 from robophm.health.refusal import refusal
 from robophm.health.unknown_rates import alone, named
 
 
-def run(design: Path, *, as_json: bool) -> None:
-    """Warn of what is odd, and count what there is. Raises DesignError, too where no figures can be given for it."""
+def command(design: Design, as_json: Json = False) -> None:
+    """Say whether a design is valid, and what in it is odd."""
     robot = load(design)
     if not as_json:
         for warning in robot.warnings:

@@ -1,4 +1,4 @@
-"""The demonstration: a synthetic robot works for a day, is recorded, and its recording becomes its health."""
+"""``robophm demo``: a synthetic robot works for a day, is recorded, and its recording becomes its health."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ import time
 import webbrowser
 from collections.abc import Callable
 from pathlib import Path
+from typing import Annotated
 
+import typer
 from rich.live import Live
 
-from robophm.cli.live_table import LiveTable
-from robophm.cli.output import console, print_report, warn, write
-from robophm.cli.serve import started
+from robophm.cli.shared.live_table import LiveTable
+from robophm.cli.shared.output import console, print_report, warn, write
+from robophm.cli.shared.watching import started
 from robophm.core.errors import RobophmError
 from robophm.core.files import shipped
 from robophm.core.signal import split_signal
@@ -40,8 +42,13 @@ def example_design() -> Path:
     return shipped("examples/ota/robot.yaml")
 
 
-def run(output: Path, seed: int) -> None:
-    """Drive, record, replay, report; all files go into ``output``, which is made."""
+def command(
+    output: Annotated[Path, typer.Option(help="folder for the recording, the store and the report")] = Path(
+        "robophm-demo"
+    ),
+    seed: Annotated[int, typer.Option(help="of the synthetic robot")] = 1,
+) -> None:
+    """Watch a synthetic robot work for a day."""
     out = console()
     robot = load(example_design())
     try:

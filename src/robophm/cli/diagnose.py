@@ -1,21 +1,23 @@
-"""``robophm fmeca`` and ``robophm diagnose``: what failures do, what sees them, which it is, what more would tell."""
+"""``robophm diagnose``: what sees which failure, which it is, what more would tell."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
+import typer
 
-from robophm.cli.output import console, may_make, print_json, print_table, table, write
-from robophm.cli.past import kept
-from robophm.cli.unused import refuse_unused
+from robophm.cli.shared.options import Design, Json, Store
+from robophm.cli.shared.output import console, print_json, print_table, table
+from robophm.cli.shared.stored_past import kept
+from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import DataError, RobophmError, nearest
 from robophm.design.file import load
 from robophm.design.robot import Robot
-from robophm.health.effects import SEVERITY, Effect, SilentStates, alarm_chances, effects, fault_chances, silent_states
+from robophm.health.effects import SilentStates, alarm_chances, fault_chances, silent_states
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, as_designed, nominal_outlook
 from robophm.health.report import plain
@@ -24,66 +26,10 @@ from robophm.learning.diagnosis.coverage_matrix import coverage, read_sensors, s
 from robophm.learning.diagnosis.fault_isolation import Diagnosis, Sensor, suspects
 from robophm.learning.diagnosis.sensor_choice import Choice, choose, explained
 from robophm.monitoring.monitor import Monitor
-from robophm.report.fmeca_page import effect_text, fmeca_csv, fmeca_page, unknown_words
 from robophm.report.words import more_text, number_text, percent_text
 
 MOST_SUSPECTS = 15
 """That are listed, of those whose rate is known, and of those whose rate is unknown."""
-
-
-def fmeca(
-    path: Path, table_of_sensors: Path | None, hours: float, severities: tuple[str, ...], to: Path | None, *,
-    force: bool, as_json: bool,
-) -> None:  # fmt: skip
-    """Effects of every failure mode, printed or written."""
-    may_make(to, path, *([table_of_sensors] if table_of_sensors else []), force=force, suffixes=(".csv", ".html"))
-    if to is None:
-        refuse_unused("effects that are not written (--to)", ("sensors", "hours", "severity"))
-    robot = load(path)
-    sensors = read_sensors(table_of_sensors, robot) if table_of_sensors else []
-    sees = coverage(robot, [sensor for sensor in sensors if sensor.fitted])
-    outlook = as_designed(Plant(robot))
-    found = effects(outlook, hours, seen(robot, sensors), _severities(severities, robot))
-    if to:
-        write(to, fmeca_csv(found, sees) if to.suffix == ".csv" else fmeca_page(robot.name, found, sees, hours))
-    if as_json:
-        modes = [{**asdict(one), "rpn": one.rpn, "criticality": one.criticality} for one in found]
-        print_json({"robot": robot.name, "hours": hours, "modes": plain(modes), "coverage": sees})
-        return
-    _print_effects(robot, found, hours, to)
-
-
-def _severities(texts: tuple[str, ...], robot: Robot) -> dict[str, int]:
-    known = [*SEVERITY, *robot.functions, *(part.path for part in robot.all_components()),
-             *(mode.path for mode in robot.modes)]  # fmt: skip
-    found = {}
-    for text in texts:
-        name, _, value = text.rpartition("=")
-        if not value.strip().isascii() or not value.strip().isdigit() or not 1 <= int(value) <= 10:
-            raise RobophmError(f"--severity {text[:60]!r}; expected e.g. drive=9, from 1 to 10")
-        if name.strip() not in known:
-            raise RobophmError(f"--severity: no function or part '{name.strip()[:60]}'{nearest(name.strip(), known)}")
-        found[name.strip()] = int(value)
-    return found
-
-
-def _print_effects(robot: Robot, found: list[Effect], hours: float, to: Path | None) -> None:
-    out = console()
-    columns = ["failure mode", "end effect", "within", "seen", "S", "O", "D", "RPN", "criticality"]
-    rows = [
-        [one.mode, effect_text(one)[1], number_text(one.probability, 3), f"{number_text(100 * one.detected, 3)} %",
-         str(one.severity), str(one.occurrence), str(one.detection), str(one.rpn), number_text(one.criticality, 3)]
-        for one in found[:40]
-    ]  # fmt: skip
-    title = f"What failures do to {robot.name}, within {number_text(hours)} h of operation"
-    print_table(out, table(title, columns, rows, figures=range(2, len(columns))))
-    if len(found) > len(rows):
-        out.print(f"{more_text(len(found) - len(rows), 'listed')}; --to FMECA.CSV has all")
-    for words in unknown_words(found):
-        out.print(words, style="yellow", markup=False)
-    out.print("S severity, O occurrence, D detection (10: nothing sees it), RPN their product")
-    if to:
-        out.print(f"Written to {to}", markup=False, soft_wrap=True)
 
 
 @dataclass(frozen=True)
@@ -100,7 +46,30 @@ class Wishes:
     as_json: bool
 
 
-def diagnose(path: Path, table_of_sensors: Path, wishes: Wishes) -> None:
+def command(
+    design: Design,
+    sensors: Annotated[
+        Path, typer.Argument(help="a table: sensor, part, detects, false alarm, price, fitted", metavar="SENSORS.CSV")
+    ],
+    alarm: Annotated[list[str] | None, typer.Option(metavar="SENSOR", help="is on; the others are off")] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="none is on: what may have failed all the same")] = False,
+    add: Annotated[int, typer.Option(help="how many sensors to add, of those with fitted: no", min=0, max=16)] = 0,
+    hours: Annotated[
+        float, typer.Option(help="of operation within which a fault came, or the robot must work", min=0)
+    ] = 100.0,
+    after: Annotated[
+        float | None, typer.Option(help="operating hours that a new robot has worked, unwatched", min=0)
+    ] = None,
+    store: Store = None,
+    function: Annotated[str | None, typer.Option(help="that must work; default the whole robot")] = None,
+    as_json: Json = False,
+) -> None:
+    """What sees which failure, which it is given the alarms, and which sensor would tell most."""
+    alarms = tuple(alarm) if alarm else () if quiet else None
+    run(design, sensors, Wishes(alarms, add, hours, after, store, function, as_json))
+
+
+def run(path: Path, table_of_sensors: Path, wishes: Wishes) -> None:
     """Coverage, suspects, and the sensors that would tell most."""
     _only(wishes)
     robot = load(path)

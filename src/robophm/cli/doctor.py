@@ -1,4 +1,4 @@
-"""What is installed here, and whether robophm works with it."""
+"""``robophm doctor``: what is installed here, and whether robophm works with it."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from robophm.cli import INVALID
-from robophm.cli.output import console, print_json
+from robophm.cli.shared.options import Json
+from robophm.cli.shared.output import console, print_json
 
 NEEDED = ("robophm", "numpy", "scipy", "pydantic", "ruamel.yaml", "typer", "rich", "pint", "rosbags", "mcap", "PyYAML")
 
 
-def run(*, as_json: bool) -> None:
-    """Print versions and checks. Leaves with 3 where a check fails."""
+def command(as_json: Json = False) -> None:
+    """Say what is installed here and whether it works."""
     versions = {"python": platform.python_version(), "platform": f"{platform.system()} {platform.machine()}"}
     for name in NEEDED:
         try:
@@ -47,10 +48,10 @@ def _try(check: Callable[[], None]) -> str:
 
 
 def _design() -> None:
-    from robophm.cli.demo import example_design
+    from robophm.core.files import shipped
     from robophm.design.file import load
 
-    load(example_design())
+    load(shipped("examples/ota/robot.yaml"))
 
 
 def _store() -> None:

@@ -1,126 +1,48 @@
-"""Fault trees and minimal sets, of a robot or of a model in the Open-PSA format."""
+"""``robophm fault-tree``: the probability of a top event and its minimal cut sets, of a robot or a model."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Annotated
 
-import numpy as np
-import numpy.typing as npt
+import typer
 
 from robophm.blocks.cut_sets import MinimalSets
-from robophm.blocks.diagram import Block, Unit
-from robophm.blocks.fault_tree import FaultTree
-from robophm.cli.output import console, estimate_text, print_json, print_table, table, write
-from robophm.cli.unused import refuse_unused
-from robophm.core.errors import RobophmError, StructureError, nearest
-from robophm.design.file import load as load_design
-from robophm.design.importers.open_psa import Model, load
+from robophm.cli.shared.fault_trees import System, of_model, of_robot, print_sets, sets_json
+from robophm.cli.shared.options import ChanceSeed, Json, MostSets, Order
+from robophm.cli.shared.output import console, estimate_text, may_write, print_json, write
+from robophm.cli.shared.unused import refuse_unused
+from robophm.core.errors import RobophmError
+from robophm.design.file import load
 from robophm.design.importers.open_psa.as_design import as_design
 from robophm.design.importers.open_psa.writing import document
-from robophm.design.robot import Robot
-from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
-from robophm.health.report import plain
-from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
-from robophm.life.exponential import Exponential
 from robophm.report.minimal_sets import Listed
-from robophm.report.words import number_text, probability_text
-
-_MOST_WRITTEN = 10**4000  # Python writes no number of more than 4,300 digits
 
 
-@dataclass(frozen=True)
-class System:
-    """What is asked about: a tree, and the probabilities of its events."""
-
-    name: str
-    when: str
-    tree: FaultTree
-    occurred: npt.NDArray[np.float64]
-    not_yet: npt.NDArray[np.float64]
-    diagram: Block | None = None
-    rates: dict[str, float] = field(default_factory=dict)
-    """Of events that fail at a constant rate [1/h]."""
-    model: Model | None = None
-    """What it was read from, unless it is of a robot."""
-    source: str = ""
-    time: float | None = None
-    unknown: PartsOfUnknownRate | None = None
-    """Parts of unknown rate in it."""
-
-    def fails(self, text: str) -> str:
-        """How likely it has failed, in words."""
-        return self.unknown.said("at least", text) if self.unknown else text
-
-    @property
-    def json(self) -> dict[str, Any]:
-        """What every document about it says of parts of unknown rate."""
-        return {"unknown": asdict(self.unknown)} if self.unknown else {}
-
-    def print_unknown(self) -> None:
-        """The same for people."""
-        if self.unknown:
-            console().print(self.unknown.of_sets, style="yellow", markup=False, soft_wrap=True)
-
-
-def of_robot(robot: Robot, function: str | None, hours: float) -> System:
-    """A robot, or a function of it, new and as designed, after so many operating hours."""
-    if not math.isfinite(hours):
-        raise RobophmError(f"{hours:g} h: expected a finite number")
-    if function is not None and function not in robot.functions:
-        raise RobophmError(f"no function '{function}'{nearest(function, robot.functions)}")
-    when = f"after {number_text(hours)} h of operation, new and as designed"
-    diagram = robot.functions[function] if function else robot.diagram
-    tree, new = FaultTree.of(diagram), as_designed(Plant(robot))
-    states = [new.survival_curve(Unit(name), np.array([hours])) for name in tree.names]
-    rates: dict[str, float] = {}
-    for part in robot.all_components():
-        if all(isinstance(mode.life, Exponential) for mode in part.modes):
-            each = math.fsum(robot.usage.per_operating_hour(mode.clock) * mode.share * mode.rate for mode in part.modes)
-            calendar = any(mode.clock == "calendar" for mode in part.modes)
-            if not calendar:
-                rates |= dict.fromkeys(part.units, part.multiplicity * each)
-    name = f"{robot.name}: {function}" if function else robot.name
-    return System(
-        name, when, tree,
-        np.array([float(one.failed[0]) for one in states]), np.array([float(one.works[0]) for one in states]),
-        diagram, rates, unknown=unknown(new, diagram),
-    )  # fmt: skip
-
-
-def of_model(path: Path, time: float | None, top: str | None) -> System:
-    """A model in the Open-PSA format, at a mission time."""
-    model = load(path, time, top)
-    if model.tree is None:
-        says = "always occurs" if model.certain else "never occurs"
-        raise StructureError(f"{path}: '{model.name}' {says}: constants and house events decide it")
-    when = f"at {number_text(time)} h" if time is not None else "as given"
-    return System(model.name, when, model.tree, model.occurred, model.not_yet, model=model, source=path.name, time=time)
-
-
-def cut_sets(system: System, *, paths: bool, order: int | None, most: int, as_json: bool) -> None:
-    """List the minimal cut sets, or path sets, of a robot."""
-    probability = float(system.tree.probability(system.occurred, system.not_yet))
-    if paths and system.diagram is not None:
-        sets = MinimalSets.paths(system.diagram)
-        place = {name: i for i, name in enumerate(system.tree.names)}
-        listed = Listed(sets, system.not_yet[[place[name] for name in sets.names]], most, order)
-        share_of = 1.0 - probability
+def command(
+    source: Annotated[
+        Path, typer.Argument(help="an Open-PSA model, or a robot's design", metavar="MODEL.XML|ROBOT.YAML")
+    ],
+    function: Annotated[str | None, typer.Option(help="of a robot; default the whole robot")] = None,
+    top: Annotated[str | None, typer.Option(help="gate of a model of which several are used by no other")] = None,
+    time: Annotated[float | None, typer.Option(help="mission time, or of a new robot [h of operation]", min=0)] = None,
+    order: Order = None,
+    most: MostSets = 20,
+    to: Annotated[Path | None, typer.Option(help="write the tree: as a model, .xml, or a design, .yaml")] = None,
+    monte_carlo: Annotated[
+        int | None, typer.Option(min=1, max=1_000_000_000, help="only estimate the probability, by so many samples")
+    ] = None,
+    seed: ChanceSeed = 0,
+    as_json: Json = False,
+) -> None:
+    """The probability of a fault tree's top event, and its minimal cut sets; of a robot, also its fault tree."""
+    may_write(to, source)
+    system = system_of(source, function, top, time, by_chance=monte_carlo is not None)
+    if monte_carlo:
+        estimated(system, monte_carlo, seed, as_json=as_json)
     else:
-        listed, share_of = Listed(MinimalSets(system.tree), system.occurred, most, order), probability
-    kind = "path" if paths else "cut"
-    if as_json:
-        print_json({"system": system.name, "when": system.when, "unreliability": probability,
-                    f"{kind}_sets": _json(listed, share_of), **system.json})  # fmt: skip
-        return
-    out = console()
-    has_failed = system.fails(probability_text(probability))
-    out.print(f"{system.name}, {system.when}: has failed with {has_failed}", markup=False, soft_wrap=True)
-    system.print_unknown()
-    _show(listed, kind, share_of)
+        tree(system, order=order, most=most, to=to, as_json=as_json)
 
 
 def tree(system: System, *, order: int | None, most: int, to: Path | None, as_json: bool) -> None:
@@ -140,7 +62,7 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
         print_json({
             "top_event": system.name, "when": system.when, "probability": probability, **size,
             "modules": len(system.tree.modular.parts), "nodes": system.tree.modular.size,
-            "coherent": system.tree.coherent, "cut_sets": _json(listed, probability) if listed else None,
+            "coherent": system.tree.coherent, "cut_sets": sets_json(listed, probability) if listed else None,
             **system.json,
         })  # fmt: skip
         return
@@ -152,7 +74,7 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
     out.print(f"{size['basic_events']} basic events, {size['gates']} gates; solved as {len(system.tree.modular.parts)} "
               f"modules by {system.tree.modular.size} nodes", markup=False)  # fmt: skip
     if listed:
-        _show(listed, "cut", probability)
+        print_sets(listed, "cut", probability)
     else:
         out.print(
             "It has 'not' or 'xor' gates: no minimal cut sets are listed, the probability is exact.", markup=False
@@ -184,7 +106,7 @@ def system_of(source: Path, function: str | None, top: str | None, time: float |
     given = ("monte_carlo", "seed") if by_chance else ("order", "most", "to")
     refuse_unused(path, ("time", "function" if robot else "top", *given))
     if robot:
-        return of_robot(load_design(source), function, 1000.0 if time is None else time)
+        return of_robot(load(source), function, 1000.0 if time is None else time)
     return of_model(source, time, top)
 
 
@@ -199,34 +121,3 @@ def _design(system: System, to: Path) -> str:
     if to.exists():
         raise RobophmError(f"{to}: exists already; expected the name of a new design")
     return as_design(system.model, system.source, system.time)
-
-
-def _json(listed: Listed, whole: float) -> dict[str, Any]:
-    """For machines; shares are of the ``whole``. What is beyond the numbers of JSON or Python's words is null."""
-    counts = [n if n < _MOST_WRITTEN else None for n in (listed.count, *listed.by_order)]
-    found = {
-        "count": counts[0],
-        "count_by_order": {str(i): n for i, n in enumerate(counts[1:], 1)},
-        "sum_of_probabilities": listed.mass,
-        "sum_of_those_not_listed": listed.neglected,
-        "listed": [
-            {"parts": list(one.names), "probability": one.probability,
-             "share": one.probability / whole if whole > 0 else None}
-            for one in listed.sets
-        ],
-    }  # fmt: skip
-    return {key: plain(value) for key, value in found.items()}
-
-
-def _show(listed: Listed, kind: str, whole: float) -> None:
-    """For people."""
-    out = console()
-    out.print(listed.counted(kind), markup=False)
-    rows = [
-        (str(len(one.names)), f"{one.probability:.4g}",
-         f"{100 * one.probability / whole:.3g} %" if whole > 0 else "–", ", ".join(one.names))
-        for one in listed.sets
-    ]  # fmt: skip
-    print_table(out, table("", ("parts", "probability", "share", f"minimal {kind} set"), rows, figures=(0, 1, 2)))
-    if listed.left_out():
-        out.print(listed.left_out(), markup=False)

@@ -6,13 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
+import typer
 from rich.console import Console
 
-from robophm.cli.learn import put
-from robophm.cli.output import console, may_make, may_write, print_json, print_table, table, write
-from robophm.cli.unused import refuse_unused
+from robophm.cli.shared.options import Json
+from robophm.cli.shared.output import console, may_make, may_write, print_json, print_table, table, write, write_design
+from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import DataError, RobophmError
 from robophm.design.file import load, read
 from robophm.learning.failure_mode_edits import edited, named_mode
@@ -42,6 +43,41 @@ class Wishes:
     to: Path | None
     part: str | None
     as_json: bool
+
+
+def command(
+    lives: Annotated[
+        Path, typer.Argument(help="a table of lives: time [h], censored, count, stresses …", metavar="LIVES.CSV")
+    ],
+    distribution: Annotated[
+        str | None, typer.Option(help="exponential, weibull, weibull3, lognormal, normal, gamma, loglogistic, gumbel")
+    ] = None,
+    by: Annotated[
+        Literal["likelihood", "ranks"], typer.Option(help="likelihood, or ranks: a line through median ranks")
+    ] = "likelihood",
+    use: Annotated[
+        list[str] | None, typer.Option(metavar="STRESS=VALUE", help="of use, e.g. temperature='40 degC'")
+    ] = None,
+    law: Annotated[
+        list[str] | None, typer.Option(metavar="STRESS=LAW", help="arrhenius, eyring, q10, inverse_power")
+    ] = None,
+    repairable: Annotated[bool, typer.Option("--repairable", help="items are repaired and go on: power law")] = False,
+    level: Annotated[float, typer.Option(help="of intervals", min=0.01, max=0.999)] = 0.9,
+    refits: Annotated[
+        int, typer.Option(help="simulate so many fits to say how well the best fits", min=0, max=10_000)
+    ] = 0,
+    seed: Annotated[int, typer.Option(help="of --refits", min=0)] = 0,
+    report: Annotated[Path | None, typer.Option(help="write a page with probability plots, HTML")] = None,
+    to: Annotated[Path | None, typer.Option(help="put the life into this design, with --part")] = None,
+    part: Annotated[str | None, typer.Option(help="path of the part, or of its failure mode")] = None,
+    as_json: Json = False,
+) -> None:
+    """Fit life data: distributions, lives at stress, repaired systems (needs robophm[fit])."""
+    wishes = Wishes(
+        distribution, by, level, tuple(use or ()), tuple(law or ()), repairable, refits, seed, report, to, part,
+        as_json,
+    )  # fmt: skip
+    run(lives, wishes)
 
 
 def run(path: Path, wishes: Wishes) -> None:
@@ -144,7 +180,7 @@ def _changed(found: Fit | LifeStressFit, wishes: Wishes) -> str | None:
 def _into_design(found: Fit | LifeStressFit, design: str | None, wishes: Wishes) -> None:
     out = console()
     if wishes.to and design is not None:
-        put(wishes.to, design)
+        write_design(wishes.to, design)
         if not wishes.as_json:
             out.print(f"{wishes.to}: {wishes.part} has this life now; as it was: {wishes.to.name}.bak", markup=False)
     elif not wishes.as_json:

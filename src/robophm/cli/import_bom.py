@@ -1,4 +1,4 @@
-"""A parts list becomes part of a design, and what was made of its rows is said."""
+"""``robophm import-bom``: a parts list becomes part of a design, and what was made of its rows is said."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from robophm.cli.output import console, may_write, print_json, print_table, table, warn, write
+import typer
+
+from robophm.cli.shared.options import Json
+from robophm.cli.shared.output import console, may_write, print_json, print_table, table, warn, write
 from robophm.core.errors import RobophmError
 from robophm.design.file import replace_text
 from robophm.design.importers.bom import ImportedList, ImportedPart, import_bom
@@ -34,6 +37,28 @@ class Wishes:
     quality: str | None = None
     dry_run: bool = False
     as_json: bool = False
+
+
+def command(
+    source: Annotated[Path, typer.Argument(help="the parts list", metavar="PARTS.CSV|XLSX|ODS")],
+    design: Annotated[
+        Path, typer.Argument(help="the design to make, or to bring up to the list", metavar="ROBOT.YAML")
+    ],
+    module: Annotated[
+        str | None, typer.Option(help="where they belong, e.g. 'Power/Motor board'; default the robot")
+    ] = None,
+    mapping: Annotated[Path | None, typer.Option(help="what the columns mean, as --save-mapping wrote it")] = None,
+    save_mapping: Annotated[Path | None, typer.Option(help="write what the columns were taken for")] = None,
+    environment: Annotated[str | None, typer.Option(help="symbol; default the design's, or GM: ground, mobile")] = None,
+    temperature: Annotated[str, typer.Option(help="around the parts")] = "40 degC",
+    stress: Annotated[float, typer.Option(help="applied by rated voltage or power", min=0, max=1)] = 0.5,
+    quality: Annotated[str | None, typer.Option(help="level; default each model's own")] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="say what would be done, and write no design")] = False,
+    as_json: Json = False,
+) -> None:
+    """Put the parts of a list into a design, rated where enough is known, and say what was assumed."""
+    wishes = Wishes(module, mapping, save_mapping, environment, temperature, stress, quality, dry_run, as_json)
+    run(source, design, wishes)
 
 
 def run(source: Path, design: Path, wishes: Wishes) -> None:

@@ -1,13 +1,17 @@
-"""A file of the 2020 tool becomes a design, and what both make of it stands side by side."""
+"""``robophm import-legacy``: a file of the 2020 tool becomes a design; what both make of it stands side by side."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Annotated
 
-from robophm.cli.output import console, may_write, print_json, print_table, table, warn, write
-from robophm.cli.show import promises
+import typer
+
+from robophm.cli.shared.options import Force, Json
+from robophm.cli.shared.output import console, may_write, print_json, print_table, table, warn, write
+from robophm.cli.shared.promises import promises
 from robophm.core.errors import RobophmError
 from robophm.design.importers.legacy.figures import reliability_at
 from robophm.design.importers.legacy.reading import Imported, import_legacy
@@ -34,18 +38,23 @@ class Comparison:
     unreliability: float | None
 
 
-def run(source: Path, output: Path, *, force: bool, as_json: bool) -> None:
-    """Write the design. Raises RobophmError, nothing written, where the file is there already or the source is none."""
-    may_write(output, source)
-    if output.exists() and not force:
-        raise RobophmError(f"{output}: exists already; --force puts the design in its place")
+def command(
+    source: Annotated[Path, typer.Argument(help="phm_configurations_*.yaml of the 2020 tool", metavar="SOURCE.YAML")],
+    design: Annotated[Path, typer.Argument(help="the design file to write", metavar="ROBOT.YAML")],
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Make a design of a file of the 2020 tool, and say what is odd in it."""
+    may_write(design, source)
+    if design.exists() and not force:
+        raise RobophmError(f"{design}: exists already; --force puts the design in its place")
     imported = import_legacy(source)
     found = comparisons(imported)
-    write(output, imported.text)
+    write(design, imported.text)
     if as_json:
         print_json({
             "robot": imported.robot.name,
-            "design": str(output),
+            "design": str(design),
             "findings": [asdict(finding) for finding in imported.findings],
             "hours": HOURS,
             "modules": [plain(asdict(one)) for one in found],
@@ -59,7 +68,7 @@ def run(source: Path, output: Path, *, force: bool, as_json: bool) -> None:
     columns = ["2020 tool and exact", "λ stored", "λ recomputed", f"λ exact, {at}", f"R({at}) 2020", f"R({at}) exact"]
     print_table(out, table("", columns, rows, figures=range(1, len(columns))))
     count = sum(component.quantity for component in imported.robot.all_components())
-    said = f"{output}: {imported.robot.name}, {count} parts, {len(imported.findings)} findings"
+    said = f"{design}: {imported.robot.name}, {count} parts, {len(imported.findings)} findings"
     out.print(f"{said}; check them, and bind its signals", markup=False)
 
 

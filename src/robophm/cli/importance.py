@@ -7,15 +7,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from itertools import chain
 from pathlib import Path
-from typing import Any, cast
+from typing import Annotated, Any, cast
 
-from robophm.cli.fault_tree import of_model
-from robophm.cli.output import console, print_json, print_table, table
-from robophm.cli.unused import refuse_unused
+import typer
+
+from robophm.cli.shared.fault_trees import of_model
+from robophm.cli.shared.options import Failed, Future, Json, Store, Working
+from robophm.cli.shared.output import console, print_json, print_table, table
+from robophm.cli.shared.stored_past import kept
+from robophm.cli.shared.task_words import with_knowledge
+from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError, nearest
 from robophm.core.units import quantity
+from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.design.task import Plan, Task
+from robophm.design.task_file import load_plan
 from robophm.health.importance import Drawn, Importances, importances, of_tree, usual_hours
 from robophm.health.ledger import Ledger
 from robophm.health.prognosis import FutureName, View, outlooks
@@ -65,6 +72,34 @@ def measure(name: str) -> str:
     if name not in MEASURES:
         raise RobophmError(f"--by {name}: no such importance{nearest(name, MEASURES)}")
     return MEASURES[name]
+
+
+def command(
+    design: Annotated[Path, typer.Argument(help="the robot's design, or an Open-PSA model", metavar="ROBOT.YAML")],
+    tasks: Annotated[Path | None, typer.Argument(help="tasks.yaml or .csv; default: the design's task")] = None,
+    store: Store = None,
+    failed: Failed = None,
+    working: Working = None,
+    future: Future = "recent",
+    function: Annotated[str | None, typer.Option(help="of the robot; default the whole robot")] = None,
+    after: Annotated[
+        str | None, typer.Option(help="time of operation ahead, e.g. '50 h'; default 1000 h, or half its life if less")
+    ] = None,
+    by: Annotated[str, typer.Option(help="birnbaum, criticality, fussell-vesely, raw, rrw, improvement "
+                                         "or barlow-proschan")] = "criticality",
+    most: Annotated[int, typer.Option(help="parts to list", min=1, max=100_000)] = 20,
+    as_json: Json = False,
+) -> None:  # fmt: skip
+    """What matters most to a robot's health, and what to replace first."""
+    hours, ranked = hours_ahead(after) if after is not None else None, measure(by)
+    if design.suffix.lower() == ".xml":
+        run_model(design, hours, ranked, most, as_json=as_json)
+        return
+    robot = load(design)
+    plan = load_plan(tasks, robot) if tasks else Plan((robot.task,) if robot.task else ())
+    plan = with_knowledge(plan, robot, failed or (), working or ())
+    run(robot, kept(store, robot) if store else None, Question(plan, future, function, hours, ranked, most),
+        as_json=as_json)  # fmt: skip
 
 
 def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: bool) -> None:

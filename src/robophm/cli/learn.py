@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from robophm.cli.output import console, may_make, print_json, print_table, table, warn, write
-from robophm.cli.past import kept
-from robophm.cli.unused import refuse_unused
+import typer
+
+from robophm.cli.shared.options import Design, Force, Json
+from robophm.cli.shared.output import console, may_make, print_json, print_table, table, warn, write_design
+from robophm.cli.shared.stored_past import kept
+from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import DataError
-from robophm.design.file import load, parse, read, replace_text
+from robophm.design.file import load, read
 from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Robot
 from robophm.health.service import service_intervals
 from robophm.health.unknown_rates import few
@@ -23,17 +26,20 @@ from robophm.report.words import number_text
 STORES = (".db", ".sqlite", ".sqlite3")
 
 
-def run(
-    design: Path,
-    logs: Sequence[Path],
-    prior: str | None,
-    of: str | None,
-    to: Path | None,
-    *,
-    force: bool,
-    as_json: bool,
+def command(
+    design: Design,
+    logs: Annotated[
+        list[Path], typer.Argument(help="failure logs (.csv, .yaml), or stores of robots (.db)", metavar="LOG…")
+    ],
+    prior: Annotated[
+        str | None, typer.Option(help="what stated rates count as: '10000 h', '2 failures'; default the design's, or 1")
+    ] = None,
+    of: Annotated[str | None, typer.Option("--robot", help="rates of this one robot of the fleet")] = None,
+    to: Annotated[Path | None, typer.Option(help="write the design with the evidence beside each rate")] = None,
+    force: Force = False,
+    as_json: Json = False,
 ) -> None:
-    """Learn, print, and write the design with the evidence beside its rates."""
+    """What failures in the field say of a design's rates."""
     if to is None:
         refuse_unused("rates that are not written (--to)", ("logs", "prior", "of"))
     may_make(to, *logs, force=force, suffixes=(".yaml", ".yml"))
@@ -63,19 +69,10 @@ def run(
     else:
         _print(robot, learned, unrated)
     if to:
-        put(to, text)
+        write_design(to, text)
         if not as_json:
             but = f"; not of what is of unknown rate ({_paths(unrated)})" if unrated else ""
             console().print(f"Written to {to}, the evidence beside each rate{but}", markup=False, soft_wrap=True)
-
-
-def put(to: Path, text: str) -> None:
-    """Write a design; of one that was there, what it was is kept beside it. Raises DesignError."""
-    parse(text, str(to))
-    if to.exists():
-        replace_text(to, text)
-    else:
-        write(to, text)
 
 
 def _of_store(path: Path, robot: Robot) -> list[Seen]:

@@ -6,12 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
+import typer
 
-from robophm.cli.output import console, print_json, print_table, table
-from robophm.cli.past import kept
+from robophm.cli.shared.options import Design, Json
+from robophm.cli.shared.output import console, print_json, print_table, table
+from robophm.cli.shared.stored_past import kept
 from robophm.core.errors import DataError, RobophmError, UnitError
 from robophm.core.units import quantity
 from robophm.design.file import load
@@ -79,6 +81,26 @@ class _Plan:
     """P(the robot stands still | it is down)."""
     standing: Costs
     """With what it costs that the robot may stand still meanwhile."""
+
+
+def command(
+    design: Design,
+    costs: Annotated[Path, typer.Argument(help="a table: part, preventive, corrective, …", metavar="COSTS.CSV")],
+    store: Annotated[
+        Path | None, typer.Option("--store", help="the robot's past: what is due, and what to do first")
+    ] = None,
+    setup: Annotated[float, typer.Option(help="cost of a visit, whatever is done at it", min=0)] = 0.0,
+    downtime_cost: Annotated[float, typer.Option(help="of an hour that the robot stands still", min=0)] = 0.0,
+    horizon: Annotated[str, typer.Option(help="over which costs are simulated")] = "5 year",
+    robots: Annotated[int, typer.Option(help="that share a stock of spares", min=1, max=1_000_000)] = 1,
+    level: Annotated[float, typer.Option(help="with which spares are enough", min=0.001, max=0.99999)] = 0.95,
+    lead: Annotated[str, typer.Option(help="time for which spares must do")] = "90 day",
+    repetitions: Annotated[int, typer.Option(help="of the simulation", min=2, max=1_000_000)] = 2000,
+    seed: Annotated[int, typer.Option(help="of the simulation", min=0)] = 0,
+    as_json: Json = False,
+) -> None:
+    """When to replace which part, with which spares, at what cost; whether watching it pays."""
+    run(design, costs, Wishes(store, setup, downtime_cost, horizon, robots, level, lead, repetitions, seed, as_json))
 
 
 def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from typing import Annotated
 
 import typer
 
-from robophm.cli.output import console, print_json, print_table, table
-from robophm.cli.unused import refuse_unused
+from robophm.cli.shared.options import Json
+from robophm.cli.shared.output import console, print_json, print_table, table
+from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import PlugError, nearest
 from robophm.core.table import Table
 from robophm.hazard.acceleration import ACCELERATIONS
@@ -114,6 +116,18 @@ def print_reference() -> None:
     """The page on stdout."""
     refuse_unused("the reference page", ("reference",), as_json=False)
     typer.echo("\n".join(reference()))
+
+
+def command(
+    kind: Annotated[str | None, typer.Argument(help="of part, e.g. motor, 'chip resistor'; none lists all")] = None,
+    reference: Annotated[bool, typer.Option("--reference", help="print the reference page, Markdown")] = False,
+    as_json: Json = False,
+) -> None:
+    """The hazard models for a kind of part."""
+    if reference:
+        print_reference()
+    else:
+        run(kind, as_json=as_json)
 
 
 def run(kind: str | None, *, as_json: bool) -> None:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from robophm.cli.output import print_json, print_parts, print_report
-from robophm.cli.past import affordable, kept
-from robophm.cli.task import with_knowledge
-from robophm.cli.unused import refuse_unused
+import typer
+
+from robophm.cli import BREACHED
+from robophm.cli.shared.options import Design, Draws, Failed, Future, Horizon, Json, Store, Unit, Working, horizon_of
+from robophm.cli.shared.output import print_json, print_parts, print_report
+from robophm.cli.shared.stored_past import affordable, kept
+from robophm.cli.shared.task_words import with_knowledge
+from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
 from robophm.core.units import quantity
 from robophm.design.build_task import plain_task
@@ -34,6 +38,31 @@ class Wishes:
     draws: int
     horizon: float | None
     parts: bool
+
+
+def command(
+    design: Design,
+    store: Store = None,
+    distance: Annotated[str | None, typer.Option(help="of the task, e.g. '250 m'")] = None,
+    speed: Annotated[str | None, typer.Option(help="of the task, e.g. '0.3 m/s'")] = None,
+    duration: Annotated[str | None, typer.Option(help="of the task, instead of a speed, e.g. '20 min'")] = None,
+    future: Future = "recent",
+    plan: Annotated[Path | None, typer.Option(help="tasks.yaml or .csv that it does again and again")] = None,
+    failed: Failed = None,
+    working: Working = None,
+    parts: Annotated[bool, typer.Option("--parts", help="remaining life of every component too")] = False,
+    draws: Draws = 2000,
+    horizon: Horizon = None,
+    unit: Unit = "1/h",
+    as_json: Json = False,
+) -> None:
+    """Say what lies ahead: remaining life, task completion."""
+    wishes = Wishes(
+        distance, speed, duration, future, plan, tuple(failed or ()), tuple(working or ()), draws,
+        horizon_of(horizon), parts=parts,
+    )  # fmt: skip
+    if run(design, store, wishes, unit, as_json=as_json):
+        raise typer.Exit(BREACHED)
 
 
 def run(design: Path, store: Path | None, wishes: Wishes, unit: str, *, as_json: bool) -> bool:

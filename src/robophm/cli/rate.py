@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
+from typing import Annotated
 
 import numpy as np
+import typer
 
-from robophm.cli.output import console, print_json, print_table, table
-from robophm.cli.unused import refuse_unused
+from robophm.cli.shared.options import Json
+from robophm.cli.shared.output import console, print_json, print_table, table
+from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import ModelError
 from robophm.core.units import in_unit
 from robophm.hazard.handbooks import handbook_model, handbook_models
@@ -16,8 +19,20 @@ from robophm.hazard.model import Assumed, Choice, Model, Range
 from robophm.report.words import number_text
 
 
-def run(model: str | None, said: Iterable[str], unit: str | None, *, explain: bool, as_json: bool) -> None:
-    """List the models, say what one of them takes, or state the rate of what was said as INPUT=VALUE."""
+def command(
+    model: Annotated[str | None, typer.Argument(help="e.g. mil_hdbk_217f.capacitor; none lists them")] = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="INPUT=VALUE", help="e.g. temperature='60 degC'")
+    ] = None,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="show every input, what is assumed, and every factor")
+    ] = False,
+    unit: Annotated[
+        str | None, typer.Option(help="of the rate: FIT, FPMH, 1/h, or '/10^6 cycle' of a rate per cycle")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """The hazard rate that a handbook gives for a part."""
     out = console()
     if model is None:
         refuse_unused("the list of models", ())
@@ -30,7 +45,7 @@ def run(model: str | None, said: Iterable[str], unit: str | None, *, explain: bo
         return
     chosen = handbook_model(model)
     given = {}
-    for pair in said:
+    for pair in set_ or []:
         name, equals, value = (word.strip() for word in pair.partition("="))
         if not equals:
             raise ModelError(f"--set {pair}: expected INPUT=VALUE")

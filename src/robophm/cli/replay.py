@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+from typing import Annotated
 
-from robophm.cli.output import console, may_write, print_json, print_report, progress_console, warn, write
-from robophm.cli.progress import progress
-from robophm.cli.unused import refuse_unused
+import typer
+
+from robophm.cli import BREACHED
+from robophm.cli.shared.options import Design, GrowingStore, Horizon, Json, SkipMissing, Unit, horizon_of
+from robophm.cli.shared.output import console, may_write, print_json, print_report, progress_console, warn, write
+from robophm.cli.shared.progress import progress
+from robophm.cli.shared.unused import refuse_unused
 from robophm.design.file import load
 from robophm.monitoring.recorded_drives import drives_of
 from robophm.monitoring.replay import replay_drives
@@ -19,12 +23,18 @@ from robophm.stores.sqlite import SqliteStore
 from robophm.stores.store import Store
 
 
-def run(
-    design: Path, recordings: Sequence[Path], store: Path | None, report: Path | None, unit: str,
-    horizon: float | None, *,
-    skip_missing: bool, as_json: bool,
-) -> bool:  # fmt: skip
-    """Replay, keep, and print or write the report; whether a threshold is breached."""
+def command(
+    design: Design,
+    recordings: Annotated[list[Path], typer.Argument(help=".bag, .db3, .mcap, folders of them, .csv or .journal")],
+    store: GrowingStore = None,
+    report: Annotated[Path | None, typer.Option(help="write a page about its health, HTML")] = None,
+    skip_missing: SkipMissing = False,
+    horizon: Horizon = None,
+    unit: Unit = "1/h",
+    as_json: Json = False,
+) -> None:
+    """A robot's health after what it recorded: drives in the order of their time, however many."""
+    ahead = horizon_of(horizon)
     if as_json:
         refuse_unused("JSON, in 1/h", ("store", "report", "horizon", "skip_missing"))
     may_write(report, design, *recordings, *([store] if store else []))
@@ -41,7 +51,7 @@ def run(
             warn(f"this recording is already in {store}; it is not counted again")
         elif done:
             warn(f"{len(done)} of {len(drives)} recordings are already in {store}; they are not counted again")
-        health = replace(replay_drives(robot, drives, store=kept, on_tick=tick), horizon=horizon)
+        health = replace(replay_drives(robot, drives, store=kept, on_tick=tick), horizon=ahead)
         past = (list(kept.history(robot.name)), kept.ledger(robot.name)) if kept and report else ()
     if report:
         write(report, health_page(robot, health, *past))
@@ -51,4 +61,5 @@ def run(
         print_report(health, unit)
         if report:
             console().print(f"Report: {report}", markup=False)
-    return bool(health.breaches)
+    if health.breaches:
+        raise typer.Exit(BREACHED)

@@ -3,19 +3,35 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
 
-from robophm.cli.output import console, may_make, print_unknown, warn, write
-from robophm.cli.past import kept
+import typer
+
+from robophm.cli import BREACHED
+from robophm.cli.shared.options import Design, Force, Horizon, Store, horizon_of
+from robophm.cli.shared.output import console, may_make, print_unknown, warn, write
+from robophm.cli.shared.stored_past import kept
 from robophm.design.file import load
 from robophm.monitoring.monitor import Monitor
 from robophm.report.health_page import health_page
 from robophm.report.pdf import Printer
 
 
-def run(design: Path, store: Path | None, output: Path, horizon: float | None, *, pdf: bool, force: bool) -> bool:
-    """Write the page; whether a threshold is breached. The same design and past give the same bytes."""
+def command(
+    design: Design,
+    store: Store = None,
+    output: Annotated[
+        Path | None, typer.Option(help="the page; health.html, or health.pdf", show_default=False)
+    ] = None,
+    horizon: Horizon = None,
+    pdf: Annotated[bool, typer.Option("--pdf", help="as a PDF; needs robophm[pdf]")] = False,
+    force: Force = False,
+) -> None:
+    """Write a robot's health on one page that needs nothing else, not even JavaScript."""
+    path = output or Path("health.pdf" if pdf else "health.html")
+    ahead = horizon_of(horizon)
     suffix = ".pdf" if pdf else ".html"
-    may_make(output, design, *([store] if store else []), force=force, suffixes=(suffix,))
+    may_make(path, design, *([store] if store else []), force=force, suffixes=(suffix,))
     printer = Printer() if pdf else None  # which may be missing, and says so before the work
     robot = load(design)
     for warning in robot.warnings:
@@ -28,9 +44,10 @@ def run(design: Path, store: Path | None, output: Path, horizon: float | None, *
         with SqliteStore(store) as past:
             history = list(past.history(robot.name))
     data = ledger.to_json() if ledger else None
-    health = Monitor(robot, ledger).report(horizon=horizon)
+    health = Monitor(robot, ledger).report(horizon=ahead)
     html = health_page(robot, health, history, data)
-    write(output, printer.pdf(html) if printer else html)
+    write(path, printer.pdf(html) if printer else html)
     print_unknown(health.system.unknown, robot)
-    console().print(f"Report: {output}", markup=False, soft_wrap=True)
-    return bool(health.breaches)
+    console().print(f"Report: {path}", markup=False, soft_wrap=True)
+    if health.breaches:
+        raise typer.Exit(BREACHED)

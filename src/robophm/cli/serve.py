@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from robophm.cli.output import console, may_write, warn
-from robophm.cli.unused import refuse_unused
+import typer
+
+from robophm.cli.shared.options import Design
+from robophm.cli.shared.output import console, may_write, warn
+from robophm.cli.shared.unused import refuse_unused
+from robophm.cli.shared.watching import started
 from robophm.core.errors import RobophmError
 
 if TYPE_CHECKING:
@@ -30,6 +34,28 @@ class Wishes:
     synthetic: bool
     start: str | None
     speed: float
+
+
+def command(
+    design: Design,
+    host: Annotated[str, typer.Option(help="address to listen on; any but 127.0.0.1 needs --token")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0 is any that is free")] = 8707,
+    token: Annotated[
+        str | None, typer.Option(help="secret that browsers must show once", envvar="ROBOPHM_TOKEN")
+    ] = None,
+    store: Annotated[Path | None, typer.Option(help="keep the robot's past in this SQLite file")] = None,
+    journal: Annotated[Path | None, typer.Option(help="write every sample to the end of this journal")] = None,
+    recordings: Annotated[
+        list[Path] | None, typer.Option("--replay", help="recordings that can be watched as if they were live")
+    ] = None,
+    synthetic: Annotated[bool, typer.Option("--synthetic", help="offer the synthetic OTA as a source")] = False,
+    start: Annotated[
+        str | None, typer.Option(help="watch at once: ros1, ros2, recordings or synthetic", metavar="SOURCE")
+    ] = None,
+    speed: Annotated[float, typer.Option(help="of a recording, as a multiple of its own")] = 1.0,
+) -> None:
+    """The page: design a robot, bind its sensors and watch its health, in any browser."""
+    run(design, Wishes(host, port, token, store, journal, tuple(recordings or ()), synthetic, start, speed))
 
 
 def run(design: Path, wishes: Wishes) -> None:
@@ -59,14 +85,6 @@ def run(design: Path, wishes: Wishes) -> None:
         console().print(f"{design} is served at {address} until Ctrl+C", markup=False, soft_wrap=True)
 
     serve(settings, wishes.port, ready)
-
-
-def started(service: Service, source: str, speed: float) -> None:
-    """Begin monitoring at once. Raises RobophmError."""
-    from robophm.web.sources import chosen
-
-    choice = chosen(dict(service.sources), source)
-    service.monitoring.start(service.prepared().robot, choice, speed, service.workspace.draft().state)
 
 
 def files_of(paths: Sequence[Path]) -> tuple[Path, ...]:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
 
-from robophm.cli.output import console, print_json
-from robophm.cli.past import existing_store, past_in
+import typer
+
+from robophm.cli.shared.options import Design, Json
+from robophm.cli.shared.output import console, print_json
+from robophm.cli.shared.stored_past import existing_store, past_in
 from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
 from robophm.design.file import load
@@ -13,11 +17,20 @@ from robophm.health.service import find, repair, replace
 from robophm.report.words import moment_text, number_text
 
 
-def run(
-    design: Path, part: str, store: Path, repaired: float | None, *,
-    replaced: bool, failed: bool, history: bool, as_json: bool,
-) -> None:  # fmt: skip
-    """Put it into the store's ledger, and say what the part has behind it now; or only what was done to it so far."""
+def command(
+    design: Design,
+    part: Annotated[str, typer.Argument(help="path of the component, or of its failure mode")],
+    store: Annotated[Path, typer.Option("--store", help="the robot's past, as kept by replay")],
+    replaced: Annotated[bool, typer.Option("--replaced", help="a new one was put in")] = False,
+    repaired: Annotated[
+        float | None,
+        typer.Option(help="it was repaired: the share of its age that remains, 0 as new, 1 as before", metavar="SHARE"),
+    ] = None,
+    failed: Annotated[bool, typer.Option("--failed", help="it had failed; else it was served before")] = False,
+    history: Annotated[bool, typer.Option("--history", help="list every service of it so far")] = False,
+    as_json: Json = False,
+) -> None:
+    """Tell a robot's ledger that a part was replaced, or repaired."""
     if replaced + (repaired is not None) != 1 and not (history and not replaced and repaired is None):
         raise RobophmError("was it replaced or repaired? expected --replaced or --repaired SHARE, or --history to look")
     if failed and not replaced and repaired is None:

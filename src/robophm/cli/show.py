@@ -1,16 +1,18 @@
-"""What a design promises when new, drawn and tabulated."""
+"""``robophm show``: what a design promises when new, drawn and tabulated."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
+from typing import Annotated
 
-import numpy as np
+import typer
 from rich.console import Console
 from rich.table import Table
 
-from robophm.cli.output import (
+from robophm.cli.shared.options import ChanceSeed, Design, Horizon, Json, Legacy, Unit, horizon_of
+from robophm.cli.shared.output import (
     console,
     estimate_text,
     may_write,
@@ -21,55 +23,23 @@ from robophm.cli.output import (
     table,
     write,
 )
-from robophm.cli.unused import refuse_unused
+from robophm.cli.shared.promises import Promise, levels, promises
+from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import UnitError
 from robophm.design.file import load
-from robophm.design.importers.legacy.figures import legacy_rate, legacy_reliability
-from robophm.design.robot import Module, Robot
+from robophm.design.robot import Robot
 from robophm.groups.monte_carlo import Estimate, Wear, simulate
 from robophm.health.failures_to_come import failures_to_come
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.health.report import plain
-from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks, unknown
+from robophm.health.unknown_rates import marked, marks, unknown
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
 from robophm.report.diagram_text import diagram_text
 from robophm.report.labels import part_labels
 from robophm.report.outline import Label
 from robophm.report.words import duration_text, number_text, percent_text, rate_text
-
-
-@dataclass(frozen=True)
-class Promise:
-    """Nominal figures of a new robot or module at a number of operating hours; infinite means read as never."""
-
-    path: str
-    """Empty for the robot."""
-    hazard_rate: float
-    """f/R then [1/h of operation]."""
-    reliability: float
-    unreliability: float
-    mean_time_to_failure: float
-    """[h of calendar time]"""
-    unknown: PartsOfUnknownRate | None = None
-    """What parts of unknown rate in it make of the figures."""
-    legacy_hazard_rate: float | None = None
-    """What the 2020 tool says [1/h]."""
-    legacy_reliability: float | None = None
-
-
-def promises(robot: Robot, hours: float, *, legacy: bool) -> list[Promise]:
-    """Of the robot, then of its modules, outer before inner. Raises StructureError for what legacy cannot say."""
-    new = as_designed(Plant(robot))
-    found = []
-    for path, module in levels(robot):
-        works, failed, _ = (float(values[0]) for values in new.survival_curve(module.diagram, np.array([hours])))
-        rate = float(new.hazard_curve(module.diagram, np.array([hours]))[0])
-        old = (legacy_rate(module), legacy_reliability(module, hours)) if legacy else (None, None)
-        left_out = unknown(new, module.diagram, later=hours > 0)
-        found.append(Promise(path, rate, works, failed, new.remaining_life(module.diagram).mean, left_out, *old))
-    return found
 
 
 def estimate(robot: Robot, hours: float, samples: int, seed: int) -> Estimate:
@@ -88,11 +58,6 @@ def estimate(robot: Robot, hours: float, samples: int, seed: int) -> Estimate:
         for unit in part.units
     }
     return simulate(robot.diagram, units, hours, samples, seed=seed)
-
-
-def levels(robot: Robot) -> list[tuple[str, Module]]:
-    """The robot under an empty path, then its modules by path."""
-    return [("", robot), *((module.path, module) for module in robot.all_modules())]
 
 
 def draw(out: Console, robot: Robot, unit: str) -> None:
@@ -138,6 +103,26 @@ def _labels(robot: Robot, unit: str) -> Callable[[str], Label]:
     components = zip(robot.all_components(), new.component_hazard_rates(), strict=True)
     left_out = {path: marks(unknown(new, module.diagram))[0] for path, module in levels(robot)}
     return part_labels(robot, rates | {part.path: float(rate) for part, rate in components}, unit, unknown=left_out)
+
+
+def command(
+    design: Design,
+    hours: Annotated[float, typer.Option(help="operating hours at which to state λ and R")] = 1000.0,
+    unit: Unit = "1/h",
+    svg: Annotated[Path | None, typer.Option(help="also draw the diagram into this SVG file")] = None,
+    horizon: Horizon = None,
+    legacy: Legacy = False,
+    monte_carlo: Annotated[
+        int | None, typer.Option(min=1, max=1_000_000_000, help="only estimate R by so many simulated robots")
+    ] = None,
+    seed: ChanceSeed = 0,
+    as_json: Json = False,
+) -> None:
+    """Draw a design and state what it promises when new."""
+    if monte_carlo:
+        estimated(design, hours, monte_carlo, seed, as_json=as_json)
+    else:
+        shown(design, hours, unit, svg, horizon_of(horizon), legacy=legacy, as_json=as_json)
 
 
 def estimated(design: Path, hours: float, robots: int, seed: int, *, as_json: bool) -> None:

@@ -1,19 +1,32 @@
-"""Simulate a fleet from the command line."""
+"""``robophm simulate``: robots of a design work and really fail."""
 
 from __future__ import annotations
 
 import secrets
 from dataclasses import asdict
 from pathlib import Path
+from typing import Annotated
 
-from robophm.cli.output import console, print_json, print_table, progress_console, table
-from robophm.cli.progress import counted
+import typer
+
+from robophm.cli.shared.options import Design, Json
+from robophm.cli.shared.output import console, print_json, print_table, progress_console, table
+from robophm.cli.shared.progress import counted
 from robophm.simulation.fleet import simulate
 
 
-def run(design: Path, output: Path, robots: int, tasks: int, seed: int | None, *, uncertain_rates: bool,
-        as_json: bool) -> None:  # fmt: skip
-    """Simulate and say in short what became of the robots."""
+def command(
+    design: Design,
+    output: Annotated[Path, typer.Option(help="folder for the fleet; must not exist, or be empty")],
+    robots: Annotated[int, typer.Option(help="how many")] = 20,
+    tasks: Annotated[int, typer.Option(help="that each of them does, and the rest of that round of its plan")] = 10,
+    seed: Annotated[int | None, typer.Option(help="writes the same fleet again; default: a fresh one")] = None,
+    uncertain_rates: Annotated[
+        bool, typer.Option("--uncertain-rates", help="each robot draws its true rates from the design's uncertainty")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Let robots of a design work and really fail: their recordings, tasks and failures."""
     if seed is None:
         seed = secrets.randbits(32)
     with counted(progress_console(), "simulating") as advance:

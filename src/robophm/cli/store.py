@@ -7,30 +7,29 @@ from typing import Annotated
 
 import typer
 
-from robophm.cli.output import Json
+from robophm.cli.shared.options import Design, Json
+from robophm.cli.shared.output import console, print_json
+from robophm.cli.shared.stored_past import existing_store, past_in
+from robophm.core.signal import HOUR
+from robophm.design.file import load
+from robophm.health.clock_jump_removal import take_out_jump
+from robophm.report.words import moment_text, number_text
 
-store = typer.Typer(no_args_is_help=True, help="Look after a store, where a robot's past is kept.")
+command = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None)
 
 
-@store.callback()
+@command.callback()
 def _store() -> None:
     """Look after a store, where a robot's past is kept."""
 
 
-@store.command()
+@command.command()
 def repair(
-    design: Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")],
+    design: Design,
     path: Annotated[Path, typer.Option("--store", help="the robot's past, as kept by replay or watch")],
     as_json: Json = False,
 ) -> None:
     """Take a jump of the clock by years out of a robot's past, and what came behind it; a copy is kept beside it."""
-    from robophm.cli.output import console, print_json
-    from robophm.cli.past import existing_store, past_in
-    from robophm.core.signal import HOUR
-    from robophm.design.file import load
-    from robophm.health.clock_jump_removal import take_out_jump
-    from robophm.report.words import moment_text, number_text
-
     robot = load(design)
     with existing_store(path) as kept:
         ledger = past_in(kept, robot)

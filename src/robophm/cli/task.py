@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
 from itertools import chain
-from typing import Any
+from pathlib import Path
+from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
+import typer
 from rich.console import Console
 
-from robophm.cli.output import console, print_json, print_table, progress_console, table, warn
-from robophm.cli.progress import counted
-from robophm.core.errors import DesignError
-from robophm.design.asked import contradiction
-from robophm.design.build_task import build_knowledge
-from robophm.design.fault import Fault
+from robophm.cli import BREACHED
+from robophm.cli.shared import task_recording
+from robophm.cli.shared.options import Design, Draws, Failed, Future, Json, Legacy, SkipMissing, Store, Working
+from robophm.cli.shared.output import console, print_json, print_table, progress_console, table, warn
+from robophm.cli.shared.progress import counted
+from robophm.cli.shared.stored_past import affordable, kept
+from robophm.cli.shared.task_words import known_functions, stated_speed, with_knowledge
+from robophm.cli.shared.unused import refuse_unused
+from robophm.core.errors import RobophmError
+from robophm.design.file import load
 from robophm.design.importers.legacy.figures import UNIT_MODES, LegacyTask, UnitMode, legacy_task
 from robophm.design.robot import Robot
-from robophm.design.schema import Knowledge as SaidKnowledge
-from robophm.design.task import Knowledge, Plan, Task
+from robophm.design.task import Plan, Task
+from robophm.design.task_file import load_plan
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, repetitions
 from robophm.health.prognosis import FutureName, View, outlooks
@@ -30,12 +36,97 @@ from robophm.health.uncertainty import Interval
 from robophm.health.unknown_rates import marks
 from robophm.monitoring.monitor import Monitor
 from robophm.report.words import duration_text, number_text, odds_text, percent_text, probability_text
+from robophm.transports.recordings.files import SUFFIXES
+from robophm.transports.recordings.salvage import Salvage
 
 MOST_NAMED = 5
 """Components that are named one by one."""
 
 MOST_LISTED = 200
 """Tasks that are listed one by one."""
+
+_ALWAYS = ("tasks", "store", "failed", "working", "legacy")  # used, whether tasks are listed or recorded
+
+
+@dataclass(frozen=True)
+class Request:
+    """As it was written on the command line."""
+
+    tasks: Path | None
+    store: Path | None
+    failed: tuple[str, ...]
+    working: tuple[str, ...]
+    future: str
+    repeat: int
+    threshold: float | None
+    draws: int
+    seed: int
+    topic: tuple[str, ...]
+    speed: str | None
+    function: tuple[str, ...]
+    skip_missing: bool
+    legacy: bool
+    as_json: bool
+
+
+def command(
+    design: Design,
+    tasks: Annotated[
+        Path | None, typer.Argument(help="tasks.yaml, tasks.csv, or a recording; default: the design's task")
+    ] = None,
+    store: Store = None,
+    failed: Failed = None,
+    working: Working = None,
+    future: Future = "recent",
+    repeat: Annotated[int, typer.Option(help="do the list so often, one after the other", min=1, max=1_000_000)] = 1,
+    threshold: Annotated[float | None, typer.Option(help="for --repeat; default the design's", min=0, max=1)] = None,
+    draws: Draws = 2000,
+    seed: Annotated[int, typer.Option(help="of all that is drawn at random")] = 0,
+    topic: Annotated[
+        list[str] | None, typer.Option(help="of a recording: what tells of tasks, or where the robot was")
+    ] = None,
+    speed: Annotated[str | None, typer.Option(help="of a recording's planned legs that state none")] = None,
+    function: Annotated[list[str] | None, typer.Option(help="that a recording's tasks need")] = None,
+    skip_missing: SkipMissing = False,
+    legacy: Legacy = False,
+    as_json: Json = False,
+) -> None:
+    """Say whether a robot can do its tasks: the probability that each will be completed, and what decides it."""
+    request = Request(
+        tasks, store, tuple(failed or ()), tuple(working or ()), future, repeat, threshold, draws, seed,
+        tuple(topic or ()), speed, tuple(function or ()), skip_missing=skip_missing, legacy=legacy, as_json=as_json,
+    )  # fmt: skip
+    if run(design, request):
+        raise typer.Exit(BREACHED)
+
+
+def run(design: Path, asked: Request) -> bool:
+    """Answer; whether a threshold is breached."""
+    robot, tasks = load(design), asked.tasks
+    affordable(asked.draws, robot)
+    chosen: Any = asked.future
+    known_functions(robot, asked.function)
+    ledger = kept(asked.store, robot) if asked.store else None
+    if tasks is not None and (tasks.is_dir() or tasks.suffix.lower() in SUFFIXES):
+        refuse_unused("the tasks of a recording", (*_ALWAYS, "topic", "speed", "function", "skip_missing"))
+        knowledge = with_knowledge(Plan(()), robot, asked.failed, asked.working).knowledge
+        at = stated_speed(asked.speed)
+        with Salvage(tasks) as source:
+            breached = task_recording.run(
+                robot, ledger, source, asked.topic, speed=at, functions=asked.function, knowledge=knowledge,
+                skip_missing=asked.skip_missing, legacy=asked.legacy, as_json=asked.as_json,
+            )  # fmt: skip
+    else:
+        if tasks is None and robot.task is None:
+            raise RobophmError(f"{design}: has no task; expected one in it, or a tasks file")
+        again, drawn = ["threshold"] * (asked.repeat > 1), ["seed"] * (asked.draws > 0)
+        path = "a list of tasks" + " that is done once, by the design's threshold" * (asked.repeat == 1)
+        refuse_unused(path, (*_ALWAYS, "future", "repeat", "draws", *again, *drawn))
+        plan = load_plan(tasks, robot) if tasks else Plan((robot.task,) if robot.task else ())
+        plan = with_knowledge(plan, robot, asked.failed, asked.working)
+        question = Question(plan, chosen, asked.repeat, asked.threshold, asked.draws, asked.seed, asked.legacy)
+        breached = _of_list(robot, ledger, question, as_json=asked.as_json)
+    return breached
 
 
 @dataclass(frozen=True)
@@ -52,19 +143,7 @@ class Question:
     """Whether to show what the 2020 tool says."""
 
 
-def with_knowledge(plan: Plan, robot: Robot, failed: Sequence[str], working: Sequence[str]) -> Plan:
-    """The plan with what the command line knows besides. Raises DesignError where that contradicts."""
-    try:
-        more = build_knowledge(SaidKnowledge(failed=list(failed), working=list(working)), robot)
-    except Fault as fault:
-        raise DesignError(str(fault)) from None
-    known = Knowledge(plan.knowledge.failed | more.failed, plan.knowledge.working | more.working)
-    if says := contradiction(known, robot):
-        raise DesignError(says)
-    return replace(plan, knowledge=known)
-
-
-def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: bool) -> bool:
+def _of_list(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: bool) -> bool:
     """Answer on stdout; whether a threshold is breached."""
     monitor = Monitor(robot, ledger)
     settled = monitor.exposure.settled(monitor.ledger)

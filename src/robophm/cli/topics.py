@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import sys
 import time
+from typing import Annotated
 
-from robophm.cli.output import console, print_json, print_table, table, warn
+import typer
+
+from robophm.cli.shared.options import Json, Ros
+from robophm.cli.shared.output import console, print_json, print_table, table, warn
 from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
 from robophm.report.words import number_text
 from robophm.transports.running_ros import open_live
@@ -16,8 +20,12 @@ SHOWN = 6
 """Numbers of one topic in the table; JSON has all."""
 
 
-def run(ros: str, seconds: float, *, as_json: bool) -> None:
-    """Listen for a while to all that is published, and print it."""
+def command(
+    ros: Ros = "auto",
+    seconds: Annotated[float, typer.Option(min=0.5, max=3600, help="to listen")] = 3.0,
+    as_json: Json = False,
+) -> None:
+    """What a robot that runs publishes: topics, types, rates, and the last value of each number."""
     opened = open_live(ros)
     print(opened.said, file=sys.stderr)
     with opened.source as source:

@@ -11,14 +11,18 @@ from contextlib import ExitStack, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import FrameType
+from typing import Annotated
 
+import typer
 from rich.console import Console
 from rich.live import Live
 
-from robophm.cli.live_table import LiveTable
-from robophm.cli.output import console, may_write, print_json, print_report, warn
-from robophm.cli.task_request import known_functions, stated_speed
-from robophm.cli.unused import refuse_unused
+from robophm.cli import BREACHED
+from robophm.cli.shared.live_table import LiveTable
+from robophm.cli.shared.options import Design, GrowingStore, Json, Ros, Unit
+from robophm.cli.shared.output import console, may_write, print_json, print_report, warn
+from robophm.cli.shared.task_words import known_functions, stated_speed
+from robophm.cli.shared.unused import refuse_unused
 from robophm.design.file import load
 from robophm.health.report import HealthReport, plain
 from robophm.health.unknown_rates import marked, marks
@@ -63,6 +67,35 @@ def _only(asked: Watched) -> None:
         refuse_unused("JSON, in 1/h", [*used, "frame"])
     if not asked.publish:
         refuse_unused("a robot whose health is not published", [*used, "unit"])
+
+
+def command(
+    design: Design,
+    ros: Ros = "auto",
+    store: GrowingStore = None,
+    journal: Annotated[Path | None, typer.Option(help="write every sample to the end of this journal")] = None,
+    period: Annotated[
+        float, typer.Option(min=0.1, max=3600, help="seconds that are integrated at once, and between two reports")
+    ] = 1.0,
+    every: Annotated[float, typer.Option(min=0.1, help="seconds between two lines, off a terminal")] = 10.0,
+    publish: Annotated[bool, typer.Option(help="publish health as topics")] = True,
+    namespace: Annotated[str, typer.Option(help="of the topics that are published")] = "/",
+    frame: Annotated[str, typer.Option(help="where the markers for RViz stand")] = "base_link",
+    tasks: Annotated[
+        list[str] | None, typer.Option(help="topic or action that tells of tasks; default those known by name")
+    ] = None,
+    speed: Annotated[str | None, typer.Option(help="of planned legs that state none, e.g. '0.3 m/s'")] = None,
+    function: Annotated[list[str] | None, typer.Option(help="that tasks need; default the whole robot")] = None,
+    unit: Unit = "1/h",
+    as_json: Json = False,
+) -> None:
+    """The health of a robot that runs, from ROS 1 or ROS 2 and back to it, until it is interrupted."""
+    asked = Watched(
+        ros, store, journal, period, every, namespace, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
+        unit, as_json,
+    )  # fmt: skip
+    if run(design, asked):
+        raise typer.Exit(BREACHED)
 
 
 def run(design: Path, asked: Watched) -> bool:

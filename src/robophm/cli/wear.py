@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
+import typer
 
 from robophm.blocks.diagram import Block
-from robophm.cli.output import console, print_json, print_table, print_unknown, progress_console, table, warn
-from robophm.cli.past import kept
-from robophm.cli.progress import counted
-from robophm.cli.unused import refuse_unused
+from robophm.cli import BREACHED
+from robophm.cli.shared.options import Design, Json, Store
+from robophm.cli.shared.output import console, print_json, print_table, print_unknown, progress_console, table, warn
+from robophm.cli.shared.progress import counted
+from robophm.cli.shared.stored_past import kept
+from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import DataError, RobophmError
 from robophm.design.file import load
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
@@ -81,6 +84,43 @@ class _Found:
     def alarmed(self) -> list[float]:
         """When."""
         return [float(self.readings.times[i]) for i in self.alarms]
+
+
+def command(
+    design: Design,
+    signals: Annotated[
+        list[Path],
+        typer.Argument(
+            help="recordings (.bag, .mcap, .db3, .journal, folders) with the signals that the design names at `wear`, "
+            "or a table: time [h] or when, value",
+            metavar="RECORDING…|SIGNAL.CSV",
+        ),
+    ],
+    part: Annotated[
+        str | None,
+        typer.Option(help="path of the part, or its failure mode, whose wear it shows; default all with `wear`"),
+    ] = None,
+    threshold: Annotated[
+        float | None, typer.Option(help="of a table: at which it has failed; of a signal that falls, below the first")
+    ] = None,
+    process: Annotated[Literal["wiener", "gamma"], typer.Option(help="gamma: it only grows")] = "wiener",
+    load: Annotated[
+        float | None, typer.Option(help="of a table: at which readings are compared, by their column load")
+    ] = None,
+    baseline: Annotated[int, typer.Option(help="readings at the start that were sound", min=30)] = 100,
+    false_alarms: Annotated[float, typer.Option(help="one in so many readings", min=10)] = 1000.0,
+    shift: Annotated[float, typer.Option(help="deviations that shall be seen", min=0.1, max=10)] = 1.0,
+    store: Store = None,
+    skip_missing: Annotated[
+        bool, typer.Option("--skip-missing", help="signals that all recordings lack stay silent")
+    ] = False,
+    seed: Annotated[int, typer.Option(help="of what is drawn", min=0)] = 0,
+    as_json: Json = False,
+) -> None:
+    """The wear that signals show: trend, change, and what remains of parts and robot; exit code 1 at a threshold."""
+    wishes = Wishes(part, threshold, process, load, baseline, false_alarms, shift, store, skip_missing, seed, as_json)
+    if run(design, signals, wishes):
+        raise typer.Exit(BREACHED)
 
 
 def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:

@@ -8,9 +8,8 @@ import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-import typer
 from rich.cells import cell_len
 from rich.console import Console
 from rich.measure import Measurement
@@ -18,10 +17,8 @@ from rich.table import Table
 from rich.text import Text
 
 from robophm.core.errors import RobophmError
-from robophm.core.given import number
-from robophm.core.units import quantity
 from robophm.design.robot import Robot
-from robophm.health.failures_to_come import LONGEST, FailuresToCome
+from robophm.health.failures_to_come import FailuresToCome
 from robophm.health.report import ComponentHealth, HealthReport, plain
 from robophm.health.uncertainty import Interval
 from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks, named
@@ -35,14 +32,6 @@ if TYPE_CHECKING:
 SCHEMA_VERSION = 1
 """Of what ``--json`` prints; each document says it."""
 
-
-Json = Annotated[bool, typer.Option("--json", help="print one JSON document on stdout")]
-"""The option of every command."""
-
-Horizon = Annotated[
-    str | None,
-    typer.Option(help="how far ahead to look for what will fail, e.g. '1 year'; default the median remaining life"),
-]
 
 PLAIN_WIDTH = 120
 """Columns of what is printed into a file or a pipe."""
@@ -215,13 +204,6 @@ def print_parts(report: HealthReport) -> None:
     print_table(console(), table(title, ("", "5 % by", "median", "95 % by"), rows, figures=(1, 2, 3)))
 
 
-def horizon_of(text: str | None) -> float | None:
-    """How far ahead failures to come are looked for [h]; None: the usual. Raises RobophmError."""
-    if text is None:
-        return None
-    return number(quantity(text, "h"), "--horizon [h]", above=True, high=LONGEST)
-
-
 def print_failures_to_come(found: FailuresToCome, *, both: bool = True) -> None:
     """Which parts the failures to come will come from: the few that bring about most of them."""
     some = largest(found, FEW)
@@ -279,6 +261,17 @@ def write(path: Path, text: str | bytes) -> None:
         write_atomically(path, text)
     except OSError as error:
         raise RobophmError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def write_design(to: Path, text: str) -> None:
+    """Write a design; of one that was there, what it was is kept beside it. Raises DesignError."""
+    from robophm.design.file import parse, replace_text
+
+    parse(text, str(to))
+    if to.exists():
+        replace_text(to, text)
+    else:
+        write(to, text)
 
 
 def estimate_text(found: Estimate) -> str:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from robophm.cli.measured import print_levels
-from robophm.cli.output import console, may_make, print_json, progress_console, warn, write
-from robophm.cli.progress import counted
-from robophm.cli.unused import refuse_unused
+import typer
+
+from robophm.cli.shared.measured import Bags, Bins, Overwrite, Page, print_levels
+from robophm.cli.shared.options import Design, Json, SkipMissing
+from robophm.cli.shared.output import console, may_make, print_json, progress_console, warn, write
+from robophm.cli.shared.progress import counted
+from robophm.cli.shared.unused import refuse_unused
 from robophm.design.file import load
 from robophm.measured.levels import marginal
 from robophm.measured.profile import Lived, Profile, lived, task_text
@@ -18,11 +21,17 @@ from robophm.report.measured_page import level_rows, parts_text, profile_page, w
 from robophm.report.words import duration_text, number_text
 
 
-def profiled(
-    design: Path, bags: Sequence[Path], bins: int, to: Path | None, report: Path | None, *,
-    skip_missing: bool, force: bool, as_json: bool,
-) -> None:  # fmt: skip
-    """Print stress profiles, and write them where asked to."""
+def command(
+    design: Design,
+    bags: Bags,
+    to: Annotated[Path | None, typer.Option(help="write it as a load to come, .yaml: see predict --plan")] = None,
+    bins: Bins = 20,
+    report: Page = None,
+    skip_missing: SkipMissing = False,
+    force: Overwrite = False,
+    as_json: Json = False,
+) -> None:
+    """Stress profiles: at which levels each part of a robot lived, and for how long."""
     if not (to or report):
         refuse_unused("profiles that are not written (--to, --report)", ("bins", "skip_missing"))
     may_make(to, design, *bags, *([report] if report else []), force=force, suffixes=(".yaml", ".yml"))

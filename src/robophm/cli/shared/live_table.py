@@ -8,7 +8,7 @@ from collections import deque
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from robophm.cli.output import health_table, mark_lines
+from robophm.cli.shared.output import health_table, mark_lines
 from robophm.health.report import HealthReport
 from robophm.monitoring.monitor import Monitor
 from robophm.report.curve import sparkline

@@ -8,8 +8,8 @@ from datetime import UTC, datetime
 from itertools import chain
 from typing import Any
 
-from robophm.cli.output import console, print_json, print_table, progress_console, table, warn
-from robophm.cli.progress import progress
+from robophm.cli.shared.output import console, print_json, print_table, progress_console, table, warn
+from robophm.cli.shared.progress import progress
 from robophm.core.errors import SourceError
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.importers.legacy.figures import UNIT_MODES, LegacyTask, UnitMode, legacy_task

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from robophm.cli.output import warn
+from robophm.cli.shared.output import warn
 from robophm.core.errors import RobophmError, StoreError
 from robophm.design.robot import Robot
 from robophm.health.exposure import Exposure

@@ -1,0 +1,79 @@
+"""``robophm data list``: what recordings hold."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from robophm.cli.shared.measured import Bags, max_age, named, warn_of
+from robophm.cli.shared.options import Json
+from robophm.cli.shared.output import console, print_json, print_table, progress_console, table
+from robophm.cli.shared.progress import counted
+from robophm.core.signal import HOUR
+from robophm.measured.overview import Overview, overview, per_second
+from robophm.measured.recordings import recordings, said
+from robophm.report.words import duration_text, moment_text, number_text
+
+
+def command(
+    bags: Bags,
+    gap: Annotated[
+        str | None, typer.Option("--gap", help="so long without a message; default 10 times the topic's interval")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """What recordings hold: topics, fields, units, time spans, gaps."""
+    silence = None if gap is None else max_age(gap)
+    each = recordings(bags)
+    shown: list[Overview] = []
+    with counted(progress_console(), "reading") as advance:
+        for done, one in enumerate(each):
+            advance(done, len(each))
+            shown.append(overview(one, silence))
+    if as_json:
+        print_json({"recordings": [_overview_json(one) for one in shown]})
+        return
+    out = console()
+    for seen in shown:
+        _print_overview(out, seen)
+    warn_of([note for seen in shown for note in named(seen.name, seen.notes, several=len(shown) > 1)])
+
+
+def _print_overview(out: Console, one: Overview) -> None:
+    spans = [(topic.first, topic.last) for topic in one.topics if topic.first is not None and topic.last is not None]
+    begin, end = min((a for a, _ in spans), default=0), max((b for _, b in spans), default=0)
+    span = f"{moment_text(begin)}, {duration_text((end - begin) / HOUR)}" if spans else "no messages"
+    rows = []
+    for topic in one.topics:
+        rate, first, last = per_second(topic), topic.first, topic.last
+        heard = ["–", "–"]
+        if first is not None and last is not None:
+            heard = [duration_text(round((since - other) / 1e6) * 1e6 / HOUR)
+                     for since, other in ((first, begin), (last, first))]  # fmt: skip
+        gaps = "–"
+        if topic.gap_count:
+            at, length = max(topic.gaps, key=lambda gap: gap[1])
+            gaps = f"{topic.gap_count:,}; {duration_text(length / HOUR)} from {moment_text(at)[5:19]}"
+        per = "–" if rate is None else number_text(rate, 3)
+        rows.append((topic.name, f"{topic.messages:,}", per, *heard, gaps))
+    columns = ("topic", "messages", "per s", "first after", "for", "gaps; longest")
+    print_table(out, table(f"{one.name}: {span}", columns, rows, figures=(1, 2, 3, 4)))
+    out.print()
+    fields = []
+    for topic in one.topics:
+        names = [f"{name} [{unit}]" if unit else name for name, unit in topic.fields.items() if "header." not in name]
+        names += [f"{field} of {', '.join(of)}" for field, of in topic.names.items()]
+        fields.append((topic.name, topic.type.replace("/msg/", "/") or "?", ", ".join(names) or "no numbers"))
+    print_table(out, table("", ("topic", "type", "fields [unit]"), fields))
+    out.print()
+
+
+def _overview_json(one: Overview) -> dict[str, Any]:
+    return {
+        "name": one.name,
+        "topics": [{**asdict(topic), "gaps": [list(gap) for gap in topic.gaps]} for topic in one.topics],
+        "notes": said(one.notes),
+    }

@@ -1,0 +1,187 @@
+"""``robophm data statistics``: statistics of signals."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import IO, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from robophm.cli.shared.measured import (
+    Bags,
+    Bins,
+    Gap,
+    Most,
+    Overwrite,
+    Page,
+    SignalNames,
+    Together,
+    max_age,
+    named,
+    nanoseconds,
+    print_levels,
+    warn_of,
+)
+from robophm.cli.shared.options import Json
+from robophm.cli.shared.output import console, may_make, print_json, print_table, progress_console, table, write
+from robophm.cli.shared.progress import counted
+from robophm.cli.shared.unused import refuse_unused
+from robophm.core.errors import RobophmError
+from robophm.core.files import replacing
+from robophm.core.signal import HOUR, SECOND
+from robophm.measured.levels import marginal
+from robophm.measured.recordings import Signal, recordings, signal_of
+from robophm.measured.statistics import Look, Window, statistics
+from robophm.report.curve import sparkline
+from robophm.report.measured_page import Seen, level_rows, statistics_page
+from robophm.report.words import duration_text, moment_text, number_text
+
+MOST_KEPT = 100_000
+"""Windows that ``--json`` has at most; ``--to`` writes all."""
+
+
+def command(
+    bags: Bags,
+    signal: SignalNames,
+    every: Annotated[str | None, typer.Option(help="also of each such stretch of time, e.g. '1 min'")] = None,
+    bins: Bins = 20,
+    gap: Gap = "5 s",
+    together: Together = False,
+    to: Annotated[Path | None, typer.Option(help="write those of --every, or of all, as a table, .csv")] = None,
+    report: Page = None,
+    force: Overwrite = False,
+    most: Most = 20,
+    as_json: Json = False,
+) -> None:
+    """Lowest, mean, highest, deviation, course and time at level of signals, and of each stretch of time."""
+    listed = every is not None and not as_json
+    path = "statistics" + " of stretches of time (--every)" * listed + " that are written" * bool(to or report)
+    refuse_unused(path, ("signal", "every", "bins", "gap", "together", "to", "report", *["force"] * bool(to or report),
+                *["most"] * listed))  # fmt: skip
+    may_make(to, *bags, *([report] if report else []), force=force, suffixes=(".csv",))
+    may_make(report, *bags, force=force)
+    age, step = max_age(gap), None if every is None else nanoseconds(every)
+    if step is not None and step <= 0:
+        raise RobophmError(f"--every {every}: expected a time above zero")
+    each = recordings(bags, together=together)
+    signals = [signal_of(name, each) for name in dict.fromkeys(signal)]
+    seen: list[Seen] = []
+    kept: list[tuple[str, Signal, Window]] = []
+    count, notes = 0, list[str]()
+    with counted(progress_console(), "reading") as advance, _rows(to) as rows:
+        for done, one in enumerate(each):
+            advance(done, len(each))
+            looks = {sought.name: Look.new(bins) for sought in signals}
+            said_of: Counter[str] = Counter()
+            for sought, window in statistics(one, signals, step, age, said_of, looks):
+                count += 1
+                if len(kept) < MOST_KEPT:
+                    kept.append((one.name, sought, window))
+                if rows:
+                    rows.write(_csv_row(one.name, sought, window))
+            notes += named(one.name, said_of, several=len(each) > 1)
+            for sought in signals:
+                looks[sought.name].levels.finish()
+                if looks[sought.name].whole.so_far:
+                    seen.append(Seen(one.name, sought, looks[sought.name]))
+    if report:
+        write(report, statistics_page(seen, age, notes))
+    if as_json:
+        print_json({
+            "gap": age, "every": step, "count": count, "notes": notes,
+            "signals": [_seen_json(one) for one in seen],
+            "windows": [_window_json(*one) for one in kept] if step else [],
+        })  # fmt: skip
+        return
+    out = console()
+    _print_seen(out, seen, several=len(each) > 1)
+    if step:
+        _print_windows(out, kept[:most], count, str(every), several=len(each) > 1)
+    for written in filter(None, (to, report)):
+        out.print(f"Written: {written}", markup=False)
+    warn_of(notes)
+
+
+def _csv_row(recording: str, signal: Signal, window: Window) -> bytes:
+    begin, known = (f"{time // SECOND}.{time % SECOND:09d}" for time in (window.begin, window.held))
+    figures = (window.lowest, window.mean, window.highest, window.deviation)
+    quoted = '"' + recording.replace('"', '""') + '"'
+    cells = (quoted, signal.name, signal.unit or "", begin, str(window.samples), known,
+             *("" if math.isnan(one) else repr(one) for one in figures))  # fmt: skip
+    return (",".join(cells) + "\n").encode("utf-8", "surrogateescape")
+
+
+def _print_seen(out: Console, seen: Sequence[Seen], *, several: bool) -> None:
+    if not seen:
+        out.print("No samples.")
+    columns = (*(["recording"] if several else []), "signal", "from", "known", "samples", "lowest", "mean", "highest",
+               "deviation", "course")  # fmt: skip
+    rows = []
+    for one in seen:
+        for window in one.look.whole.so_far:
+            rows.append((*([one.recording] if several else []), one.signal.label, moment_text(window.begin)[:19],
+                         *_figures(window), sparkline(one.look.series.means(20))))  # fmt: skip
+    if rows:
+        last = len(columns) - 1
+        print_table(out, table("", columns, rows, figures=range(last - 6, last)))
+    for one in seen:
+        begins, hours = marginal(one.look.levels, 0)
+        if hours.sum():
+            where = f" in {one.recording}" if several else ""
+            rows_of = level_rows(begins, hours, float(one.look.levels.widths[0]), one.signal.unit or "")
+            print_levels(out, f"Time at level: {one.signal.name}{where}", rows_of)
+
+
+def _print_windows(
+    out: Console, kept: Sequence[tuple[str, Signal, Window]], count: int, every: str, *, several: bool
+) -> None:
+    columns = (*(["recording"] if several else []), "signal", "from", "known", "samples", "lowest", "mean", "highest",
+               "deviation")  # fmt: skip
+    rows = [
+        (*([name] if several else []), signal.label, moment_text(window.begin)[:23], *_figures(window))
+        for name, signal, window in kept
+    ]
+    last = len(columns)
+    out.print(f"\nEvery {every}", style="bold", markup=False)
+    print_table(out, table("", columns, rows, figures=range(last - 6, last)))
+    if count > len(rows):
+        out.print(f"Listed are the first {len(rows):,} of {count:,}; --most lists more, --to writes all", markup=False)
+
+
+def _figures(window: Window) -> list[str]:
+    figures = (window.lowest, window.mean, window.highest, window.deviation)
+    return [duration_text(window.held / HOUR), f"{window.samples:,}", *map(number_text, figures)]
+
+
+def _window_json(recording: str, signal: Signal, window: Window) -> dict[str, Any]:
+    return {"recording": recording, "signal": signal.name, **asdict(window)}
+
+
+def _seen_json(one: Seen) -> dict[str, Any]:
+    (window,) = one.look.whole.so_far
+    begins, hours = marginal(one.look.levels, 0)
+    return {
+        **_window_json(one.recording, one.signal, window),
+        "unit": one.signal.unit,
+        "levels": {"width": float(one.look.levels.widths[0]), "begin": begins.tolist(), "hours": hours.tolist()},
+    }
+
+
+@contextmanager
+def _rows(path: Path | None) -> Iterator[IO[bytes] | None]:
+    """A table of windows being written."""
+    if path is None:
+        yield None
+        return
+    try:
+        with replacing(path) as stream:
+            stream.write(b"recording,signal,unit,begin,samples,known,lowest,mean,highest,deviation\n")
+            yield stream
+    except OSError as error:
+        raise RobophmError(f"{path}: cannot be written: {error.strerror or error}") from None

@@ -1,0 +1,1 @@
+"""What several commands share: options, and how they read, print and write."""

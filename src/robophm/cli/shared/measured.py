@@ -1,0 +1,64 @@
+"""Options of the commands that look at measured data, and what they share."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from robophm.cli.shared.output import print_table, table, warn
+from robophm.core.errors import RobophmError
+from robophm.core.signal import SECOND
+from robophm.core.units import quantity
+from robophm.measured.recordings import said
+from robophm.report.bars import bar_text
+from robophm.report.words import number_text
+
+Bags = Annotated[list[Path], typer.Argument(help=".bag, .db3, .mcap, rosbag2 folders, or folders of them")]
+SignalName = Annotated[str, typer.Option("--signal", help="/topic.field, /topic.field[2], /topic.field[name]")]
+SignalNames = Annotated[list[str], typer.Option("--signal", help="/topic.field, [2] or [name] of an array; several")]
+Gap = Annotated[str, typer.Option("--gap", help="a value holds so long at most; after that nothing is known")]
+Together = Annotated[bool, typer.Option("--together", help="the recordings are one drive, not each for itself")]
+Overwrite = Annotated[bool, typer.Option("--force", help="also where the file exists")]
+Bins = Annotated[int, typer.Option("--bins", help="levels at most", min=2, max=1000)]
+Most = Annotated[int, typer.Option("--most", help="to list", min=1, max=100_000)]
+Page = Annotated[Path | None, typer.Option("--report", help="write a page about it, HTML")]
+
+
+def nanoseconds(text: str) -> int:
+    """A written time. Raises UnitError."""
+    seconds = quantity(text, "s")
+    if not abs(seconds) < 2**62 / SECOND:
+        raise RobophmError(f"'{text}' is too long; expected at most a century")
+    return round(seconds * SECOND)
+
+
+def max_age(gap: str) -> int:
+    """How long a value holds. Raises RobophmError where that is no time."""
+    time = nanoseconds(gap)
+    if time <= 0:
+        raise RobophmError(f"--gap {gap}: expected a time above zero")
+    return time
+
+
+def print_levels(out: Console, title: str, rows: Mapping[str, float]) -> None:
+    """Shares of levels as bars."""
+    top = max(rows.values(), default=0.0) or 1.0
+    lines = [(name, f"{number_text(100 * share, 3)} %", bar_text(share / top)) for name, share in rows.items()]
+    out.print(f"\n{title}", style="bold", markup=False)
+    print_table(out, table("", ("level", "share", ""), lines, figures=(0, 1)))
+
+
+def named(name: str, notes: Counter[str], *, several: bool) -> list[str]:
+    """Notes in words, with the recording's name where there are several."""
+    return [f"{name}: {note}" if several else note for note in said(notes)]
+
+
+def warn_of(notes: Sequence[str]) -> None:
+    """Each of them on stderr."""
+    for note in notes:
+        warn(note)

@@ -1,0 +1,58 @@
+"""Options that several commands have, and how what is written there is read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from robophm.core.errors import UnitError
+from robophm.core.given import number
+from robophm.core.units import quantity
+from robophm.health.failures_to_come import LONGEST
+from robophm.report.words import rate_text
+
+
+def _known_unit(unit: str) -> str:
+    try:
+        rate_text(0.0, unit)
+    except UnitError as error:
+        raise typer.BadParameter(str(error)) from None
+    return unit
+
+
+Design = Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")]
+
+Json = Annotated[bool, typer.Option("--json", help="print one JSON document on stdout")]
+"""The option of every command."""
+
+Horizon = Annotated[
+    str | None,
+    typer.Option(help="how far ahead to look for what will fail, e.g. '1 year'; default the median remaining life"),
+]
+
+Unit = Annotated[str, typer.Option(help="of hazard rates: 1/h, FIT or FPMH", callback=_known_unit)]
+Legacy = Annotated[bool, typer.Option("--legacy", help="beside the figures of the 2020 tool")]
+Force = Annotated[bool, typer.Option("--force", help="also where that file exists")]
+Ros = Annotated[str, typer.Option("--ros", help="auto, 1 or 2: which ROS; auto says what it takes and why")]
+ChanceSeed = Annotated[int, typer.Option(help="seed of --monte-carlo", min=0)]
+
+Store = Annotated[Path | None, typer.Option("--store", help="the robot's past, as kept by replay")]
+GrowingStore = Annotated[Path | None, typer.Option(help="keep the robot's past in this SQLite file, and go on from it")]
+SkipMissing = Annotated[bool, typer.Option("--skip-missing", help="bound topics that are not recorded stay silent")]
+
+Failed = Annotated[list[str] | None, typer.Option(metavar="PART", help="is known to have failed")]
+Working = Annotated[list[str] | None, typer.Option(metavar="PART", help="is known to work now")]
+Draws = Annotated[int, typer.Option(help="of uncertain rates and loads; 0 for none", min=0, max=100_000)]
+Future = Annotated[Literal["recent", "last", "nominal"], typer.Option("--future", help="stress and usage to come")]
+
+Order = Annotated[int | None, typer.Option(help="list the sets of at most so many parts, smallest first", min=1)]
+MostSets = Annotated[int, typer.Option("--most", help="sets to list", min=1, max=100_000)]
+
+
+def horizon_of(text: str | None) -> float | None:
+    """How far ahead failures to come are looked for [h]; None: the usual. Raises RobophmError."""
+    if text is None:
+        return None
+    return number(quantity(text, "h"), "--horizon [h]", above=True, high=LONGEST)
