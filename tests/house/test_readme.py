@@ -92,14 +92,17 @@ def ended(command: str, folder: Path) -> tuple[int, str]:
         text=True,
     )
     try:
-        if command.split()[1] in STOPPED:
+        for _ in range(100 if command.split()[1] in STOPPED else 0):  # one that comes too early may be lost
             try:
                 process.wait(5)
+                break
             except subprocess.TimeoutExpired:
                 process.send_signal(signal.SIGINT)
-        output, _ = process.communicate(timeout=240)
-    finally:
+        output, _ = process.communicate(timeout=600)
+    except BaseException:
         process.kill()
+        process.communicate()
+        raise
     return process.returncode, output
 
 

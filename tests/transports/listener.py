@@ -9,10 +9,13 @@ from collections.abc import Callable
 from robophm.core.signal import Sample
 from robophm.transports.signals.source import LiveSource
 
+PATIENCE = 5
+"""How many times as long as it takes may what is waited for take: the machine may be busy with other things."""
+
 
 def within(seconds: float, what: Callable[[], object]) -> None:
     """Wait until it is so; fail where it is not in time."""
-    deadline = time.monotonic() + seconds
+    deadline = time.monotonic() + PATIENCE * seconds
     while not what():
         assert time.monotonic() < deadline, "did not happen in time"
         time.sleep(0.01)

@@ -52,7 +52,7 @@ class Visit:
     def __init__(self, page: Page, served: Served) -> None:
         self.page, self.served = page, served
         self.wrong: list[str] = []
-        page.set_default_timeout(20_000)
+        page.set_default_timeout(90_000)
         page.on("pageerror", lambda error: self.wrong.append(str(error)))
         page.on("console", self._said)
         page.on("request", lambda request: self._asked(request.url))

@@ -277,7 +277,7 @@ def test_types_that_are_not_compiled_are_decoded_one_by_one(tmp_path: Path, monk
 
 @pytest.mark.parametrize("name", ["big.mcap", "damaged.mcap", "big.db3", "big.bag"])
 def test_memory_does_not_grow_with_the_recording(name: str, tmp_path: Path) -> None:
-    """Sixty megabytes of pictures, of which one number each is wanted, in less than a sixth of that."""
+    """Sixty megabytes of pictures, of which one number each is wanted, in less than a quarter of that."""
     from mcap.reader import make_reader
     from mcap.writer import Writer
     from rosbags.rosbag1 import Writer as BagWriter
@@ -322,7 +322,7 @@ def test_memory_does_not_grow_with_the_recording(name: str, tmp_path: Path) -> N
     tracemalloc.stop()
     gc.enable()
     assert found == list(range(300)) if name != "damaged.mcap" else 100 < len(found) < 300
-    assert peak < 10e6
+    assert peak < 15e6
 
 
 # What there is to ask for
