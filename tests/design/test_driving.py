@@ -17,7 +17,7 @@ from robophm.design.importers.bom.assumptions import Assumptions
 from robophm.design.task_file import parse_plan
 from robophm.hazard.acceleration import ACCELERATIONS
 from robophm.hazard.handbooks import handbook_model, handbook_models
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import planned
 from robophm.health.plant import Plant
@@ -79,7 +79,7 @@ def by_hand(t):
 
 def live(robot, **readings):
     """The rate of every part [1/10⁶ h] by what its sensors have read for an hour."""
-    exposure, ledger = Exposure(robot), Ledger.new(robot)
+    exposure, ledger = ExposureIntegrator(robot), Ledger.new(robot)
     ledger.started = 0
     said = {name.rpartition(".")[0].strip("/"): name for name in robot.signals}
     samples = [
@@ -114,7 +114,7 @@ def test_a_leg_moves_what_a_sensor_moves():
             plan = parse_plan(
                 f"schema_version: 1\ntasks: [{{duration: 1 h, stresses: {{{key}: 85 degC}}}}]\n", robot, "task"
             )
-            outlook = as_lived(Plant(robot), Exposure(robot), Ledger.new(robot))
+            outlook = as_lived(Plant(robot), ExposureIntegrator(robot), Ledger.new(robot))
             factor = (steps := planned(outlook, plan.tasks[0])).effective[:, 0] / steps.advance[:, 0]
             got = {m.path.rpartition("/")[2]: m.rate * f * 1e6 for m, f in zip(robot.modes, factor, strict=True)}
             assert got == pytest.approx(by_hand(85), rel=1e-9)

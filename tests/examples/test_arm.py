@@ -11,7 +11,7 @@ from robophm.core.signal import SECOND, Sample
 from robophm.design.file import load
 from robophm.design.task import Knowledge, Leg, Task
 from robophm.design.task_file import load_plan, parse_plan
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import completion, deciding
 from robophm.health.plant import Plant
@@ -47,7 +47,9 @@ def new(plant):
 
     def look(**known):
         knowledge = Knowledge(**{kind: frozenset(paths) for kind, paths in known.items()})
-        return outlooks(plant, Exposure(plant.robot), Ledger.new(plant.robot), knowledge=knowledge)["sensor_based"]
+        return outlooks(plant, ExposureIntegrator(plant.robot), Ledger.new(plant.robot), knowledge=knowledge)[
+            "sensor_based"
+        ]
 
     return look
 
@@ -194,7 +196,7 @@ def test_a_shift_under_half_the_rated_torque(robot):
         samples.append(Sample(i * SECOND, "/gripper/carrying.data", float(i % 12 >= 6)))
     ledger = Ledger.new(robot)
     ledger.started = 0
-    Exposure(robot).integrate(ledger, samples, 600 * SECOND)
+    ExposureIntegrator(robot).integrate(ledger, samples, 600 * SECOND)
     for mode, age, effective in zip(robot.modes, ledger.age.value, ledger.effective.value, strict=True):
         if mode.path.endswith("/Drive"):
             assert (age, effective) == pytest.approx((50, 50 / 8), rel=1e-12)

@@ -10,7 +10,7 @@ import pytest
 from robophm.design.file import load
 from robophm.design.task import Knowledge, Leg, Task
 from robophm.design.task_file import load_plan
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import completion, repetitions
 from robophm.health.plant import Plant
@@ -41,7 +41,9 @@ def new(plant):
 
     def look(*failed):
         known = Knowledge(failed=frozenset(failed))
-        return outlooks(plant, Exposure(plant.robot), Ledger.new(plant.robot), knowledge=known)["sensor_based"]
+        return outlooks(plant, ExposureIntegrator(plant.robot), Ledger.new(plant.robot), knowledge=known)[
+            "sensor_based"
+        ]
 
     return look
 

@@ -12,7 +12,7 @@ import pytest
 from robophm.cli import main
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import load
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
@@ -162,7 +162,7 @@ def lived(robot, celsius):
     topics = [f"/ota/{name}/temperature.temperature"
               for name in ("power", "sensing", "communication", "mobility", "computation")]  # fmt: skip
     samples = [Sample(second * SECOND, topic, celsius) for second in range(600) for topic in topics]
-    Exposure(robot).integrate(ledger, samples, 600 * SECOND)
+    ExposureIntegrator(robot).integrate(ledger, samples, 600 * SECOND)
     factors = ledger.effective.value / ledger.age.value
     return {mode.path: float(factor) for mode, factor in zip(robot.modes, factors, strict=True)}
 

@@ -15,7 +15,7 @@ from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Task
 from robophm.design.task_file import parse_plan
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import completion, deciding
 from robophm.health.plant import Plant
@@ -137,7 +137,7 @@ def test_a_cause_ages_as_its_members_do_and_outlives_their_replacement(event: st
     part = WEAR | {"scaling": scaling, "acceleration": {"model": "q10"}}
     B = part | {"signals": {"temperature": HOT["temperature"] | {"topic": "/b"}}}
     design = robot({"A": part, "B": B}, signals=HOT, max_gap="1e6 s", **PAIR)
-    exposure, ledger = Exposure(design), Ledger.new(design)
+    exposure, ledger = ExposureIntegrator(design), Ledger.new(design)
     ledger.started = START
 
     def live(until: float) -> None:
@@ -180,7 +180,7 @@ def test_a_cause_idles_with_its_members_and_feels_what_is_stated_of_them() -> No
     """Only A is needed, and hot; B rests at a tenth. The cause gathers half of what each does."""
     part = {"rate": "0.01 /h", "duty": 0.1, "acceleration": {"model": "q10"}}
     design = robot({"A": part, "B": part}, functions={"a": "A"}, **PAIR)
-    outlook = outlooks(Plant(design), Exposure(design), Ledger.new(design))["sensor_based"]
+    outlook = outlooks(Plant(design), ExposureIntegrator(design), Ledger.new(design))["sensor_based"]
     task = Task((Leg(10.0, functions=("a",), stresses={"A/temperature": 35.0}),))
     own, cause = mpf("0.009") * 20, (mpf("0.0005") * 20 + mpf("0.0005") * 1)
     assert completion(outlook, task).probability == exact(exp(-own - cause))
@@ -225,7 +225,7 @@ def test_single_points_of_failure_include_what_is_shared() -> None:
 
 def test_a_report_states_the_cause_beside_its_members() -> None:
     design = robot({"A": {"rate": "0.01 /h"}, "B": {"rate": "0.01 /h"}}, **PAIR)
-    report = health_report(Plant(design), Exposure(design), Ledger.new(design), parts=True)
+    report = health_report(Plant(design), ExposureIntegrator(design), Ledger.new(design), parts=True)
     rates = {part.path: part.nominal_hazard_rate for part in report.components}
     assert rates == {"A": exact(0.009), "B": exact(0.009), "heat": exact(0.001)}
     assert json.loads(json.dumps(report.to_json()))["components"][2]["path"] == "heat"

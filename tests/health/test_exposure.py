@@ -22,7 +22,7 @@ from robophm.core.errors import StoreError
 from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger, Total
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook, outlooks
@@ -45,11 +45,11 @@ def monitor(design: Robot, samples: Sequence[Sample], period: float = 60.0, ledg
 
 
 def settled(design: Robot, samples: Sequence[Sample], period: float = 60.0) -> Ledger:
-    return Exposure(design).settled(monitor(design, samples, period).ledger)
+    return ExposureIntegrator(design).settled(monitor(design, samples, period).ledger)
 
 
 def lived(design: Robot, samples: Sequence[Sample]) -> Outlook:
-    return outlooks(Plant(design), Exposure(design), settled(design, samples))["sensor_based"]
+    return outlooks(Plant(design), ExposureIntegrator(design), settled(design, samples))["sensor_based"]
 
 
 def kept(ledger: Ledger) -> Ledger:
@@ -527,7 +527,7 @@ def test_a_ledger_follows_its_parts_when_the_design_puts_them_in_another_order()
 def test_what_was_heard_in_the_first_instant_counts_from_it() -> None:
     """Integrated to the instant of the first samples, and then on: it is on, and stays so, without another word."""
     design = robot({"part": {"rate": "0.01 /h"}}, powered={"topic": "/power", "field": "on"})
-    exposure, ledger = Exposure(design), Ledger.new(design)
+    exposure, ledger = ExposureIntegrator(design), Ledger.new(design)
     ledger.started = START
     exposure.integrate(ledger, [Sample(START, "/power.on", 1.0)], START)
     exposure.integrate(ledger, [], START + 2 * HOUR)

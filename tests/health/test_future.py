@@ -16,7 +16,7 @@ from robophm.core.signal import HOUR, SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Leg, Plan, Task
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger
 from robophm.health.mission import plan_future
@@ -221,7 +221,7 @@ def test_a_clock_that_rests_as_a_round_begins_never_goes_back() -> None:
 
 
 def lived(design: Robot, future: FutureName, minutes: list[tuple[int, float]]) -> Outlook:
-    exposure, ledger, now = Exposure(design), Ledger.new(design), START
+    exposure, ledger, now = ExposureIntegrator(design), Ledger.new(design), START
     ledger.started = now
     for length, celsius in minutes:
         for _ in range(length):
@@ -262,7 +262,7 @@ def test_a_plan_begun_anew_every_day() -> None:
         "seal": {"rate": "0.001 /h", "clock": "calendar"},
     }
     design = robot(parts, functions={"drive": "motor", "see": "lamp"})
-    outlook = outlooks(Plant(design), Exposure(design), Ledger.new(design))["sensor_based"]
+    outlook = outlooks(Plant(design), ExposureIntegrator(design), Ledger.new(design))["sensor_based"]
     task = Task((Leg(2.0, functions=("drive", "see"), stresses={"temperature": 45.0}), Leg(1.0, functions=("see",))))
     future = plan_future(outlook, Plan((task,), every=24.0))
 

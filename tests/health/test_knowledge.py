@@ -17,7 +17,7 @@ from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Task
 from robophm.design.task_file import parse_plan
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import MOST_HISTORY, Ledger
 from robophm.health.mission import completion
 from robophm.health.plant import Plant
@@ -43,7 +43,7 @@ class Life:
 
     def __init__(self, design: Robot) -> None:
         self.design = design
-        self.exposure = Exposure(design)
+        self.exposure = ExposureIntegrator(design)
         self.ledger = Ledger.new(design)
         self.ledger.started = self.now = START
 

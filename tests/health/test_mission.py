@@ -23,7 +23,7 @@ from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Task
 from robophm.design.task_file import parse_plan
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion, deciding, following, repetitions
 from robophm.health.plant import Plant
@@ -40,7 +40,7 @@ def exact(value: Any, rel: float = 1e-12) -> Any:
 
 def lived(design: Robot, knowledge: Knowledge | None = None) -> Outlook:
     """The sensor-based view, which takes the stresses that a task states."""
-    return outlooks(Plant(design), Exposure(design), Ledger.new(design), knowledge=knowledge)["sensor_based"]
+    return outlooks(Plant(design), ExposureIntegrator(design), Ledger.new(design), knowledge=knowledge)["sensor_based"]
 
 
 def same(found: Completion, probability: Any, failure: Any, rel: float = 1e-12) -> None:
@@ -274,7 +274,7 @@ def _works(block: Block, state: dict[str, np.ndarray]) -> np.ndarray:
 def test_random_robots_and_tasks(seed: int) -> None:
     case = Case.draw(seed)
     design = case.design()
-    views = outlooks(Plant(design), Exposure(design), Ledger.new(design), knowledge=case.knowledge)
+    views = outlooks(Plant(design), ExposureIntegrator(design), Ledger.new(design), knowledge=case.knowledge)
     for view, outlook in views.items():
         failure, probability = case.expected(design, nominal=view == "nominal")
         same(completion(outlook, Task(tuple(case.legs))), probability, failure)
@@ -388,7 +388,7 @@ FUNCTIONS = {
 }
 LAWFUL = robot(EVERYTHING, functions=FUNCTIONS, usage=USAGE)
 PLANT = Plant(LAWFUL)
-VIEWS = outlooks(PLANT, Exposure(LAWFUL), Ledger.new(LAWFUL))
+VIEWS = outlooks(PLANT, ExposureIntegrator(LAWFUL), Ledger.new(LAWFUL))
 OUTLOOK = VIEWS["sensor_based"]
 ALL_UNITS = frozenset(PLANT.units)
 ALL_WORK = lived(LAWFUL, Knowledge(working=ALL_UNITS))
@@ -728,7 +728,7 @@ def test_of_two_inputs_what_is_not_stated_is_as_of_late() -> None:
     """At 45 °C for the last ten minutes and a stated load of 2: 4 · 8; at design the nominal view stays."""
     hot = {"temperature": {"topic": "/t", "field": "c", "unit": "degC", "max_age": "1 h"}}
     design = robot({"a": {"rate": "1e-3 /h", "acceleration": [Q10, {"model": "cubic_load"}]}}, signals=hot)
-    exposure, ledger = Exposure(design), Ledger.new(design)
+    exposure, ledger = ExposureIntegrator(design), Ledger.new(design)
     ledger.started = 0
     exposure.integrate(ledger, [Sample(0, "/t.c", 45.0)], 30 * SECOND)
     views = outlooks(Plant(design), exposure, ledger)

@@ -16,7 +16,7 @@ from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Task
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion
 from robophm.health.plant import Plant
@@ -340,7 +340,7 @@ def test_stress_ahead_ages_or_weighs_as_it_did(scaling: str) -> None:
 
 def test_without_a_past_the_future_is_nominal() -> None:
     design = robot(PART, signals=HOT)
-    views = outlooks(Plant(design), Exposure(design), Ledger.new(design))
+    views = outlooks(Plant(design), ExposureIntegrator(design), Ledger.new(design))
     nominal, lived = (all_figures(views[view], design.diagram, hours(25)) for view in VIEWS)
     assert nominal == lived
 

@@ -8,7 +8,7 @@ import pytest
 from robophm.core.errors import RobophmError
 from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
 from robophm.design.file import parse
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.plant import Plant
 from robophm.health.prognosis import outlooks
@@ -42,20 +42,20 @@ def worked(robot):
     for hour in range(0, 1001, 20):
         for signal, value in (("/on.data", 1.0), ("/t.t", 45.0), (CLOCK, 0.0)):
             monitor.observe(Sample(START + hour * HOUR, signal, value))
-    return Exposure(robot).settled(monitor.ledger)
+    return ExposureIntegrator(robot).settled(monitor.ledger)
 
 
 def lived(robot, ledger):
-    return outlooks(Plant(robot), Exposure(robot), ledger, future="nominal")["sensor_based"]
+    return outlooks(Plant(robot), ExposureIntegrator(robot), ledger, future="nominal")["sensor_based"]
 
 
 def test_a_replaced_part_is_a_new_part(robot, worked):
     unused = parse(DESIGN.replace(", initial_exposure: 500 h", "").replace(", initial_exposure: 100 h", ""))
-    new = outlooks(Plant(unused), Exposure(unused), Ledger.new(unused))
+    new = outlooks(Plant(unused), ExposureIntegrator(unused), Ledger.new(unused))
     diagrams = {"bearing": 0, "gear": 1}
     for path, i in diagrams.items():
         replace(robot, worked, path, failed=True)
-        for view, one in outlooks(Plant(robot), Exposure(robot), worked, future="nominal").items():
+        for view, one in outlooks(Plant(robot), ExposureIntegrator(robot), worked, future="nominal").items():
             part, fresh = one.plant.alone[i], new[view].plant.alone[i]
             assert one.remaining_life(part) == new[view].remaining_life(fresh)
             assert float(one.survival(part).works) == 1.0

@@ -12,7 +12,7 @@ import pytest
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Plan, Task
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger, Step
 from robophm.health.plant import Plant
 from robophm.health.task_report import SCHEMA_VERSION, TaskReport, task_report
@@ -45,7 +45,7 @@ def lived(design: Robot, factor: float = 1.0, steps: int = 1) -> Ledger:
 def report(design: Robot, *tasks: Task, ledger: Ledger | None = None, **options: Any) -> TaskReport:
     knowledge = options.pop("knowledge", Knowledge())
     ledger = ledger or lived(design)
-    return task_report(Plant(design), Exposure(design), ledger, Plan(tasks, knowledge), **options)
+    return task_report(Plant(design), ExposureIntegrator(design), ledger, Plan(tasks, knowledge), **options)
 
 
 def exact(value: float) -> Any:

@@ -20,7 +20,7 @@ import robophm.health.prognosis
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Task
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger, Step
 from robophm.health.mission import completion
@@ -246,7 +246,7 @@ def test_a_failed_part_that_is_needed_fails_every_task() -> None:
 
 def lived(design: Robot, until: float, events: dict[float, tuple[str, str]]) -> Outlook:
     """As designed on its clocks until so many hours; inspected or replaced on the way."""
-    plant, exposure, ledger, now = Plant(design), Exposure(design), Ledger.new(design), 0.0
+    plant, exposure, ledger, now = Plant(design), ExposureIntegrator(design), Ledger.new(design), 0.0
     for hours, (what, part) in [*events.items(), (until, ("", ""))]:
         for total in (ledger.age, ledger.effective):
             total.add(np.full(len(design.modes), hours - now))
@@ -282,7 +282,7 @@ def test_a_past_whose_stress_scaled_the_hazard(form: dict[str, Any], of: LifeDis
     ledger.age.add(np.array([600.0]))
     ledger.effective.add(np.array([1200.0]))
     ledger.hazard.add(np.array([2 * float(of.cumulative_hazard(600.0))]))
-    outlook = outlooks(plant, Exposure(design), ledger)["sensor_based"]
+    outlook = outlooks(plant, ExposureIntegrator(design), ledger)["sensor_based"]
     ratio, weight = ratios_of(3)
     now = np.exp(-2 * of.cumulative_hazard(600 * ratio))
     then = now * np.exp(-of.increment(600 * ratio, 100 * ratio))
@@ -558,7 +558,7 @@ def test_completion_at_rates(ratio: float) -> None:
 
 
 def lately(ledger: Ledger, design: Robot) -> Outlook:
-    return outlooks(Plant(design), Exposure(design), ledger)["sensor_based"]
+    return outlooks(Plant(design), ExposureIntegrator(design), ledger)["sensor_based"]
 
 
 @pytest.mark.parametrize(("hours", "low", "high"), [(0.5, 1.0, 5.0), (4.0, 1.0, 5.0), (64.0, 3.0, 3.0)])

@@ -18,7 +18,7 @@ from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.health import exposure
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.monitoring import by_block
 from robophm.monitoring.by_block import BlockMonitor
@@ -199,7 +199,7 @@ def test_long_silence_is_counted_to_the_nanosecond() -> None:
     times = [START + i * 60 * SECOND for i in range(170_002)]  # on for all but the last nanosecond of each minute
     ledger = Ledger.new(robot)
     ledger.started = times[0]
-    Exposure(robot).integrate(ledger, [Sample(time, "/o.v", 1.0) for time in times], times[-1])
+    ExposureIntegrator(robot).integrate(ledger, [Sample(time, "/o.v", 1.0) for time in times], times[-1])
     on = 170_001 * (60 * SECOND - 1)
     assert on > 2**53
     assert ledger.stale["/a.t 1.0 0.0 -40.0 125.0"] == on

@@ -20,7 +20,7 @@ from robophm.core.errors import SourceError, StoreError
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.file import parse
 from robophm.design.robot import Robot
-from robophm.monitoring.recorded_drives import drives_of
+from robophm.monitoring.recording_sessions import sessions_of
 from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
@@ -95,7 +95,7 @@ def test_a_replay_killed_again_and_again_ends_as_one_that_was_not(
     ota: Robot, recorded: dict[str, Path], tmp_path: Path
 ) -> None:
     path, chance, progress = tmp_path / "killed.db", random.Random(4), []
-    (drive,) = drives_of(ota, recorded[".mcap"])
+    (drive,) = sessions_of(ota, recorded[".mcap"])
     for _ in range(20):
         command = [sys.executable, "-c", KILLED, str(OTA), str(recorded[".mcap"]), str(path)]
         with subprocess.Popen(command, stdout=subprocess.PIPE) as child:
@@ -270,7 +270,7 @@ def test_recordings_that_overlap_are_one_drive(ota: Robot, tmp_path: Path) -> No
                     connection.topic, connection.msgtype, msgdef=connection.msgdef.data, md5sum=connection.digest
                 )
             writer.write(known[connection.id], at, data)
-    assert len(drives_of(ota, parts)) == 1
+    assert len(sessions_of(ota, parts)) == 1
     assert replay(ota, parts).to_json() == replay(ota, whole).to_json()
 
 
@@ -278,7 +278,7 @@ def test_a_signal_must_be_in_one_of_them(ota: Robot, recorded: dict[str, Path], 
     """One drive without an odometer is no mistake, all of them are."""
     other = tmp_path / "other.csv"
     other.write_text("time,/ota/power/temperature.temperature\n1600000000,24\n1600000010,24\n")
-    drives = drives_of(ota, [recorded[".mcap"], other])
+    drives = sessions_of(ota, [recorded[".mcap"], other])
     assert [len(drive.signals) for drive in drives] == [1, len(ota.signals)]
     with pytest.raises(SourceError, match="the recording has no topic '/ota/"):
-        drives_of(ota, [other])
+        sessions_of(ota, [other])

@@ -1,7 +1,7 @@
 """What is said under diagrams."""
 
 from robophm.design.file import parse
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.plant import Plant
 from robophm.health.report import health_report
@@ -35,7 +35,7 @@ def test_a_level_says_what_it_depends_on_and_what_may_fail_together() -> None:
 
 
 def test_the_page_says_it_too() -> None:
-    page = health_page(ROVER, health_report(Plant(ROVER), Exposure(ROVER), Ledger.new(ROVER)))
+    page = health_page(ROVER, health_report(Plant(ROVER), ExposureIntegrator(ROVER), Ledger.new(ROVER)))
     for level in ("", "Drive"):
         for note in dependence(ROVER, level):
             assert note in page

@@ -17,9 +17,12 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from robophm.blocks.conditional import (
+from robophm.blocks.decision_diagram import Array, Difference
+from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
+from robophm.blocks.folding import in_series
+from robophm.blocks.given_it_works import (
     FAINTEST,
-    ConditionalStructure,
+    StructureGivenItWorks,
     as_decimals,
     decimals,
     likely_failed,
@@ -27,9 +30,6 @@ from robophm.blocks.conditional import (
     share,
     survival,
 )
-from robophm.blocks.decision_diagram import Array, Difference
-from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
-from robophm.blocks.folding import in_series
 from robophm.blocks.graph import ALL, ANY, UNIT, Gate, graph, modules
 from robophm.blocks.reliability import AT_ONCE, Transition
 
@@ -66,7 +66,7 @@ class Phases:
         blocks = _blocks(gates, names, unit)
         below = {node: _variables(gates, alone, node) for node in factors}
         own = sorted({v for vs in below.values() for v in vs} - unit.keys())
-        self._modules = ConditionalStructure(*(blocks[v] for v in own)) if own else None
+        self._modules = StructureGivenItWorks(*(blocks[v] for v in own)) if own else None
         if self._modules:
             self._rows = [self.names.index(name) for name in self._modules.structure.names]
         row = unit | {v: len(names) + i for i, v in enumerate(own)}

@@ -33,7 +33,7 @@ from robophm.design.importers.legacy.figures import potc_paper
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.design.task_file import Row, load_plan, plan_of_rows
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, Steps, completion_of_steps, plan_future, planned
 from robophm.health.plant import Plant
@@ -163,9 +163,9 @@ def predict_fleet(
 
 
 @lru_cache(maxsize=1)
-def _prepared(folder: Path) -> tuple[Plant, Exposure]:
+def _prepared(folder: Path) -> tuple[Plant, ExposureIntegrator]:
     robot = load(folder / "robot.yaml")
-    return Plant(robot), Exposure(robot)
+    return Plant(robot), ExposureIntegrator(robot)
 
 
 def _robot_predictions(
@@ -187,7 +187,9 @@ def _robot_predictions(
 class _Observer:
     """One robot as it was seen, from task to task."""
 
-    def __init__(self, name: str, plant: Plant, exposure: Exposure, samples: list[Sample], life: _Life) -> None:
+    def __init__(
+        self, name: str, plant: Plant, exposure: ExposureIntegrator, samples: list[Sample], life: _Life
+    ) -> None:
         self.plant, self.exposure, self.life = plant, exposure, life
         self.samples = samples
         self.taken = 0

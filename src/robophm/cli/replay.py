@@ -15,8 +15,8 @@ from robophm.cli.shared.output import console, may_write, print_json, print_repo
 from robophm.cli.shared.progress import progress
 from robophm.cli.shared.unused import refuse_unused
 from robophm.design.file import load
-from robophm.monitoring.recorded_drives import drives_of
-from robophm.monitoring.replay import replay_drives
+from robophm.monitoring.recording_sessions import sessions_of
+from robophm.monitoring.replay import replay_sessions
 from robophm.report.health_page import health_page
 from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
@@ -41,17 +41,17 @@ def command(
     robot = load(design)
     for warning in robot.warnings:
         warn(warning)
-    drives = drives_of(robot, recordings, skip_missing=skip_missing)  # before a store is made for them
+    sessions = sessions_of(robot, recordings, skip_missing=skip_missing)  # before a store is made for them
     # Without a store the course is kept only for a page that shows it: its reports cost time.
     kept: Store | None = SqliteStore(store) if store else MemoryStore() if report else None
-    spans = [(drive.first, drive.last) for drive in drives]
+    spans = [(session.first, session.last) for session in sessions]
     with kept or nullcontext(), progress(progress_console(), spans, "replaying") as tick:
-        done = [drive for drive in drives if kept and kept.progress(robot.name, drive.key).complete]
-        if done and len(drives) == 1:
+        done = [session for session in sessions if kept and kept.progress(robot.name, session.key).complete]
+        if done and len(sessions) == 1:
             warn(f"this recording is already in {store}; it is not counted again")
         elif done:
-            warn(f"{len(done)} of {len(drives)} recordings are already in {store}; they are not counted again")
-        health = replace(replay_drives(robot, drives, store=kept, on_tick=tick), horizon=ahead)
+            warn(f"{len(done)} of {len(sessions)} recordings are already in {store}; they are not counted again")
+        health = replace(replay_sessions(robot, sessions, store=kept, on_tick=tick), horizon=ahead)
         past = (list(kept.history(robot.name)), kept.ledger(robot.name)) if kept and report else ()
     if report:
         write(report, health_page(robot, health, *past))

@@ -27,7 +27,7 @@ from robophm.design.file import load
 from robophm.health.report import HealthReport, plain
 from robophm.health.unknown_rates import marked, marks
 from robophm.monitoring.live_loop import watch
-from robophm.monitoring.recorded_drives import lacking
+from robophm.monitoring.recording_sessions import lacking
 from robophm.report.words import duration_text, number_text, probability_text, rate_text
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.health_topics import HealthTopics, Outlet

@@ -31,7 +31,7 @@ IntervalObserver = Callable[[Sequence[int], Array, Array, Mapping[str, Array]], 
 clock: while the robot was on), the stress factor, and every measured input in the unit of its model."""
 
 
-class Exposure:
+class ExposureIntegrator:
     """How the samples of one robot become exposure. Holds no state: that is the ledger's."""
 
     def __init__(self, robot: Robot, witness: IntervalObserver | None = None) -> None:

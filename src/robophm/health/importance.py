@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from robophm.blocks.conditional import FAINTEST, ConditionalStructure, as_decimals, decimals
-from robophm.blocks.conditional import chances as of_hazards
 from robophm.blocks.diagram import Block
 from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.fussell_vesely import fussell_vesely
+from robophm.blocks.given_it_works import FAINTEST, StructureGivenItWorks, as_decimals, decimals
+from robophm.blocks.given_it_works import chances as of_hazards
 from robophm.blocks.importance import barlow_proschan, importance
 from robophm.blocks.merging import single_points_of_failure
 from robophm.blocks.reliability import Structure
@@ -89,7 +89,7 @@ class Drawn(Parts):
 
     def __init__(self, plant: Plant, diagram: Block) -> None:
         self.diagram, self.structure = diagram, Structure(diagram)
-        self.conditional = ConditionalStructure(diagram, structure=self.structure)
+        self.conditional = StructureGivenItWorks(diagram, structure=self.structure)
         super().__init__(plant, [(name,) for name in self.structure.names])
         fatal = single_points_of_failure(diagram)
         self.needed = np.array([name in fatal for name in self.structure.names])

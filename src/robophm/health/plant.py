@@ -17,8 +17,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_array
 
-from robophm.blocks.conditional import ConditionalStructure
 from robophm.blocks.diagram import Block, Group, KOutOfN, Unit, units
+from robophm.blocks.given_it_works import StructureGivenItWorks
 from robophm.blocks.merging import merge_series, single_points_of_failure
 from robophm.blocks.phases import Phases
 from robophm.blocks.reliability import Structure
@@ -262,7 +262,7 @@ class System(Parts):
                 )
         (self._merged,), self._stands_for = merge_series(diagram)
         self.structure = Structure(self._merged)
-        self.conditional = ConditionalStructure(self._merged, structure=self.structure)
+        self.conditional = StructureGivenItWorks(self._merged, structure=self.structure)
         super().__init__(plant, [self._stands_for[name] for name in self.structure.names], by_life=True)
         self.needed = _of_units(self, plant, single_points_of_failure(diagram))
         """Whether the system works only while a unit does."""

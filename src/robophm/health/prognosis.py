@@ -20,7 +20,7 @@ from robophm.blocks.reliability import State
 from robophm.core.waiting_time import Curve, mean_time, time_at
 from robophm.design.task import Knowledge
 from robophm.health.dependent_group import DependentGroup
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.future import Future
 from robophm.health.group_state import GroupState
 from robophm.health.ledger import Ledger
@@ -427,7 +427,7 @@ def steady_pace(by_age: npt.NDArray[np.bool_], advance: Array, effective: Array)
 
 
 def outlooks(
-    plant: Plant, exposure: Exposure, ledger: Ledger, *,
+    plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
     future: FutureName = "recent", knowledge: Knowledge | None = None,
 ) -> Mapping[View, Outlook]:  # fmt: skip
     """Both views of a robot with a past: as designed, and as lived; on the same clocks.
@@ -447,7 +447,7 @@ def outlooks(
 
 
 def as_lived(
-    plant: Plant, exposure: Exposure, ledger: Ledger, *,
+    plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
     future: FutureName = "recent", knowledge: Knowledge | None = None,
 ) -> Outlook:  # fmt: skip
     """The sensor-based view alone."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from robophm.core.errors import RobophmError
 from robophm.design.robot import Robot
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.plant import Plant
 from robophm.health.prognosis import as_designed
 from robophm.health.subject import figures
@@ -13,7 +13,7 @@ from robophm.health.subject import figures
 def refusal(robot: Robot) -> str | None:
     """Why none can be given for a robot that is a design in itself, in one line; None where they can."""
     try:
-        Exposure(robot)
+        ExposureIntegrator(robot)
         new = as_designed(Plant(robot))
         figures(new, robot.diagram, robot.task, remaining_life=False)
         for diagram in (*robot.functions.values(), *(module.diagram for module in robot.all_modules())):

@@ -18,7 +18,7 @@ from robophm.design.asked import check_knowledge, check_plan, check_task
 from robophm.design.robot import FailureMode, Limits, Robot, Thresholds
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.health.clock_jumps import waiting
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.failures_to_come import LONGEST, FailuresToCome, failures_to_come
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion, plan_future
@@ -268,7 +268,7 @@ class HealthReport:
 
 
 def health_report(
-    plant: Plant, exposure: Exposure, ledger: Ledger, *,
+    plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
     task: Task | None = None, remaining_life: bool = True,
     future: FutureName = "recent", plan: Plan | None = None, knowledge: Knowledge | None = None,
     draws: int = 0, parts: bool = False, horizon: float | None = None,
@@ -292,7 +292,7 @@ def health_report(
 
 
 def health_now(
-    plant: Plant, exposure: Exposure, ledger: Ledger, *,
+    plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
     task: Task | None = None, future: FutureName = "recent",
     plan: Plan | None = None, knowledge: Knowledge | None = None,
 ) -> HealthReport:  # fmt: skip

@@ -8,7 +8,7 @@ from itertools import chain
 from typing import Any
 
 from robophm.design.task import Plan, Task
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, Deciding, completion, deciding, following
 from robophm.health.plant import Plant
@@ -70,7 +70,7 @@ class TaskReport:
 
 
 def task_report(
-    plant: Plant, exposure: Exposure, ledger: Ledger, plan: Plan, *,
+    plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, plan: Plan, *,
     future: FutureName = "recent", draws: int = DRAWS, seed: int = 0,
 ) -> TaskReport:  # fmt: skip
     """What a list of tasks asks of a robot with this past."""

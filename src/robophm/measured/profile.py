@@ -19,14 +19,14 @@ import numpy as np
 from robophm.core.errors import RobophmError, SourceError
 from robophm.core.signal import split_signal
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.measured.held import Floats
 from robophm.measured.levels import Levels, shares
 from robophm.measured.recordings import Recorded, Signal
 from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.recorded_drives import bound
+from robophm.monitoring.recording_sessions import bound
 from robophm.transports.recordings.columns.columns import by_signal
 
 MOST_LEGS = 10_000
@@ -141,7 +141,7 @@ def lived(
             levels.add(values, np.column_stack((weights[on], weights[on] * rank)), rank)
 
     monitor = Monitor(robot)
-    monitor.exposure = Exposure(robot, witness)
+    monitor.exposure = ExposureIntegrator(robot, witness)
     monitor.expect(spans := recorded.spans())
     life, columns = BlockMonitor(monitor), recorded.columns(signals)
     with closing(columns):

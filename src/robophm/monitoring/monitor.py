@@ -18,7 +18,7 @@ from robophm.core.signal import CLOCK, NOT_FINITE, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.health.clock_jumps import CLOCK_JUMP, ClockJumps, stretches, why_not
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.plant import Plant
 from robophm.health.prognosis import FutureName
@@ -72,7 +72,7 @@ class Monitor:
         """Times [ns], ascending, and what is to be done with the ledger of each; taken away as they are reached."""
         self.robot = robot
         self.plant = Plant(robot)
-        self.exposure = Exposure(robot)
+        self.exposure = ExposureIntegrator(robot)
         self.ledger = ledger if ledger is not None else Ledger.new(robot)
         self.period = round(seconds * SECOND)
         self.on_tick = on_tick

@@ -18,7 +18,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport
 from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import LONGEST_PERIOD, Monitor
-from robophm.monitoring.recorded_drives import Recorded, RecordedDrive, drives_of, living
+from robophm.monitoring.recording_sessions import Recorded, RecordingSession, living, sessions_of
 from robophm.stores.store import Progress, Store
 
 SAVE_EVERY = 2.0
@@ -68,11 +68,11 @@ def replay(
 ) -> HealthReport:
     """A robot's health after recordings, from new or from where the store's ledger stands.
 
-    Files and folders of them are gone through in the order of their time; those that overlap are one drive. A source
+    Files and folders of them are gone through in the order of their time; those that overlap are one session. A source
     that has columns is gone through by the column, with the ledger that its samples give one by one, bit for bit.
 
     With a store the ledger, the progress and a report for every ``report_every`` [s] of the robot's time are kept
-    as the replay goes, so that one that was killed goes on where it was, and a drive that is done is not counted
+    as the replay goes, so that one that was killed goes on where it was, and a session that is done is not counted
     again. By default that is ten minutes, or as many as make some thousand reports.
     ``skip_missing``: signals that all recordings lack stay silent instead of being an error.
 
@@ -83,8 +83,8 @@ def replay(
     number(period, "period", above=True, high=LONGEST_PERIOD)
     if report_every is not None:
         number(report_every, "report_every", above=True)
-    drives = drives_of(robot, recorded, skip_missing=skip_missing)
-    return replay_drives(robot, drives, store=store, period=period, report_every=report_every, on_tick=on_tick)
+    sessions = sessions_of(robot, recorded, skip_missing=skip_missing)
+    return replay_sessions(robot, sessions, store=store, period=period, report_every=report_every, on_tick=on_tick)
 
 
 def kept_ledger(robot: Robot, store: Store) -> Ledger | None:
@@ -98,21 +98,21 @@ def kept_ledger(robot: Robot, store: Store) -> Ledger | None:
     return ledger
 
 
-def replay_drives(
+def replay_sessions(
     robot: Robot,
-    drives: Sequence[RecordedDrive],
+    sessions: Sequence[RecordingSession],
     *,
     store: Store | None = None,
     period: float = 60.0,
     report_every: float | None = None,
     on_tick: Callable[[Monitor], None] | None = None,
 ) -> HealthReport:
-    """The same of drives that have been looked through. Raises SourceError as ``replay``."""
+    """The same of sessions that have been looked through. Raises SourceError as ``replay``."""
     ledger = kept_ledger(robot, store) if store else None
-    step = round(report_every * SECOND) if report_every else _report_step(drives) if store else REPORT_STEP
+    step = round(report_every * SECOND) if report_every else _report_step(sessions) if store else REPORT_STEP
     decided: Counter[str] = Counter()
-    for drive in drives:
-        monitor, notes = _go_through(robot, drive, ledger, store, period, step, on_tick)
+    for session in sessions:
+        monitor, notes = _go_through(robot, session, ledger, store, period, step, on_tick)
         ledger = monitor.ledger
         decided.update(notes)
     report = monitor.report()
@@ -121,29 +121,29 @@ def replay_drives(
 
 def _go_through(
     robot: Robot,
-    drive: RecordedDrive,
+    session: RecordingSession,
     ledger: Ledger | None,
     store: Store | None,
     period: float,
     step: int,
     on_tick: Callable[[Monitor], None] | None,
 ) -> tuple[Monitor, Counter[str]]:
-    """The monitor after a drive, and what had to be decided on the way."""
-    progress = store.progress(robot.name, drive.key) if store else Progress(drive.key)
+    """The monitor after a session, and what had to be decided on the way."""
+    progress = store.progress(robot.name, session.key) if store else Progress(session.key)
     decided = Counter(progress.notes)
     if progress.complete:
         return Monitor(robot, ledger, period=period), decided
     if ledger and ledger.integrated_to is not None and not progress.position:
-        _not_before(drive, ledger.integrated_to)
+        _not_before(session, ledger.integrated_to)
     position = progress.position
-    decided |= Counter(drive.lost)
+    decided |= Counter(session.lost)
     course = ReportHistory(step, ledger)
     saved = time.monotonic()
 
     def save(*, complete: bool) -> None:
         nonlocal saved
         if store:
-            state = Progress(drive.key, position, complete, decided + source.notes)
+            state = Progress(session.key, position, complete, decided + source.notes)
             store.save(robot.name, monitor.ledger.to_json(), state, course.reports)
             course.reports.clear()
             saved = time.monotonic()
@@ -160,13 +160,13 @@ def _go_through(
 
     monitor = Monitor(robot, ledger, period=period, on_tick=tick if store or on_tick else None)
     life = BlockMonitor(monitor, step)
-    with living(monitor, drive, anew=not position) as source:
-        if (blocks := source.columns(drive.signals, position)) is not None:
+    with living(monitor, session, anew=not position) as source:
+        if (blocks := source.columns(session.signals, position)) is not None:
             for block in blocks:
                 life.observe(block)
             life.finish()
         else:
-            for sample in itertools.islice(source.samples(drive.signals), position, None):
+            for sample in itertools.islice(source.samples(session.signals), position, None):
                 position += 1
                 monitor.observe(sample)
         for reason in [reason for reason in source.notes if reason.startswith(REORDERED)]:
@@ -178,17 +178,19 @@ def _go_through(
     return monitor, decided + source.notes
 
 
-def _report_step(drives: Sequence[RecordedDrive]) -> int:
+def _report_step(sessions: Sequence[RecordingSession]) -> int:
     """Ten minutes, or as many as leave at most MOST_REPORTS."""
-    span = sum(drive.last - drive.first for drive in drives if drive.first is not None and drive.last is not None)
+    span = sum(
+        session.last - session.first for session in sessions if session.first is not None and session.last is not None
+    )
     return REPORT_STEP * max(1, math.ceil(span / (MOST_REPORTS * REPORT_STEP)))
 
 
-def _not_before(drive: RecordedDrive, integrated_to: int) -> None:
-    """Raises SourceError where a drive ends before the ledger does: all of it would be too late to count."""
-    if drive.last is not None and drive.last <= integrated_to:
-        early = (integrated_to - drive.last) / SECOND
+def _not_before(session: RecordingSession, integrated_to: int) -> None:
+    """Raises SourceError where a session ends before the ledger does: all of it would be too late to count."""
+    if session.last is not None and session.last <= integrated_to:
+        early = (integrated_to - session.last) / SECOND
         raise SourceError(
-            f"{drive.name} ends {early:,.0f} s before the robot's ledger does, and would not count; "
+            f"{session.name} ends {early:,.0f} s before the robot's ledger does, and would not count; "
             f"expected recordings in the order of their time, or another store; {REPAIR}"
         )

@@ -24,7 +24,7 @@ from robophm.health.report import VIEWS
 from robophm.health.task_report import unknown_in
 from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.recorded_drives import drives_of, living
+from robophm.monitoring.recording_sessions import living, sessions_of
 from robophm.monitoring.task_evaluation import completion_as_done, task_as_done, task_as_planned
 from robophm.transports.signals.source import SignalSource
 from robophm.transports.tasks import DoneTask, PlannedTask
@@ -61,7 +61,7 @@ def judge_tasks(
     plan is predicted at its start with the distance and time that it took. Raises SourceError as ``replay``, and where
     ``ledger`` has lived through a task already.
     """
-    (drive,) = drives_of(robot, source, skip_missing=skip_missing)
+    (session,) = sessions_of(robot, source, skip_missing=skip_missing)
     monitor = Monitor(robot, ledger, on_tick=on_tick)
     records = judge_on_the_way(monitor, told, speed=speed, functions=functions, knowledge=knowledge)
     marks = monitor.marks
@@ -76,8 +76,8 @@ def judge_tasks(
             f"the robot's past that is kept goes on for {late:.6g} s beyond the first task's beginning; expected one "
             "that ends before it, or none"
         )
-    with living(monitor, drive):
-        for sample in source.samples(drive.signals):
+    with living(monitor, session):
+        for sample in source.samples(session.signals):
             monitor.observe(sample)
     monitor.reach_marks()
     if told and monitor.ledger.newest is None:

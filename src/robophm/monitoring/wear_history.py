@@ -21,7 +21,7 @@ from robophm.learning.wear.readings_table import Readings
 from robophm.learning.wear.signal_to_readings import Array, Reducer, Times, on_a_clock
 from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.recorded_drives import Recorded, RecordedDrive, drives_of, living
+from robophm.monitoring.recording_sessions import Recorded, RecordingSession, living, sessions_of
 from robophm.transports.signals.source import STAMP_LIMIT, SignalColumns, SignalSource
 
 CLOCK_STEP = 600 * SECOND
@@ -68,11 +68,11 @@ def wear_history(
 ) -> WearHistory:  # fmt: skip
     """The readings of failure modes (``worn_modes``) in recordings, in the order of their time.
 
-    ``advance`` is told how many drives of how many are done.
+    ``advance`` is told how many sessions of how many are done.
 
     Raises SourceError as ``replay``, DataError where a signal has too many stretches.
     """
-    drives = drives_of(robot, recorded, skip_missing=skip_missing)
+    sessions = sessions_of(robot, recorded, skip_missing=skip_missing)
     index = [next(i for i, one in enumerate(robot.modes) if one is mode) for mode in modes]
     reducers = [Reducer(mode.wear) for mode in modes if mode.wear]
     looks: list[tuple[int, Array]] = []  # when, and how old each of the modes was
@@ -82,12 +82,12 @@ def wear_history(
             looks.append((now, ledger.age.value[index]))
 
     monitor, notes = Monitor(robot, on_tick=lambda monitor: look(monitor.ledger)), Counter[str]()
-    for done, drive in enumerate(drives):
-        advance(done, len(drives))
+    for done, session in enumerate(sessions):
+        advance(done, len(sessions))
         before: Array | None = looks[-1][1] if looks else np.zeros(len(index))
-        with living(monitor, drive) as source:
+        with living(monitor, session) as source:
             ordered = _InOrder({signal for one in reducers for signal in one.signals}, notes)
-            for block in _lived(source, drive, monitor):
+            for block in _lived(source, session, monitor):
                 times = [int(heard.times.min()) for heard in block.values() if len(heard.times)]
                 if before is not None and times:
                     looks.append((min(times), before))
@@ -95,7 +95,7 @@ def wear_history(
                 for ready in ordered.feed(block):
                     for one in reducers:
                         one.take(ready)
-            notes += source.notes + Counter(drive.lost)
+            notes += source.notes + Counter(session.lost)
         look(monitor.exposure.settled(monitor.ledger))
     looks.sort(key=itemgetter(0))
     found: dict[str, Readings] = {}
@@ -112,10 +112,10 @@ def wear_history(
     return WearHistory(found, monitor, notes + monitor.ledger.counts)
 
 
-def _lived(source: SignalSource, drive: RecordedDrive, monitor: Monitor) -> Iterator[Mapping[str, SignalColumns]]:
-    """The blocks of a drive, after the robot has lived through each; the last is empty and says that all has come."""
+def _lived(source: SignalSource, session: RecordingSession, monitor: Monitor) -> Iterator[Mapping[str, SignalColumns]]:
+    """The blocks of a session, after the robot has lived through each; the last is empty and says that all has come."""
     life = BlockMonitor(monitor, CLOCK_STEP)
-    if (blocks := source.columns(drive.signals, 0)) is not None:
+    if (blocks := source.columns(session.signals, 0)) is not None:
         for block in blocks:
             life.observe(block)
             yield block
@@ -123,7 +123,7 @@ def _lived(source: SignalSource, drive: RecordedDrive, monitor: Monitor) -> Iter
     else:
         gathered: dict[str, list[tuple[int, int, float]]] = {}
         count, newest = 0, 0
-        for sample in source.samples(drive.signals):
+        for sample in source.samples(session.signals):
             monitor.observe(sample)
             newest = max(newest, sample.time)
             if sample.signal != CLOCK:

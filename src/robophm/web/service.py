@@ -14,7 +14,7 @@ from fastapi import Depends, Request
 
 from robophm.core.errors import DesignError, RobophmError
 from robophm.design.problems import Problem as Found
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.web.jobs import Jobs
 from robophm.web.monitoring import Monitoring
@@ -71,9 +71,9 @@ class Service:
             raise DesignError(f"{'/'.join(first.place) or 'the design'}: {first.message}")
         return self._shelf.of(checked.robot)
 
-    def past(self, prepared: Prepared) -> tuple[Exposure, Ledger]:
+    def past(self, prepared: Prepared) -> tuple[ExposureIntegrator, Ledger]:
         """What the robot has lived, as far as is known. Raises StoreError."""
-        return Exposure(prepared.robot), self.monitoring.last_ledger(prepared.robot)
+        return ExposureIntegrator(prepared.robot), self.monitoring.last_ledger(prepared.robot)
 
     def design_state(self, draft: Draft | None = None) -> DesignState:
         """The design now, with all that is to be said of it."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from robophm.cli.shared.output import warn
 from robophm.core.errors import RobophmError, StoreError
 from robophm.design.robot import Robot
-from robophm.health.exposure import Exposure
+from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.subject import silence
 from robophm.monitoring.replay import kept_ledger
@@ -31,7 +31,7 @@ def kept(path: Path, robot: Robot) -> Ledger:
     """A robot's past from its store. Raises StoreError where there is none."""
     with existing_store(path) as store:
         ledger = past_in(store, robot)
-    exposure = Exposure(robot)
+    exposure = ExposureIntegrator(robot)
     if words := silence(exposure.silent(exposure.settled(ledger))):
         warn(f"the past of {robot.name} {words}")
     return ledger

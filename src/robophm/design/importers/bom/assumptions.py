@@ -66,7 +66,7 @@ def assume(text: str, why: str) -> Entry:
     return lambda part, assumed: (text, why)
 
 
-def required(fact: str, expected: str) -> Entry:
+def required_in_list(fact: str, expected: str) -> Entry:
     """What the list says. Raises TooLittle where it does not."""
 
     def entry(part: Recognised, assumed: Assumptions) -> tuple[str, str]:

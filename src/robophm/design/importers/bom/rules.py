@@ -21,7 +21,7 @@ from robophm.design.importers.bom.assumptions import (
     at_most,
     by_type,
     junction,
-    required,
+    required_in_list,
     rise,
     said_or,
     share,
@@ -184,7 +184,7 @@ RULES: Mapping[str, Rule] = {
         "mil_hdbk_217f.capacitor",
         {
             "style": _capacitor_style,
-            "capacitance": required("capacitance", "its capacitance"),
+            "capacitance": required_in_list("capacitance", "its capacitance"),
             **_voltages("dc_voltage"),
             "series_resistance": _series_resistance,
             "temperature": around,
@@ -377,7 +377,7 @@ RULES: Mapping[str, Rule] = {
     "printed board": Rule(
         "mil_hdbk_217f.printed_board",
         {
-            "automated_holes": required("holes", "how many plated holes it has"),
+            "automated_holes": required_in_list("holes", "how many plated holes it has"),
             "hand_soldered_holes": assume("0", "all soldered by machine"),
             "technology": assume("printed", "as is usual"),
             "planes": said_or("layers", "2", "nothing is said"),

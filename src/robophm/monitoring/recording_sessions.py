@@ -1,4 +1,4 @@
-"""What there is to replay: recordings in the order of their time, each with what a design listens to in it."""
+"""What there is to replay: sessions of recording in order of time, each with what a design listens to in it."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ Recorded = SignalSource | str | os.PathLike[str]
 
 
 @dataclass(frozen=True)
-class RecordedDrive:
-    """One drive: a source, or files that overlap in time."""
+class RecordingSession:
+    """One session: a source, or files that overlap in time."""
 
     name: str
     key: str
@@ -46,10 +46,10 @@ class RecordedDrive:
     """Files beside it of which nothing can be read, and why."""
 
 
-def drives_of(
+def sessions_of(
     robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_missing: bool = False
-) -> list[RecordedDrive]:
-    """The drives in a source, or in files and folders, that have a bound signal, in the order of their time.
+) -> list[RecordingSession]:
+    """The sessions in a source, or in files and folders, that have a bound signal, in the order of their time.
 
     ``skip_missing``: signals that all of them lack stay silent instead of being an error.
 
@@ -59,7 +59,7 @@ def drives_of(
     instance(robot, Robot, "robot", "a Robot, as of robophm.load", DesignError)
     if not robot.signals:
         raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
-    drives: list[RecordedDrive] = []
+    sessions: list[RecordingSession] = []
     missing, topics = dict.fromkeys(robot.signals, ""), dict[str, Kind]()
     unread: list[str] = []
     for name, opens in _opened(recorded, unread):
@@ -73,25 +73,25 @@ def drives_of(
         missing = {signal: words[signal] for signal in missing if signal in words}
         key = hashlib.sha256("\n".join((fingerprint, *sorted(signals))).encode()).hexdigest()
         if signals:
-            drives.append(RecordedDrive(name, key, signals, *_span(infos), opens))
+            sessions.append(RecordingSession(name, key, signals, *_span(infos), opens))
     _refuse(robot, missing, topics, skip_missing=skip_missing)
-    return [replace(drives[0], lost=tuple(unread)), *drives[1:]]
+    return [replace(sessions[0], lost=tuple(unread)), *sessions[1:]]
 
 
 @contextmanager
-def living(monitor: Monitor, drive: RecordedDrive, *, anew: bool = True) -> Iterator[SignalSource]:
-    """The source of a drive that a monitor lives through, and knows when its recordings begin and end.
+def living(monitor: Monitor, session: RecordingSession, *, anew: bool = True) -> Iterator[SignalSource]:
+    """The source of a session that a monitor lives through, and knows when its recordings begin and end.
 
-    ``anew`` is false where it goes on in the middle of the drive.
+    ``anew`` is false where it goes on in the middle of the session.
     """
-    with drive.open() as source:
+    with session.open() as source:
         if anew:
-            if drive.first is not None:
-                monitor.resume(drive.first)
+            if session.first is not None:
+                monitor.resume(session.first)
             monitor.expect(source.spans())
         yield source
         if source.ends:
-            monitor.end(drive.last)
+            monitor.end(session.last)
 
 
 def bound(robot: Robot, topics: Mapping[str, Kind], *, skip_missing: bool) -> list[str]:

@@ -73,7 +73,7 @@ def log(chance: Array) -> Array:
         return np.asarray(np.log(chance))
 
 
-class ConditionalStructure:
+class StructureGivenItWorks:
     """One or more diagrams prepared, as ``Structure``, and asked about each given that it works now.
 
     ``known`` is everywhere the cumulative hazard of each unit till now, shape (units, ...), in the order of
@@ -169,7 +169,7 @@ class ConditionalStructure:
         found = []
         for diagram in self._diagrams:
             blocks = independent(diagram)
-            solver = self if len(blocks) == len(self._diagrams) == 1 else ConditionalStructure(*blocks)
+            solver = self if len(blocks) == len(self._diagrams) == 1 else StructureGivenItWorks(*blocks)
             found.append(_One(np.array([place[name] for name in solver.structure.names]), solver, len(blocks) > 1))
         return found
 
@@ -201,7 +201,7 @@ class _One(NamedTuple):
     """One of the diagrams: the rows of its units, and what is asked about the blocks in series that it is."""
 
     rows: NDArray[np.intp]
-    solver: ConditionalStructure
+    solver: StructureGivenItWorks
     apart: bool
     """Whether there are several such blocks."""
 
