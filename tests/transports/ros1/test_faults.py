@@ -323,7 +323,10 @@ def lived(ledger: dict[str, Any], heard: list[tuple[int, str, float]]) -> None:
         for at, following in pairwise([*times, until + MAX_AGE]):
             holds, silent = min(at + MAX_AGE, following, until), min(following, until)
             factor = 2 ** ((taken[topic][at] - 25) / 10)
-            for begins, ends, aged in ((at, holds, factor), (holds, silent, max(factor, 1.0))):  # silence never improves
+            for begins, ends, aged in (
+                (at, holds, factor),
+                (holds, silent, max(factor, 1.0)),
+            ):  # silence never improves
                 stressed += (aged - 1) * sum(max(0, min(b, ends) - max(a, begins)) for a, b in working) / HOUR
         assert totals["age"][part] == pytest.approx(operating, rel=1e-12)
         assert totals["effective"][part] == pytest.approx(stressed, rel=1e-10)
