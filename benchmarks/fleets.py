@@ -9,8 +9,8 @@ import numpy as np
 from benchmarks import Line, agree, benchmark, race
 from benchmarks.designs import MISSION, ages, twins
 from robophm.health.fleet import Fleet
+from robophm.health.outlooks import as_designed, nominal_outlook
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed, nominal_outlook
 
 PEER = "RePyability"
 

@@ -15,8 +15,9 @@ from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Leg, Task
 from robophm.health.mission import completion as of_task
+from robophm.health.outlooks import nominal_outlook
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, nominal_outlook
+from robophm.health.prognosis import Outlook
 from robophm.health.subject import Figures, figures
 from robophm.health.uncertainty import draw_rates, life_uncertainty, predictive_life
 

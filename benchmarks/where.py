@@ -19,8 +19,8 @@ from benchmarks import race
 from benchmarks.designs import MISSION, ages, robot_of
 from robophm.core.waiting_time import time_at
 from robophm.health.fleet import Fleet
+from robophm.health.outlooks import as_designed, nominal_outlook
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed, nominal_outlook
 
 ELEMENTARY = frozenset({"exp", "expm1", "log", "log1p", "power"})
 Work = Callable[[], object]

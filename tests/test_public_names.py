@@ -16,8 +16,8 @@ from robophm.core.errors import LONGEST_TEXT
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.task import Knowledge, Plan
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 from robophm.life import life_distributions
 
 DESIGN = {

@@ -20,8 +20,8 @@ from robophm.hazard.handbooks import handbook_model, handbook_models
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import planned
+from robophm.health.outlooks import as_lived
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_lived
 
 DATA = Path(__file__).parents[1] / "data"
 HEAD = "schema_version: 1\nname: Board\nenvironment: GM\n"

@@ -111,8 +111,8 @@ PLAIN = "schema_version: 1\nname: R\ncomponents:\n" + "".join(f"  {name}: {{rate
 
 def at_1000_hours(text):
     """R of parts of 1 FPMH, by the engine of the diagrams: 1e-3 is what one of them has gathered by then."""
+    from robophm.health.outlooks import as_designed
     from robophm.health.plant import Plant
-    from robophm.health.prognosis import as_designed
 
     robot = parse(text)
     return float(as_designed(Plant(robot)).reliability_curve(robot.diagram, np.array([1000.0]))[0][0])

@@ -6,8 +6,8 @@ import pytest
 from robophm.blocks import diagram as blocks
 from robophm.blocks.reliability import Structure
 from robophm.design.file import parse
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 
 NETWORK = """
 schema_version: 1

@@ -14,8 +14,8 @@ from robophm.design.task_file import load_plan, parse_plan
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import completion, deciding
+from robophm.health.outlooks import as_designed, outlooks
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed, outlooks
 
 ARM = Path(__file__).parents[2] / "examples" / "arm"
 JOINTS = range(1, 7)

@@ -13,8 +13,8 @@ from robophm.design.task_file import load_plan
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import completion, repetitions
+from robophm.health.outlooks import as_designed, nominal_outlook, outlooks
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed, nominal_outlook, outlooks
 
 DRONE = Path(__file__).parents[2] / "examples" / "drone"
 ROTORS = range(8)

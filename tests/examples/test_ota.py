@@ -10,8 +10,8 @@ from ruamel.yaml import YAML
 from robophm.blocks.diagram import Parallel
 from robophm.design.file import load
 from robophm.design.importers.legacy.figures import legacy_rate, legacy_reliability
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 
 OTA = Path(__file__).parents[2] / "examples" / "ota"
 

@@ -14,8 +14,8 @@ from robophm.core.signal import SECOND, Sample
 from robophm.design.file import load
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 
 ROOT = Path(__file__).parents[2]
 OTA = ROOT / "examples" / "ota"

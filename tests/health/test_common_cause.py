@@ -18,8 +18,9 @@ from robophm.design.task_file import parse_plan
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import completion, deciding
+from robophm.health.outlooks import nominal_outlook, outlooks
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, nominal_outlook, outlooks
+from robophm.health.prognosis import Outlook
 from robophm.health.report import health_report
 from robophm.health.uncertainty import completion_uncertainty
 

@@ -15,8 +15,8 @@ from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Leg, Task
 from robophm.health.mission import completion
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 
 HOURS = 40.0
 

@@ -8,8 +8,8 @@ import pytest
 from robophm.core.errors import RobophmError
 from robophm.design.file import parse
 from robophm.health.effects import OCCURRENCE, effects, fault_chances, silent_states
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 
 ROBOT = """
 schema_version: 1

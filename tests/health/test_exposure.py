@@ -24,8 +24,9 @@ from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger, Total
+from robophm.health.outlooks import outlooks
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, outlooks
+from robophm.health.prognosis import Outlook
 from robophm.health.sample_stretch import SampleStretch
 from robophm.monitoring.monitor import WINDOW, Monitor
 

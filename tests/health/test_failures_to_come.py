@@ -19,8 +19,8 @@ from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Plan, Task
 from robophm.health.failures_to_come import FailuresToCome, failures_to_come
 from robophm.health.importance import Drawn, importances
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 from robophm.monitoring.monitor import Monitor
 
 

@@ -13,8 +13,9 @@ from robophm.design.file import parse
 from robophm.design.task import Knowledge
 from robophm.health.fleet import Fleet
 from robophm.health.future import Future
+from robophm.health.outlooks import as_designed, nominal_outlook
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, as_designed, nominal_outlook
+from robophm.health.prognosis import Outlook
 
 PAIRS = """
 schema_version: 1

@@ -20,8 +20,9 @@ from robophm.health.exposure import ExposureIntegrator
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger
 from robophm.health.mission import plan_future
+from robophm.health.outlooks import FutureName, as_designed, outlooks
 from robophm.health.plant import Plant
-from robophm.health.prognosis import FutureName, Outlook, as_designed, outlooks
+from robophm.health.prognosis import Outlook
 
 START = 1_700_000_000 * SECOND
 HOT = {"temperature": {"topic": "/t", "field": "c", "unit": "degC", "max_age": "1e6 s", "range": [-40, 200]}}

@@ -15,8 +15,9 @@ from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Task
 from robophm.health.mission import completion, deciding, following, repetitions
+from robophm.health.outlooks import as_designed, nominal_outlook
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, as_designed, nominal_outlook
+from robophm.health.prognosis import Outlook
 
 L = 0.01
 Function = Callable[[mp.mpf], mp.mpf]

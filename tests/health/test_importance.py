@@ -16,8 +16,9 @@ from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
 from robophm.health.importance import Drawn, Importances, importances, of_tree, usual_hours
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, as_designed
+from robophm.health.prognosis import Outlook
 
 
 def robot(components: dict[str, Any], **more: Any) -> Robot:

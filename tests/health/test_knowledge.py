@@ -20,8 +20,9 @@ from robophm.design.task_file import parse_plan
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import MOST_HISTORY, Ledger
 from robophm.health.mission import completion
+from robophm.health.outlooks import as_designed, outlooks
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, as_designed, outlooks
+from robophm.health.prognosis import Outlook
 from robophm.health.uncertainty import completion_uncertainty
 
 START = 1_700_000_000 * SECOND

@@ -14,8 +14,8 @@ from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
 from robophm.groups.monte_carlo import Wear, simulate
+from robophm.health.outlooks import nominal_outlook
 from robophm.health.plant import Plant
-from robophm.health.prognosis import nominal_outlook
 
 SURE = 1 - 1e-6
 

@@ -26,8 +26,9 @@ from robophm.design.task_file import parse_plan
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion, deciding, following, repetitions
+from robophm.health.outlooks import as_designed, outlooks
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, as_designed, outlooks
+from robophm.health.prognosis import Outlook
 
 
 def robot(components: dict[str, Any], **more: Any) -> Robot:

@@ -17,8 +17,8 @@ from robophm.design.robot import Robot
 from robophm.design.task import Leg, Task
 from robophm.health.importance import Drawn, importances
 from robophm.health.mission import completion, deciding
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 
 RATE, AGE = 0.01, 40.0
 MOST = 7  # units, each of which fails in one of at most five stretches

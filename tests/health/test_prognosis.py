@@ -19,8 +19,9 @@ from robophm.design.task import Knowledge, Leg, Task
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion
+from robophm.health.outlooks import as_designed, outlooks
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, RemainingLife, as_designed, outlooks
+from robophm.health.prognosis import Outlook, RemainingLife
 from robophm.health.report import VIEWS, HealthReport
 from robophm.health.subject import Figures
 from robophm.health.subject import figures as all_figures

@@ -14,8 +14,8 @@ from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Task
 from robophm.health.ledger import Ledger
 from robophm.health.mission import completion
+from robophm.health.outlooks import as_designed, outlooks
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed, outlooks
 from robophm.health.replacement import Replacement, replacements
 from robophm.monitoring.monitor import Monitor
 

@@ -16,8 +16,9 @@ from robophm.blocks.reliability import Structure
 from robophm.design.file import parse
 from robophm.design.task import Leg, Task
 from robophm.health.mission import completion
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, as_designed
+from robophm.health.prognosis import Outlook
 
 FILES = ("repyability_dependent", "repyability_live_and_static")
 System = dict[str, Any]

@@ -10,8 +10,8 @@ from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
 from robophm.design.file import parse
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
+from robophm.health.outlooks import outlooks
 from robophm.health.plant import Plant
-from robophm.health.prognosis import outlooks
 from robophm.health.service import repair, replace, service_intervals
 from robophm.monitoring.monitor import Monitor
 

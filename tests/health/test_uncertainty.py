@@ -24,8 +24,9 @@ from robophm.health.exposure import ExposureIntegrator
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger, Step
 from robophm.health.mission import completion
+from robophm.health.outlooks import as_designed, nominal_outlook, outlooks
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, as_designed, nominal_outlook, outlooks
+from robophm.health.prognosis import Outlook
 from robophm.health.uncertainty import (
     FEWEST_STEPS,
     Interval,

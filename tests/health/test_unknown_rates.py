@@ -13,8 +13,8 @@ from robophm.core.errors import DesignError
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.health.effects import effects
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 from robophm.health.report import HealthReport
 from robophm.health.task_report import task_report
 from robophm.health.unknown_rates import IF_NEVER, PartsOfUnknownRate, unknown

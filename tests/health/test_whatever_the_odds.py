@@ -24,8 +24,9 @@ from robophm.health.failures_to_come import failures_to_come
 from robophm.health.fleet import Fleet
 from robophm.health.importance import Drawn, importances
 from robophm.health.mission import completion, deciding, following, repetitions
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, as_designed
+from robophm.health.prognosis import Outlook
 from robophm.health.replacement import replacements
 from robophm.health.uncertainty import completion_uncertainty, life_uncertainty
 

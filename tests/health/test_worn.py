@@ -7,8 +7,8 @@ import pytest
 
 from robophm.core.errors import RobophmError
 from robophm.design.file import parse
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 from robophm.health.worn import curve, remaining_life
 
 ROBOT = """

@@ -11,7 +11,7 @@ from robophm.core.signal import HOUR, SECOND
 from robophm.design.file import load, parse
 from robophm.design.task_file import parse_plan
 from robophm.health.mission import following, plan_future, planned
-from robophm.health.prognosis import outlooks
+from robophm.health.outlooks import outlooks
 from robophm.measured import profile
 from robophm.measured.levels import marginal
 from robophm.measured.profile import lived, task_text

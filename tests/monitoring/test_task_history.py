@@ -20,7 +20,7 @@ from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Task
 from robophm.health.ledger import Ledger
 from robophm.health.mission import completion
-from robophm.health.prognosis import outlooks
+from robophm.health.outlooks import outlooks
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.task_history import TaskRecord, judge_tasks
 from robophm.transports.recordings.recording import Recording

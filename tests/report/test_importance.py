@@ -8,8 +8,8 @@ import pytest
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Task
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 from robophm.report.bars import bars_svg
 from robophm.report.importance import MOST, matters, replace_first
 

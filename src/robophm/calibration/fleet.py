@@ -36,8 +36,9 @@ from robophm.design.task_file import Row, load_plan, plan_of_rows
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, Steps, completion_of_steps, plan_future, planned
+from robophm.health.outlooks import as_lived
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, as_lived
+from robophm.health.prognosis import Outlook
 from robophm.health.uncertainty import completion_at_rates
 from robophm.transports.recordings.files import existing, reading
 from robophm.transports.recordings.opening import open_source

@@ -18,8 +18,9 @@ from robophm.core.errors import DataError, RobophmError, nearest
 from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.health.effects import SilentStates, alarm_chances, fault_chances, silent_states
+from robophm.health.outlooks import as_designed, nominal_outlook
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, as_designed, nominal_outlook
+from robophm.health.prognosis import Outlook
 from robophm.health.report import plain
 from robophm.health.unknown_rates import PartsOfUnknownRate, alone, marks, named, unknown
 from robophm.learning.diagnosis.coverage_matrix import coverage, read_sensors, seen

@@ -15,8 +15,8 @@ from robophm.core.errors import RobophmError, nearest
 from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.health.effects import SEVERITY, Effect, effects
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 from robophm.health.report import plain
 from robophm.learning.diagnosis.coverage_matrix import coverage, read_sensors, seen
 from robophm.report.fmeca_page import effect_text, fmeca_csv, fmeca_page, unknown_words

@@ -25,7 +25,7 @@ from robophm.design.task import Plan, Task
 from robophm.design.task_file import load_plan
 from robophm.health.importance import Drawn, Importances, importances, of_tree, usual_hours
 from robophm.health.ledger import Ledger
-from robophm.health.prognosis import FutureName, View, outlooks
+from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.replacement import Replacements, replacements
 from robophm.health.report import VIEWS, plain
 from robophm.monitoring.monitor import Monitor

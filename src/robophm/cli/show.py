@@ -30,8 +30,8 @@ from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.groups.monte_carlo import Estimate, Wear, simulate
 from robophm.health.failures_to_come import failures_to_come
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 from robophm.health.report import plain
 from robophm.health.unknown_rates import marked, marks, unknown
 from robophm.report.dependence import dependence

@@ -29,7 +29,7 @@ from robophm.design.task import Plan, Task
 from robophm.design.task_file import load_plan
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, repetitions
-from robophm.health.prognosis import FutureName, View, outlooks
+from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.report import VIEWS
 from robophm.health.task_report import TaskReport, task_report
 from robophm.health.uncertainty import Interval

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from robophm.core.errors import nearest
-from robophm.design import schema
+from robophm.design import schema_task
 from robophm.design.asked import check_functions, check_hours, check_leg, check_stress, contradiction, takers
 from robophm.design.fault import Fault, Path, below, written
 from robophm.design.robot import Robot
@@ -39,9 +39,9 @@ def _distance_and_duration(
     return distance, duration
 
 
-def build_task(said: schema.Task | schema.Leg, robot: Robot, place: Path = ()) -> Task:
+def build_task(said: schema_task.Task | schema_task.Leg, robot: Robot, place: Path = ()) -> Task:
     """A task of a robot from what a file says. Raises Fault for what the robot does not have or cannot do."""
-    if isinstance(said, schema.Leg):
+    if isinstance(said, schema_task.Leg):
         return Task((_leg(said, robot, place),))
     legs = tuple(_leg(leg, robot, (*place, "legs", str(i))) for i, leg in enumerate(said.legs))
     with below(place):
@@ -50,7 +50,7 @@ def build_task(said: schema.Task | schema.Leg, robot: Robot, place: Path = ()) -
     return task
 
 
-def build_plan(said: schema.TaskFile, robot: Robot) -> Plan:
+def build_plan(said: schema_task.TaskFile, robot: Robot) -> Plan:
     """Tasks of a robot in their order. Raises Fault as ``build_task``."""
     tasks = tuple(build_task(one, robot, ("tasks", str(i))) for i, one in enumerate(said.tasks))
     takes = math.fsum(task.duration for task in tasks)
@@ -63,7 +63,7 @@ def build_plan(said: schema.TaskFile, robot: Robot) -> Plan:
     return Plan(tasks, build_knowledge(said.knowledge, robot, ("knowledge",)), said.every)
 
 
-def build_knowledge(said: schema.Knowledge, robot: Robot, place: Path = ()) -> Knowledge:
+def build_knowledge(said: schema_task.Knowledge, robot: Robot, place: Path = ()) -> Knowledge:
     """What is known of units, from paths of parts. Raises Fault where it contradicts itself."""
     known = []
     for kind in ("failed", "working"):
@@ -95,7 +95,7 @@ def _units_of(path: str, robot: Robot, kind: str, place: Path) -> set[str]:
     raise Fault(place, f"unknown part '{path}'{nearest(path, every)}")
 
 
-def _leg(said: schema.Leg, robot: Robot, place: Path) -> Leg:
+def _leg(said: schema_task.Leg, robot: Robot, place: Path) -> Leg:
     distance, duration = _distance_and_duration(place, said.distance, said.speed, said.duration)
     check_functions(said.functions, robot, place)
     stresses = {name: _stated(name, value, robot, (*place, "stresses", name)) for name, value in said.stresses.items()}

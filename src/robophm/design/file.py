@@ -299,7 +299,7 @@ def fault_of(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> tupl
 
 def _keys(place: tuple[str, ...], lines: Lines, root: type[BaseModel]) -> list[str]:
     """The keys that a mapping at this place of a file may have."""
-    from robophm.design import schema
+    from robophm.design import schema, schema_blocks, schema_task
 
     inside: dict[str, type[BaseModel]] = {
         "modules": schema.Module,
@@ -308,34 +308,34 @@ def _keys(place: tuple[str, ...], lines: Lines, root: type[BaseModel]) -> list[s
         "signals": schema.SignalBinding,
         "clocks": schema.ClockBinding,
         "common_causes": schema.CommonCause,
-        "tasks": schema.Leg,
-        "legs": schema.Leg,
-        "links": schema.NetworkLink,
+        "tasks": schema_task.Leg,
+        "legs": schema_task.Leg,
+        "links": schema_blocks.NetworkLink,
     }
     itself: dict[str, type[BaseModel]] = {
         "life": schema.Life,
         "hazard": schema.Hazard,
         "usage": schema.Usage,
-        "task": schema.Leg,
+        "task": schema_task.Leg,
         "uncertainty": schema.Uncertainty,
         "learned": schema.Learned,
         "wear": schema.Wear,
         "ambient": schema.WearGauge,
         "load": schema.WearGauge,
-        "knowledge": schema.Knowledge,
+        "knowledge": schema_task.Knowledge,
         "thresholds": schema.Thresholds if len(place) == 1 else schema.ModuleThresholds,
         "warning": schema.Limits,
         "powered": schema.PowerBinding,
-        "k_of_n": schema.KOutOfNGroup,
-        "standby": schema.StandbyGroup,
-        "load_sharing": schema.LoadSharingGroup,
-        "network": schema.NetworkGroup,
+        "k_of_n": schema_blocks.KOutOfNGroup,
+        "standby": schema_blocks.StandbyGroup,
+        "load_sharing": schema_blocks.LoadSharingGroup,
+        "network": schema_blocks.NetworkGroup,
     }
     if not place:
         return list(root.model_fields)
     if (*place, "legs") in lines:
-        return list(schema.Task.model_fields)
+        return list(schema_task.Task.model_fields)
     model = inside[place[-2]] if len(place) > 1 and place[-2] in inside else itself.get(place[-1])
     if model is None:
-        return list(schema.BLOCKS)
+        return list(schema_blocks.BLOCKS)
     return [field.alias or name for name, field in model.model_fields.items()]

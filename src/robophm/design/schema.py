@@ -1,85 +1,23 @@
 """What a design file may say, key by key. ``robophm schema`` prints it as JSON Schema.
 
-This is the only place that loads pydantic; the rest of robophm sees the resolved ``Robot`` alone.
+Only the schema files load pydantic; the rest of robophm sees the resolved ``Robot`` alone.
 """
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Discriminator,
-    Field,
-    Tag,
-    WithJsonSchema,
-    field_validator,
-    model_validator,
-)
+from pydantic import ConfigDict, Field, model_validator
 
-from robophm.core.errors import UnitError
-from robophm.core.units import quantity
-
-LONGEST = 1e9
-"""Seconds, some thirty years: what a time in a design may be, so that its nanoseconds can be counted."""
-
-BLOCKS = ("series", "parallel", "k_of_n", "standby", "load_sharing", "network")
-"""The kinds of blocks."""
+from robophm.design.schema_blocks import DependsOn, Diagram
+from robophm.design.schema_fields import LONGEST, Name, Strict, Written, quantity_in
+from robophm.design.schema_task import AnyTask
 
 Clock = Literal["operating", "calendar", "kilometres", "cycles", "starts"]
 """What a failure mode ages on."""
 
 
-def _quantity(unit: str, description: str, example: str, low: float = float("-inf"), high: float = float("inf")) -> Any:
-    """A field that takes a written quantity and holds the number in ``unit``."""
-
-    def read(value: object) -> float:
-        try:
-            number = quantity(value, unit)
-        except UnitError as error:
-            raise ValueError(str(error)) from None
-        if not number >= low:
-            raise ValueError(f"{value} is too small; expected at least {low:g} {unit}".rstrip())
-        if not number <= high:
-            raise ValueError(f"{value} is too large; expected at most {high:g} {unit}".rstrip())
-        return number
-
-    kind = {"type": ["string", "number"] if not unit else "string"}
-    return Annotated[
-        float,
-        BeforeValidator(read),
-        WithJsonSchema({**kind, "description": description, "examples": [example]}),
-    ]
-
-
-Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^/\[\]\x00-\x1f\x7f-\x9f\u2028\u2029]+$")]
-"""Of a module, component, mode or function: any text without / [ ] and control characters."""
-
-
-def _written(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, str | int | float):
-        raise ValueError("expected a quantity with its unit, e.g. '12 FIT', or a word where the input is a choice")
-    if isinstance(value, float) and not math.isfinite(value):
-        raise ValueError(f"{value} is not a finite number")
-    return value
-
-
-Written = Annotated[
-    str | int | float,
-    BeforeValidator(_written),
-    WithJsonSchema({"type": ["string", "number"], "description": "a quantity with its unit"}),
-]
-"""A quantity whose unit depends on its neighbours; it is converted when the robot is put together."""
-
-
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True, allow_inf_nan=False)
-
-
-class SignalBinding(_Strict):
+class SignalBinding(Strict):
     """A model input that is measured: a field of a topic."""
 
     topic: str = Field(min_length=1, description="e.g. /power/temperature")
@@ -88,7 +26,7 @@ class SignalBinding(_Strict):
     range: tuple[float, float] | None = Field(None, description="what is outside, in that unit, is no sample")
     rated: float | None = Field(None, gt=0, description="what counts as 1, in that unit; of an input such as load")
     offset: Written | None = Field(None, description="added to the value, e.g. 15 K for a part hotter than its module")
-    max_age: _quantity("s", "how long the last value holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
+    max_age: quantity_in("s", "how long the last value holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
     stale: Literal["conservative", "nominal", "hold", "worst"] = Field(
         "conservative", description="what applies when there is no value"
     )
@@ -100,7 +38,7 @@ class SignalBinding(_Strict):
         return self
 
 
-class ClockBinding(_Strict):
+class ClockBinding(Strict):
     """A clock that is measured: distance from positions or speed, cycles or starts from rising edges."""
 
     topic: str = Field(min_length=1)
@@ -109,7 +47,7 @@ class ClockBinding(_Strict):
     edge: str | None = Field(None, description="field whose rise through the threshold counts one")
     unit: str | None = Field(None, description="unit of the field; default m or m/s")
     threshold: float = Field(0.5, description="of an edge, in the field's unit")
-    max_age: _quantity("s", "how long the last speed holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
+    max_age: quantity_in("s", "how long the last speed holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
 
     @model_validator(mode="after")
     def _one_kind(self) -> ClockBinding:
@@ -118,14 +56,14 @@ class ClockBinding(_Strict):
         return self
 
 
-class PowerBinding(_Strict):
+class PowerBinding(Strict):
     """The signal that says whether the robot is on: true above a half."""
 
     topic: str = Field(min_length=1)
     field: str = Field(min_length=1)
 
 
-class Variable(_Strict):
+class Variable(Strict):
     """A number in a formula: its value by design, and the unit in which the formula takes it."""
 
     value: Written
@@ -140,7 +78,7 @@ class Variable(_Strict):
         return self
 
 
-class Hazard(_Strict):
+class Hazard(Strict):
     """A hazard rate by a handbook model, or by the user's own formula."""
 
     model_config = ConfigDict(
@@ -167,14 +105,14 @@ class Hazard(_Strict):
         return self
 
 
-class Life(_Strict):
+class Life(Strict):
     """How hazard depends on age; the scale follows from the rate unless it is given."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
     distribution: str = Field("exponential", description="e.g. weibull, lognormal; parameters as further keys")
 
 
-class Acceleration(_Strict):
+class Acceleration(Strict):
     """How stress shortens life: a model and its parameters as further keys."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
@@ -184,7 +122,7 @@ class Acceleration(_Strict):
 Accelerations = Acceleration | list[Acceleration] | Literal["none"]
 
 
-class Uncertainty(_Strict):
+class Uncertainty(Strict):
     """How sure a rate is: exactly one of the three. Its mean is the stated rate."""
 
     error_factor: float | None = Field(None, gt=1, le=1e6, description="lognormal: 95th percentile over the median")
@@ -198,7 +136,7 @@ class Uncertainty(_Strict):
         return self
 
 
-class Learned(_Strict):
+class Learned(Strict):
     """What the field says of a stated rate; `robophm learn` writes it, from all that was seen so far."""
 
     factor: float = Field(gt=0, le=1e12, description="the rate is so many times what is stated")
@@ -212,13 +150,13 @@ class Learned(_Strict):
     note: str = Field("", max_length=500)
 
 
-class WearGauge(_Strict):
+class WearGauge(Strict):
     """What is measured beside a signal of wear."""
 
     topic: str = Field(min_length=1)
     field: str = Field(min_length=1, description="path of the number in the message")
     range: tuple[float, float] | None = Field(None, description="as recorded; of a load: within which samples count")
-    max_age: _quantity("s", "how long the last value holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
+    max_age: quantity_in("s", "how long the last value holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
 
     @model_validator(mode="after")
     def _range_ascends(self) -> WearGauge:
@@ -227,7 +165,7 @@ class WearGauge(_Strict):
         return self
 
 
-class Wear(_Strict):
+class Wear(Strict):
     """A signal that shows how worn a part is, and how worn is too much; `robophm wear` reads it from recordings."""
 
     topic: str = Field(min_length=1, description="e.g. /joint_states")
@@ -237,7 +175,7 @@ class Wear(_Strict):
     reading: Literal["mean", "rms", "kurtosis", "highest", "lowest"] = Field(
         "mean", description="what is made of the samples of each stretch of time; rms is about their mean"
     )
-    every: _quantity("s", "how long such a stretch is", "1 h", 1.0, LONGEST) = 3600.0  # type: ignore[valid-type]
+    every: quantity_in("s", "how long such a stretch is", "1 h", 1.0, LONGEST) = 3600.0  # type: ignore[valid-type]
     ambient: WearGauge | None = Field(None, description="is taken off each sample, e.g. the temperature of the air")
     load: WearGauge | None = Field(None, description="samples count only while this is within its range")
     threshold: Written = Field(description="at which the part is worn out, e.g. 6 A; a signal that falls falls to it")
@@ -251,7 +189,7 @@ class Wear(_Strict):
         return self
 
 
-class FailureMode(_Strict):
+class FailureMode(Strict):
     """One way to fail; the modes of a component are in series."""
 
     rate: Written | None = Field(
@@ -268,16 +206,6 @@ class FailureMode(_Strict):
     learned: Learned | None = Field(None, description="what the field says of it, and how sure it is then")
     wear: Wear | None = Field(None, description="a signal that shows it coming")
 
-
-def _one_or_list(value: object) -> str:
-    return "list" if isinstance(value, list) else "one"
-
-
-DependsOn = Annotated[
-    Annotated["Diagram", Tag("one")] | Annotated[list["Diagram"], Field(min_length=1), Tag("list")],
-    Discriminator(_one_or_list),
-]
-"""A diagram, or a list of blocks all of which must work."""
 
 Duty = Annotated[float, Field(ge=0, le=1, description="share at which parts age in a leg that does not need them")]
 
@@ -298,135 +226,7 @@ class Component(FailureMode):
     failure_modes: dict[Name, FailureMode] = Field(default_factory=dict)
 
 
-class Series(_Strict):
-    """Works while all work."""
-
-    series: list[Diagram] = Field(min_length=1)
-
-
-class Parallel(_Strict):
-    """Works while any works."""
-
-    parallel: list[Diagram] = Field(min_length=1)
-
-
-class KOutOfNGroup(_Strict):
-    """k and the blocks it is chosen of."""
-
-    k: int = Field(strict=True, ge=1)
-    of: list[Diagram] = Field(min_length=1)
-
-
-class KOutOfN(_Strict):
-    """Works while at least k work."""
-
-    k_of_n: KOutOfNGroup
-
-
-class StandbyGroup(_Strict):
-    """Parts of which the first work and the others wait."""
-
-    of: list[str] = Field(min_length=1, description="parts or modules in the order of their use")
-    active: int = Field(1, strict=True, ge=1, description="how many work at a time")
-    dormancy: float = Field(
-        0.0, ge=0, le=1, description="share of the speed at which a spare ages while it waits; 0 cold"
-    )
-    switch: float = Field(1.0, ge=0, le=1, description="probability that a spare takes over when it is called")
-
-
-class Standby(_Strict):
-    """Works while a spare can take the place of each part that fails."""
-
-    standby: StandbyGroup
-
-
-class LoadSharingGroup(_Strict):
-    """Equal parts that share one load."""
-
-    of: list[str] = Field(min_length=1, description="parts or modules")
-    k: int = Field(1, strict=True, ge=1, description="how many must work")
-    exponent: float | None = Field(None, ge=0, le=100, description="life goes down with this power of each one's share")
-    factors: list[Annotated[float, Field(gt=0, le=1e12)]] | None = Field(
-        None, description="instead: how many times as fast each ages with 0, 1, … failed, e.g. [1, 2.5]"
-    )
-
-    @model_validator(mode="after")
-    def _one_law(self) -> LoadSharingGroup:
-        if (self.exponent is None) == (self.factors is None):
-            raise ValueError("expected either exponent, e.g. 3 for bearings, or factors")
-        return self
-
-
-class LoadSharing(_Strict):
-    """Works while at least k work; the fewer they are, the faster they age."""
-
-    load_sharing: LoadSharingGroup
-
-
-class NetworkLink(_Strict):
-    """A link that is not just a chain of names: one way only, or with something on it that may fail."""
-
-    between: tuple[str, str] | None = Field(None, description="the nodes that it joins, both ways")
-    start: str | None = Field(None, alias="from", description="where a one-way link starts")
-    end: str | None = Field(None, alias="to", description="where a one-way link ends")
-    through: Diagram | None = Field(None, description="what on it may fail, e.g. a cable; default nothing")
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> NetworkLink:
-        if (self.between is None) == (self.start is None) or (self.start is None) != (self.end is None):
-            raise ValueError("expected between: [A, B], or from: A and to: B")
-        return self
-
-
-Links = Annotated[
-    Annotated[list[str], Field(min_length=2), Tag("names")] | Annotated[NetworkLink, Tag("link")],
-    Discriminator(
-        lambda value: "names" if isinstance(value, list) else "link" if isinstance(value, dict | NetworkLink) else None,
-        custom_error_type="link",
-        custom_error_message="not a link; expected names, e.g. [A, B], or between: [A, B], or from: A and to: B",
-    ),
-]
-
-
-class NetworkGroup(_Strict):
-    """Nodes and what joins them. A node is a part, a junction, or where the network begins and ends."""
-
-    start: str = Field(alias="from", description="where it begins: a part, or any name that links have")
-    end: str = Field(alias="to", description="where it ends, likewise")
-    links: list[Links] = Field(min_length=1, description="[A, B, …] joins each name with the next, both ways")
-    junctions: list[str] = Field(default_factory=list, description="nodes that are no parts and cannot fail")
-
-
-class Network(_Strict):
-    """Works while a path of working parts leads from one node to another."""
-
-    network: NetworkGroup
-
-
-def _kind_of_block(value: object) -> str | None:
-    if isinstance(value, str):
-        return "part"
-    kinds = value if isinstance(value, dict) else type(value).model_fields if isinstance(value, BaseModel) else ()
-    return next((kind for kind in BLOCKS if kind in kinds), None)
-
-
-Diagram = Annotated[
-    Annotated[str, Tag("part")]
-    | Annotated[Series, Tag("series")]
-    | Annotated[Parallel, Tag("parallel")]
-    | Annotated[KOutOfN, Tag("k_of_n")]
-    | Annotated[Standby, Tag("standby")]
-    | Annotated[LoadSharing, Tag("load_sharing")]
-    | Annotated[Network, Tag("network")],
-    Discriminator(
-        _kind_of_block,
-        custom_error_type="block",
-        custom_error_message="not a block; expected a part's name, or one of " + ", ".join(BLOCKS),
-    ),
-]
-
-
-class CommonCause(_Strict):
+class CommonCause(Strict):
     """Alike parts that may fail together, and how often: exactly one of beta, mgl, alpha."""
 
     of: list[str] = Field(min_length=1, description="parts of this level, below it, or from the robot down after /")
@@ -444,7 +244,7 @@ class CommonCause(_Strict):
         return self
 
 
-class _Group(_Strict):
+class _Group(Strict):
     description: str | None = None
     environment: str | None = None
     ambient: Written | None = Field(
@@ -461,12 +261,12 @@ class _Group(_Strict):
     common_causes: dict[Name, CommonCause] = Field(default_factory=dict, description="groups that may fail together")
 
 
-class Limits(_Strict):
+class Limits(Strict):
     """How good health must be, as sensors have it."""
 
-    hazard_rate: _quantity("1/h", "at most", "1000 FPMH", 0.0) | None = None  # type: ignore[valid-type]
+    hazard_rate: quantity_in("1/h", "at most", "1000 FPMH", 0.0) | None = None  # type: ignore[valid-type]
     reliability: Annotated[float, Field(gt=0, lt=1, description="at least, since new")] | None = None
-    remaining_life: _quantity("h", "median, at least", "500 h", 0.0) | None = None  # type: ignore[valid-type]
+    remaining_life: quantity_in("h", "median, at least", "500 h", 0.0) | None = None  # type: ignore[valid-type]
     completion: Annotated[float, Field(gt=0, lt=1, description="of the task, at least")] | None = None
 
 
@@ -491,65 +291,13 @@ class Module(_Group):
     depends_on: DependsOn | None = Field(None, description="works only while this does: a part, a block, or a list")
 
 
-class Usage(_Strict):
+class Usage(Strict):
     """What an hour brings: the nominal future, on every clock."""
 
     operating: Annotated[float, Field(gt=0, le=1, description="share of calendar time that the robot works")] = 1.0
-    kilometres: _quantity("km/h", "driven per operating hour", "1.2 km/h", 0.0) | None = None  # type: ignore[valid-type]
-    cycles: _quantity("cycle/h", "cycles per operating hour", "40 cycle/h", 0.0) | None = None  # type: ignore[valid-type]
-    starts: _quantity("start/h", "starts per operating hour", "0.1 start/h", 0.0) | None = None  # type: ignore[valid-type]
-
-
-class Leg(_Strict):
-    """A part of a task: two of distance, speed and duration, or a duration alone."""
-
-    distance: _quantity("m", "to drive", "250 m", 0.0) | None = None  # type: ignore[valid-type]
-    speed: _quantity("m/s", "while driving", "0.3 m/s", 0.0) | None = None  # type: ignore[valid-type]
-    duration: _quantity("h", "instead of distance and speed, or with a distance", "20 min", 0.0) | None = None  # type: ignore[valid-type]
-    cycles: Annotated[float, Field(ge=0, description="in this leg; default by the usage per hour")] | None = None
-    starts: Annotated[float, Field(ge=0, description="in this leg; default by the usage per hour")] | None = None
-    functions: list[Name] = Field(default_factory=list, description="what must work; default the whole robot")
-    stresses: dict[str, Written] = Field(
-        default_factory=dict, description="what sensors would read: temperature, or Power/temperature below a module"
-    )
-
-    @field_validator("cycles", "starts", mode="before")
-    @classmethod
-    def _counted(cls, value: object) -> object:
-        if isinstance(value, bool):
-            raise ValueError(f"expected a number, not {value}")
-        return value
-
-
-class Task(_Strict):
-    """One job of the robot, leg after leg."""
-
-    name: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x09\x0b-\x1f\x7f-\x9f]*$")] = ""
-    legs: list[Leg] = Field(min_length=1, max_length=10_000)
-
-
-def _kind_of_task(value: object) -> str:
-    return "Task" if isinstance(value, Task) or (isinstance(value, dict) and "legs" in value) else "Leg"
-
-
-AnyTask = Annotated[Annotated[Task, Tag("Task")] | Annotated[Leg, Tag("Leg")], Discriminator(_kind_of_task)]
-"""A task, or its only leg."""
-
-
-class Knowledge(_Strict):
-    """What is known of parts, by their paths."""
-
-    failed: list[str] = Field(default_factory=list, description="have failed")
-    working: list[str] = Field(default_factory=list, description="work now")
-
-
-class TaskFile(_Strict):
-    """Tasks in their order, and what is known before the first."""
-
-    schema_version: Literal[1]
-    tasks: list[AnyTask] = Field(min_length=1, max_length=100_000)
-    knowledge: Knowledge = Field(default_factory=Knowledge)
-    every: _quantity("h", "the list is begun anew so often", "8 h", 0.0) | None = None  # type: ignore[valid-type]
+    kilometres: quantity_in("km/h", "driven per operating hour", "1.2 km/h", 0.0) | None = None  # type: ignore[valid-type]
+    cycles: quantity_in("cycle/h", "cycles per operating hour", "40 cycle/h", 0.0) | None = None  # type: ignore[valid-type]
+    starts: quantity_in("start/h", "starts per operating hour", "0.1 start/h", 0.0) | None = None  # type: ignore[valid-type]
 
 
 class RobotFile(_Group):
@@ -559,15 +307,13 @@ class RobotFile(_Group):
     name: Name
     usage: Usage = Field(default_factory=Usage)
     powered: PowerBinding | None = None
-    max_gap: _quantity("s", "after so long a silence the robot is off", "60 s", 0.0, LONGEST) = 60.0  # type: ignore[valid-type]
+    max_gap: quantity_in("s", "after so long a silence the robot is off", "60 s", 0.0, LONGEST) = 60.0  # type: ignore[valid-type]
     task: AnyTask | None = None
     functions: dict[Name, Diagram] = Field(default_factory=dict, description="what the robot can do, each a diagram")
     thresholds: Thresholds = Field(default_factory=Thresholds)
 
 
-for _model in (
-    Component, Series, Parallel, KOutOfNGroup, KOutOfN, NetworkLink, NetworkGroup, Network, Module, RobotFile
-):  # fmt: skip
+for _model in (Module, RobotFile):
     _model.model_rebuild()
 
 

@@ -36,7 +36,7 @@ def load_plan(path: str | os.PathLike[str], robot: Robot) -> Plan:
 
 def parse_plan(text: str, robot: Robot, name: str = "tasks") -> Plan:
     """Tasks from the text of a YAML file; ``name`` is what errors call it. Raises DesignError."""
-    from robophm.design.schema import TaskFile
+    from robophm.design.schema_task import TaskFile
 
     data, lines = mapping(text, name, "list of tasks")
     return _plan(data, lines, robot, name, TaskFile)
@@ -74,7 +74,7 @@ def table_rows(text: str, name: str) -> list[Row]:
 
 def plan_of_rows(rows: Iterable[Row], robot: Robot, name: str) -> Plan:
     """Tasks from rows of a table. Raises DesignError."""
-    from robophm.design.schema import TaskFile
+    from robophm.design.schema_task import TaskFile
 
     known = {"task", "functions", *_LEG}
     known |= {one for mode in robot.modes for stress in mode.stresses for one in stress.model.numbers}

@@ -9,7 +9,7 @@ from typing import Any
 
 from robophm.blocks import diagram as blocks
 from robophm.core.errors import StructureError, nearest
-from robophm.design import schema
+from robophm.design import schema_blocks
 from robophm.design.fault import Fault, Path
 from robophm.design.robot import Component, Module
 
@@ -72,13 +72,13 @@ class Wiring:
         if isinstance(diagram, str):
             return blocks.Unit(self._resolve(level, diagram, place))
         try:
-            if isinstance(diagram, schema.Series):
+            if isinstance(diagram, schema_blocks.Series):
                 return blocks.Series(*self._inner(level, diagram.series, (*place, "series")))
-            if isinstance(diagram, schema.Parallel):
+            if isinstance(diagram, schema_blocks.Parallel):
                 return blocks.Parallel(*self._inner(level, diagram.parallel, (*place, "parallel")))
-            if isinstance(diagram, schema.Network):
+            if isinstance(diagram, schema_blocks.Network):
                 return self._network(level, diagram.network, (*place, "network"))
-            if isinstance(diagram, schema.KOutOfN):
+            if isinstance(diagram, schema_blocks.KOutOfN):
                 group = diagram.k_of_n
                 return blocks.KOutOfN(group.k, *self._inner(level, group.of, (*place, "k_of_n", "of")))
             return self._group(level, diagram, place)
@@ -88,7 +88,7 @@ class Wiring:
     def _inner(self, level: str, diagrams: Iterable[Any], place: Path) -> list[blocks.Block]:
         return [self._named(level, diagram, (*place, str(i))) for i, diagram in enumerate(diagrams)]
 
-    def _network(self, level: str, network: schema.NetworkGroup, place: Path) -> blocks.Network:
+    def _network(self, level: str, network: schema_blocks.NetworkGroup, place: Path) -> blocks.Network:
         links: list[blocks.Link] = []
         for i, said in enumerate(network.links):
             at = (*place, "links", str(i))
@@ -115,9 +115,11 @@ class Wiring:
         except StructureError as error:
             raise Fault(place, str(error).removeprefix("network: ")) from None
 
-    def _group(self, level: str, diagram: schema.Standby | schema.LoadSharing, place: Path) -> blocks.Block:
+    def _group(
+        self, level: str, diagram: schema_blocks.Standby | schema_blocks.LoadSharing, place: Path
+    ) -> blocks.Block:
         """A group whose members are paths; the equal parts of a component are members of their own."""
-        kind, said = ("standby", diagram.standby) if isinstance(diagram, schema.Standby) else (
+        kind, said = ("standby", diagram.standby) if isinstance(diagram, schema_blocks.Standby) else (
             "load_sharing", diagram.load_sharing)  # fmt: skip
         place = (*place, kind)
         members: list[tuple[str, ...]] = []
@@ -129,7 +131,7 @@ class Wiring:
                 raise Fault(place, f"'{name}': {component.required} of {component.quantity}; expected a quantity alone")
             members += [(unit,) for unit in units]
         name = f"{kind.replace('_', ' ')} of {', '.join(member for (member,) in members)}"
-        if isinstance(said, schema.StandbyGroup):
+        if isinstance(said, schema_blocks.StandbyGroup):
             return blocks.Standby(name, tuple(members), said.active, said.dormancy, said.switch)
         factors = tuple(said.factors or ()) or blocks.equal_share(len(members), said.k, said.exponent or 0.0)
         return blocks.LoadSharing(name, tuple(members), said.k, factors)
@@ -327,14 +329,14 @@ def told_apart(level: Any) -> Iterable[str]:
                 yield block
         elif isinstance(block, list):
             stack += block
-        elif isinstance(block, schema.Standby | schema.LoadSharing):
-            yield from (block.standby if isinstance(block, schema.Standby) else block.load_sharing).of
-        elif isinstance(block, schema.Network):
+        elif isinstance(block, schema_blocks.Standby | schema_blocks.LoadSharing):
+            yield from (block.standby if isinstance(block, schema_blocks.Standby) else block.load_sharing).of
+        elif isinstance(block, schema_blocks.Network):
             stack += block.network.links
-        elif isinstance(block, schema.NetworkLink):
+        elif isinstance(block, schema_blocks.NetworkLink):
             stack += [*(block.between or (block.start, block.end)), block.through]
         elif block is not None:
-            inner = getattr(block, next(kind for kind in schema.BLOCKS if hasattr(block, kind)))
+            inner = getattr(block, next(kind for kind in schema_blocks.BLOCKS if hasattr(block, kind)))
             stack += getattr(inner, "of", inner)
     for module in level.modules.values():
         yield from told_apart(module)

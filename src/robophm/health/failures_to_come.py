@@ -12,7 +12,8 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block
 from robophm.blocks.importance import barlow_proschan
 from robophm.core.given import number
-from robophm.health.prognosis import Outlook, View
+from robophm.health.outlooks import View
+from robophm.health.prognosis import Outlook
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 
 Array = npt.NDArray[np.float64]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from robophm.core.errors import RobophmError
 from robophm.design.robot import Robot
 from robophm.health.exposure import ExposureIntegrator
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 from robophm.health.subject import figures
 
 

@@ -22,8 +22,9 @@ from robophm.health.exposure import ExposureIntegrator
 from robophm.health.failures_to_come import LONGEST, FailuresToCome, failures_to_come
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion, plan_future
+from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.plant import Plant
-from robophm.health.prognosis import FutureName, Outlook, RemainingLife, View, outlooks
+from robophm.health.prognosis import Outlook, RemainingLife
 from robophm.health.subject import STALE, Figures, State, Subject, breached, figures_now, looking_ahead, silence
 from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, life_uncertainty
 from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks, named, unknown

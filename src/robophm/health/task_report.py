@@ -11,8 +11,9 @@ from robophm.design.task import Plan, Task
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, Deciding, completion, deciding, following
+from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.plant import Plant
-from robophm.health.prognosis import FutureName, Outlook, View, outlooks
+from robophm.health.prognosis import Outlook
 from robophm.health.report import VIEWS, plain, task_to_json
 from robophm.health.uncertainty import DRAWS, SCENARIOS, CompletionUncertainty, completion_uncertainty, draw_loads
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown

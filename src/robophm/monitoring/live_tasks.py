@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from robophm.core.signal import HOUR
 from robophm.health.ledger import Ledger
 from robophm.health.mission import completion
-from robophm.health.prognosis import outlooks
+from robophm.health.outlooks import outlooks
 from robophm.health.report import VIEWS
 from robophm.health.task_report import unknown_in
 from robophm.health.window import Window

@@ -20,8 +20,8 @@ from robophm.design.task import Knowledge, Plan, Task
 from robophm.health.clock_jumps import CLOCK_JUMP, ClockJumps, stretches, why_not
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
+from robophm.health.outlooks import FutureName
 from robophm.health.plant import Plant
-from robophm.health.prognosis import FutureName
 from robophm.health.report import HealthReport, health_report
 from robophm.health.window import Columns, Window, parted
 

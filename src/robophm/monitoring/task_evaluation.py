@@ -10,8 +10,9 @@ import numpy as np
 from robophm.design.task import Leg, Task
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, Steps, completion_of_steps
+from robophm.health.outlooks import View
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, View
+from robophm.health.prognosis import Outlook
 from robophm.health.report import VIEWS
 from robophm.transports.tasks import DoneTask, PlannedTask
 

@@ -19,7 +19,8 @@ from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Task
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, completion
-from robophm.health.prognosis import Outlook, View, outlooks
+from robophm.health.outlooks import View, outlooks
+from robophm.health.prognosis import Outlook
 from robophm.health.report import VIEWS
 from robophm.health.task_report import unknown_in
 from robophm.health.unknown_rates import PartsOfUnknownRate

@@ -9,7 +9,8 @@ from robophm.core.errors import StructureError
 from robophm.design.robot import Robot
 from robophm.design.task import Task
 from robophm.health.importance import LIFELONG, Drawn, Importances, importances, usual_hours
-from robophm.health.prognosis import Outlook, View
+from robophm.health.outlooks import View
+from robophm.health.prognosis import Outlook
 from robophm.health.replacement import Replacements, replacements
 from robophm.report.bars import bars_svg
 from robophm.report.markup import Html

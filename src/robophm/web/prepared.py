@@ -12,8 +12,9 @@ from typing import Literal
 
 from robophm.blocks.merging import single_points_of_failure
 from robophm.design.robot import Module, Robot
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook, as_designed
+from robophm.health.prognosis import Outlook
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 from robophm.web.shapes import LevelFigures, UnknownRates
 

@@ -8,8 +8,8 @@ import pytest
 from robophm.core.errors import DataError
 from robophm.design.file import parse
 from robophm.health.effects import alarm_chances, silent_states
+from robophm.health.outlooks import nominal_outlook
 from robophm.health.plant import Plant
-from robophm.health.prognosis import nominal_outlook
 from robophm.learning.diagnosis.sensor_choice import choose, explained, greedily
 
 

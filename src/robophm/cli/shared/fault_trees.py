@@ -16,8 +16,8 @@ from robophm.cli.shared.output import console, print_table, table
 from robophm.core.errors import RobophmError, StructureError, nearest
 from robophm.design.importers.open_psa import Model, load
 from robophm.design.robot import Robot
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 from robophm.health.report import plain
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 from robophm.life.exponential import Exponential

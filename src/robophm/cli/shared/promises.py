@@ -8,8 +8,8 @@ import numpy as np
 
 from robophm.design.importers.legacy.figures import legacy_rate, legacy_reliability
 from robophm.design.robot import Module, Robot
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 
 

@@ -17,7 +17,7 @@ from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Task
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion
-from robophm.health.prognosis import View
+from robophm.health.outlooks import View
 from robophm.health.report import VIEWS, task_to_json
 from robophm.health.unknown_rates import MARKS, PartsOfUnknownRate, marked
 from robophm.monitoring.task_history import TaskRecord, judge_tasks

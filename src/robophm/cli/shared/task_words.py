@@ -11,7 +11,7 @@ from robophm.design.asked import contradiction
 from robophm.design.build_task import build_knowledge
 from robophm.design.fault import Fault
 from robophm.design.robot import Robot
-from robophm.design.schema import Knowledge as SaidKnowledge
+from robophm.design.schema_task import Knowledge as SaidKnowledge
 from robophm.design.task import Knowledge, Plan
 
 

@@ -8,7 +8,8 @@ from typing import Any
 
 from robophm.core.signal import SECOND
 from robophm.design.robot import UNKNOWN
-from robophm.health.prognosis import RemainingLife, View
+from robophm.health.outlooks import View
+from robophm.health.prognosis import RemainingLife
 from robophm.health.report import VIEWS, ComponentHealth, HealthReport
 from robophm.health.subject import STALE, State, Subject
 from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks

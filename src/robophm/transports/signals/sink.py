@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Self
 
 from robophm.health.mission import Completion
-from robophm.health.prognosis import View
+from robophm.health.outlooks import View
 from robophm.health.report import HealthReport
 from robophm.health.unknown_rates import PartsOfUnknownRate
 

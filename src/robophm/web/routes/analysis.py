@@ -14,7 +14,8 @@ from robophm.blocks.diagram import Block
 from robophm.blocks.fault_tree import FaultTree
 from robophm.core.errors import DesignError, nearest
 from robophm.health.importance import LIFELONG, Drawn, importances, usual_hours
-from robophm.health.prognosis import Outlook, outlooks
+from robophm.health.outlooks import outlooks
+from robophm.health.prognosis import Outlook
 from robophm.health.report import VIEWS, plain
 from robophm.health.unknown_rates import unknown
 from robophm.report.minimal_sets import MOST_PARTS, STEPS, Listed, failed_of

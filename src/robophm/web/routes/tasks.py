@@ -16,7 +16,7 @@ from robophm.design.robot import Robot
 from robophm.design.task import Plan, Task
 from robophm.design.task_file import parse_plan, plan_from_csv
 from robophm.health.mission import Completion, repetitions
-from robophm.health.prognosis import FutureName, View, outlooks
+from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.report import VIEWS
 from robophm.health.task_report import task_report, unknown_in
 from robophm.health.unknown_rates import PartsOfUnknownRate

@@ -11,8 +11,8 @@ from robophm.core.errors import DesignError, StructureError
 from robophm.design.file import parse
 from robophm.design.importers.open_psa import load
 from robophm.design.importers.open_psa.as_design import as_design
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import as_designed
 
 TIME = 500.0
 

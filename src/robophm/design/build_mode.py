@@ -1,0 +1,296 @@
+"""From what a design file says of a failure mode to its rate, life, stresses and clock."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from robophm.core.errors import ModelError, PlugError, RobophmError, UnitError, nearest
+from robophm.core.signal import SECOND, signal_name
+from robophm.core.units import conversion
+from robophm.design import schema
+from robophm.design.build_wear import build_wear
+from robophm.design.driving import Driving, drivers
+from robophm.design.fault import Fault, Path, written
+from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Evidence, FailureMode, MeasuredClock, Stress, Uncertainty
+from robophm.design.scope import Scope
+from robophm.hazard.acceleration import PER_CYCLE, acceleration_model, stress_inputs
+from robophm.hazard.formula import formula_model
+from robophm.hazard.handbooks import handbook_model
+from robophm.hazard.model import Model, Range
+from robophm.life import life_distribution
+from robophm.life._never import Never
+from robophm.life.distribution import LifeDistribution
+
+
+class ModeBuilder:
+    """Builds the failure modes of one design: what is stated and measured alike is one stress."""
+
+    def __init__(self, usage: schema.Usage, driving: Driving) -> None:
+        self.usage = usage
+        self.driving = driving
+        self.stresses: dict[str, Stress] = {}
+
+    def mode(
+        self, path: Path, place: Path, mode: schema.FailureMode, part: schema.Component, scope: Scope
+    ) -> FailureMode:
+        """Of a part in a scope. Raises Fault where what is said of it contradicts itself."""
+        clock_unit = CLOCK_UNITS[mode.clock]
+        if mode.rate is not None and mode.hazard is not None:
+            raise Fault((*place, "rate"), "both 'rate' and 'hazard' are given; expected one of the two")
+        if mode.rate == UNKNOWN:
+            return self._unknown_mode(path, place, mode)
+        hazard = self._hazard(place, mode.hazard, part, scope, clock_unit) if mode.hazard else None
+        if hazard and hazard.model.unit != f"1/{clock_unit}":
+            raise Fault(
+                place,
+                f"{hazard.model.name} gives {hazard.model.unit}, but its clock '{mode.clock}' counts {clock_unit}",
+            )
+        rate: float | None = None
+        if mode.rate is not None:
+            rate = written((*place, "rate"), mode.rate, f"1/{clock_unit}")
+        elif hazard:
+            rate = hazard.reference
+        if rate is not None and not math.isfinite(rate):
+            raise Fault((*place, "hazard"), f"hazard rate {rate:g}; expected a number: the formula has none here")
+        if rate is not None and not rate > 0:
+            at, said = ("hazard", f"{rate:g}") if hazard else ("rate", mode.rate)
+            raise Fault((*place, at), f"hazard rate {said}; expected above zero: a part that never fails is no part")
+        factor = mode.learned.factor if mode.learned else 1.0
+        life, rate = self._life((*place, "life"), mode.life, rate, clock_unit, place, factor)
+        if hazard and "b10" in hazard.design and getattr(life, "shape", 1.0) != hazard.design["shape"]:
+            raise Fault(
+                (*place, "life"),
+                f"{mode.life.distribution} has not the shape {hazard.design['shape']:g} by which the mean follows "
+                "from the B10; expected e.g. {distribution: weibull, shape: 2}, the same in both",
+            )
+        stresses = self._accelerations(place, mode, part, hazard, scope)
+        if mode.clock in ("kilometres", "cycles", "starts") and getattr(self.usage, mode.clock) is None:
+            raise Fault(
+                ("usage",),
+                f"says nothing of '{mode.clock}', on which {'/'.join(path)} ages; expected e.g. "
+                f"{mode.clock}: 1 {clock_unit}/h",
+            )
+        initial = 0.0
+        if mode.initial_exposure is not None:
+            initial = written((*place, "initial_exposure"), mode.initial_exposure, clock_unit)
+            if not initial >= 0:
+                raise Fault(
+                    (*place, "initial_exposure"),
+                    f"{mode.initial_exposure} is negative; expected at least zero",
+                )
+        measured = scope.clocks.get(mode.clock)
+        stated = self._uncertainty(place, mode, rate / factor, f"1/{clock_unit}", scope)
+        return FailureMode(
+            "/".join(path), rate, life, mode.clock, self.measured_clock(mode.clock, *measured) if measured else None,
+            mode.scaling, initial, (hazard, *stresses) if hazard else stresses, mode.source or self._said_source(mode),
+            Uncertainty(failures=mode.learned.shape) if mode.learned else stated,
+            evidence=Evidence(factor, stated) if mode.learned else None,
+            wear=build_wear((*place, "wear"), mode.wear, part.quantity) if mode.wear else None,
+        )  # fmt: skip
+
+    @staticmethod
+    def _unknown_mode(path: Path, place: Path, mode: schema.FailureMode) -> FailureMode:
+        """One of whose rate nothing is known: it is there, and never comes."""
+        for key in ("life", "acceleration", "uncertainty", "learned", "wear", "scaling"):
+            if key in mode.model_fields_set:
+                raise Fault((*place, key), f"its rate is unknown, and '{key}' says nothing then; expected a rate")
+        initial = 0.0
+        if mode.initial_exposure is not None:
+            initial = max(written((*place, "initial_exposure"), mode.initial_exposure, CLOCK_UNITS[mode.clock]), 0.0)
+        return FailureMode(
+            "/".join(path), 0.0, Never(), mode.clock, None, mode.scaling, initial, (), mode.source or ""
+        )  # fmt: skip
+
+    @staticmethod
+    def _said_source(mode: schema.FailureMode) -> str:
+        """Where the hazard itself says its rate is from."""
+        return str(mode.hazard.source or mode.hazard.inputs.get("source", "")) if mode.hazard else ""
+
+    @staticmethod
+    def _uncertainty(place: Path, mode: schema.FailureMode, rate: float, unit: str, scope: Scope) -> Uncertainty | None:
+        own = ((*place, "uncertainty"), mode.uncertainty) if mode.uncertainty else scope.uncertainty
+        if own is None:
+            return None
+        place, said = own
+        samples = tuple(written((*place, "samples"), one, unit) / rate for one in said.samples or ())
+        if not all(one > 0 for one in samples):
+            raise Fault((*place, "samples"), "a sample is not above zero; expected hazard rates")
+        return Uncertainty(said.error_factor, said.failures, samples or None)
+
+    def _hazard(
+        self, place: Path, hazard: schema.Hazard, part: schema.Component, scope: Scope, clock_unit: str
+    ) -> Stress:
+        place = (*place, "hazard")
+        if hazard.formula is not None:
+            model = self._formula(place, hazard, clock_unit)
+            values = {name: variable.value for name, variable in hazard.variables.items()}
+            return self._stress((*place, "variables"), model, values, part, scope)
+        model = _plug((*place, "model"), handbook_model, str(hazard.model))
+        inputs: dict[str, object] = dict(hazard.inputs)
+        if "environment" in model.inputs and scope.environment and "environment" not in inputs:
+            inputs["environment"] = scope.environment
+        # a board has hundreds of equal parts: what is stated and measured alike is one stress; as it is written,
+        # since 1 and True are equal and the second is no number
+        key = repr((model.name, inputs, [at for at, _ in scope.signals.values()], part.offsets, scope.ambient))
+        if key not in self.stresses:
+            self.stresses[key] = self._stress((*place, "inputs"), model, inputs, part, scope)
+        return self.stresses[key]
+
+    @staticmethod
+    def _formula(place: Path, hazard: schema.Hazard, clock_unit: str) -> Model:
+        ranges = {}
+        for name, said in hazard.variables.items():
+            try:
+                conversion(said.unit, said.unit)
+            except UnitError as error:
+                raise Fault((*place, "variables", name, "unit"), str(error)) from None
+            low, high = said.range or (-math.inf, math.inf)
+            ranges[name] = Range(low, high, said.unit, said.description or name)
+        try:
+            return formula_model(
+                str(hazard.formula), str(hazard.unit), ranges, str(hazard.source), inside=f"1/{clock_unit}"
+            )
+        except UnitError as error:
+            raise Fault((*place, "unit"), str(error)) from None
+        except ModelError as error:
+            raise Fault((*place, "formula"), str(error)) from None
+
+    def _accelerations(
+        self,
+        place: Path,
+        mode: schema.FailureMode,
+        part: schema.Component,
+        hazard: Stress | None,
+        scope: Scope,
+    ) -> tuple[Stress, ...]:
+        chosen = mode.acceleration
+        if chosen is None and not hazard:
+            chosen = scope.acceleration  # inherited: of constant-rate parts alone
+        if chosen is None or chosen == "none":
+            return ()
+        stresses: list[Stress] = []
+        for said in chosen if isinstance(chosen, list) else [chosen]:
+            at = (*place, "acceleration")
+            model = _plug((*at, "model"), acceleration_model, said.model)
+            parameters = dict(said.model_extra or {})
+            if model.name in PER_CYCLE and mode.clock not in ("cycles", "starts"):
+                raise Fault(
+                    at, f"{model.name} is of cycles, but its clock is '{mode.clock}'; expected cycles or starts"
+                )
+            for stress_input in stress_inputs(model):
+                if stress_input in parameters:
+                    raise Fault(
+                        (*at, stress_input),
+                        f"'{stress_input}' is what is measured; expected reference_{stress_input} here",
+                    )
+                reference = f"reference_{stress_input}"
+                if (at_design := parameters.get(reference, _default(model, reference))) is None:
+                    raise Fault(at, f"{model.name} needs '{reference}', at which the stated rate holds")
+                parameters[stress_input] = at_design
+                if hazard and (hazard.channels or hazard.model.answers_by(stress_input)):
+                    raise Fault(
+                        at,
+                        f"double acceleration: {hazard.model.name} answers to '{stress_input}' itself; expected one",
+                    )
+                if any(stress_input in earlier.design for earlier in stresses):
+                    raise Fault(at, f"double acceleration: two factors of '{stress_input}'")
+            stresses.append(self._stress(at, model, parameters, part, scope))
+        return tuple(stresses)
+
+    def _stress(
+        self, place: Path, model: Model, inputs: Mapping[str, object], part: schema.Component, scope: Scope
+    ) -> Stress:
+        try:
+            design = model.settle(inputs)
+        except (ModelError, UnitError) as error:
+            named = next((name for name in inputs if re.search(rf"\b{re.escape(name)}\b", str(error))), None)
+            raise Fault((*place, named) if named else place, str(error)) from None
+        cover = scope.cover(part)
+        for name, entry in model.numbers.items():
+            stated = name in inputs or (name in design and not entry.otherwise)
+            if name in scope.signals and not stated and model.answers_to(name, design):
+                signal = "/".join(scope.signals[name][0])
+                raise Fault(
+                    place,
+                    f"'{name}' is measured ({signal}), but its value as designed is not stated, and {model.name} "
+                    f"answers to it; expected {name}: {model.expected(name)}",
+                )
+        channels = self.driving.channels(model, design, cover)
+        return Stress(model, design, channels, drivers(model, design, channels, cover))
+
+    def measured_clock(self, clock: str, place: Path, binding: schema.ClockBinding) -> MeasuredClock:
+        """A clock and the signals that drive it. Raises Fault where they cannot."""
+        self.driving.used[place] = None
+        if clock in ("operating", "calendar"):
+            raise Fault(place, f"the {clock} clock is time itself and takes no signal")
+        kind: Literal["position", "speed", "edge"]
+        if binding.position is not None:
+            kind, fields = "position", binding.position
+        elif binding.speed is not None:
+            kind, fields = "speed", (binding.speed,)
+        else:
+            kind, fields = "edge", (str(binding.edge),)
+        if (kind == "edge") != (clock in ("cycles", "starts")):
+            wanted = "edge" if clock in ("cycles", "starts") else "position or speed"
+            raise Fault(place, f"the {clock} clock is driven by {wanted}, not by {kind}")
+        inside = {"position": "m", "speed": "m/s", "edge": ""}[kind]
+        written = binding.unit or inside
+        try:
+            scale = 1.0 if kind == "edge" else conversion(written, inside).scale
+            signals = tuple(signal_name(binding.topic, name) for name in fields)
+        except RobophmError as error:
+            raise Fault(place, str(error)) from None
+        return MeasuredClock(clock, kind, signals, written, scale, binding.threshold, round(binding.max_age * SECOND))
+
+    def _life(
+        self, place: Path, life: schema.Life, rate: float | None, unit: str, mode_place: Path, factor: float
+    ) -> tuple[LifeDistribution, float]:
+        distribution: type[LifeDistribution] = _plug((*place, "distribution"), life_distribution, life.distribution)
+        parameters: dict[str, Any] = {}
+        for name, value in (life.model_extra or {}).items():
+            if name not in distribution.dimensions:
+                raise Fault(
+                    (*place, name),
+                    f"{life.distribution} has no parameter '{name}'{nearest(name, distribution.dimensions)}",
+                )
+            power = distribution.dimensions[name]
+            inside = {1: unit, 0: "", -1: f"1/{unit}"}[power]
+            listed = isinstance(value, list)
+            numbers = [written((*place, name), one, inside) for one in (value if listed else [value])]
+            parameters[name] = numbers if listed else numbers[0]
+        try:
+            if rate is None:
+                if not parameters:
+                    raise Fault(
+                        mode_place,
+                        "has no rate; expected rate, hazard, failure_modes, or a life with its scale",
+                    )
+                whole = distribution(**parameters)
+                if factor == 1:
+                    return whole, 1 / whole.mean()
+                parameters.pop(str(distribution.scale_parameter), None)
+                rate = 1 / whole.mean()
+            elif distribution.scale_parameter in parameters:
+                raise Fault(
+                    (*place, str(distribution.scale_parameter)),
+                    f"a rate and the life's own {distribution.scale_parameter} are given; expected one of the two",
+                )
+            return distribution.with_rate(rate * factor, **parameters), rate * factor
+        except (ModelError, TypeError) as error:
+            raise Fault(place, str(error)) from None
+
+
+def _plug(place: Path, find: Any, name: str) -> Any:
+    try:
+        return find(name)
+    except PlugError as error:
+        raise Fault(place, str(error)) from None
+
+
+def _default(model: Model, name: str) -> str | None:
+    """The default of a number as a user would write it."""
+    entry = model.numbers[name]
+    return None if entry.default is None else f"{entry.default!r} {entry.unit}"

@@ -1,0 +1,64 @@
+"""What a key of a design file may hold: a quantity in its unit, a name, a mapping without unknown keys."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+
+from robophm.core.errors import UnitError
+from robophm.core.units import quantity
+
+LONGEST = 1e9
+"""Seconds, some thirty years: what a time in a design may be, so that its nanoseconds can be counted."""
+
+
+def quantity_in(
+    unit: str, description: str, example: str, low: float = float("-inf"), high: float = float("inf")
+) -> Any:
+    """A field that takes a written quantity and holds the number in ``unit``."""
+
+    def read(value: object) -> float:
+        try:
+            number = quantity(value, unit)
+        except UnitError as error:
+            raise ValueError(str(error)) from None
+        if not number >= low:
+            raise ValueError(f"{value} is too small; expected at least {low:g} {unit}".rstrip())
+        if not number <= high:
+            raise ValueError(f"{value} is too large; expected at most {high:g} {unit}".rstrip())
+        return number
+
+    kind = {"type": ["string", "number"] if not unit else "string"}
+    return Annotated[
+        float,
+        BeforeValidator(read),
+        WithJsonSchema({**kind, "description": description, "examples": [example]}),
+    ]
+
+
+Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^/\[\]\x00-\x1f\x7f-\x9f\u2028\u2029]+$")]
+"""Of a module, component, mode or function: any text without / [ ] and control characters."""
+
+
+def _written(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise ValueError("expected a quantity with its unit, e.g. '12 FIT', or a word where the input is a choice")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError(f"{value} is not a finite number")
+    return value
+
+
+Written = Annotated[
+    str | int | float,
+    BeforeValidator(_written),
+    WithJsonSchema({"type": ["string", "number"], "description": "a quantity with its unit"}),
+]
+"""A quantity whose unit depends on its neighbours; it is converted when the robot is put together."""
+
+
+class Strict(BaseModel):
+    """A mapping that says what it has keys for, and nothing else."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True, allow_inf_nan=False)
