@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robophm.simulation.design import Design, read_design
+from robophm.simulation.design import Design
+from robophm.simulation.design_file import read_design
 from robophm.simulation.plan import Plans
 
 HEAD = """\

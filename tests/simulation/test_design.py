@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from robophm.core.errors import DesignError
-from robophm.simulation.design import read_design
+from robophm.simulation.design_file import read_design
 from robophm.simulation.structure import fails_at, parts_of
 
 NESTED = """

@@ -14,7 +14,10 @@ from hypothesis import strategies as st
 from robophm.core.errors import SourceError
 from robophm.core.signal import HOUR, SECOND
 from robophm.transports.recordings.recording import Recording
-from robophm.transports.synthetic import MODULES, STATIONS, SyntheticOta, _first_order
+from robophm.transports.synthetic import SyntheticOta
+from robophm.transports.synthetic.drive import STATIONS
+from robophm.transports.synthetic.messages import MODULES
+from robophm.transports.synthetic.ota import _first_order
 from robophm.transports.tasks import DoneTask, PlannedTask, tasks_of
 
 NOON = 1_709_553_600 * SECOND

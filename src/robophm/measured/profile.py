@@ -27,7 +27,7 @@ from robophm.measured.recordings import Recorded, Signal
 from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.recording_sessions import bound
-from robophm.transports.recordings.columns.columns import by_signal
+from robophm.transports.recordings.columns.topic_columns import by_signal
 
 MOST_LEGS = 10_000
 """Of a task, as the design file has it."""

@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
-from robophm.simulation.design import Design, read_design
+from robophm.simulation.design import Design
+from robophm.simulation.design_file import read_design
 from robophm.simulation.plan import MOST_LEGS, MOST_TASKS, Plans, draw_plans, legs_of, plan_text
 from robophm.simulation.robots import END, FAILED, INSPECTED, REPLACED, ROBOT, Lives, live
 

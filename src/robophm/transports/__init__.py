@@ -2,7 +2,7 @@
 
 ``signals/`` is what all share: the interfaces of sources and sinks and their records. ``recordings/`` reads files,
 ``ros1/``, ``ros2_dds/`` and ``ros2_rclpy.py`` listen to robots that run, with what they share in ``live/``.
-``synthetic.py`` is a robot that does not exist. ``tasks/`` is what robots say of their tasks, ``health_topics/`` health
+``synthetic/`` is a robot that does not exist. ``tasks/`` is what robots say of their tasks, ``health_topics/`` health
 as topics for others. Each transport is imported when it is first used.
 """
 

@@ -8,7 +8,7 @@ import pytest
 from robophm.design.file import parse
 from robophm.learning.rates.failure_log import read_failure_log
 from robophm.learning.rates.rate_update import learn
-from robophm.simulation.design import read_design
+from robophm.simulation.design_file import read_design
 from robophm.simulation.plan import MOST_LEGS, Plans
 from robophm.simulation.robots import FAILED, REPLACED, ROBOT, live
 

@@ -18,9 +18,10 @@ import pytest
 import zstandard
 
 from robophm.core.errors import SourceError
+from robophm.core.signal import SECOND
 from robophm.transports.recordings.columns.folder import Unpacked
 from robophm.transports.recordings.opening import open_source
-from robophm.transports.synthetic import SECOND, SyntheticOta
+from robophm.transports.synthetic import SyntheticOta
 
 MOST = 400 << 20
 """Bytes that a process may take, Python and its libraries included."""

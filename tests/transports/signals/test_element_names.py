@@ -17,7 +17,7 @@ from robophm.monitoring.replay import replay
 from robophm.transports.live.decoding import LARGE, Reading
 from robophm.transports.live.receiving import Receiver
 from robophm.transports.recordings.columns import read_columns
-from robophm.transports.recordings.columns.columns import by_signal
+from robophm.transports.recordings.columns.topic_columns import by_signal
 from robophm.transports.recordings.csv import CsvRecording
 from robophm.transports.recordings.recording import Recording
 from robophm.transports.signals.incidents import Incidents

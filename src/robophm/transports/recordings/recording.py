@@ -45,7 +45,7 @@ class Recording(SignalSource):
     """Whether what is lost of files is no error."""
 
     def __init__(self, *paths: str | Path) -> None:
-        from robophm.transports.recordings.columns.columns import opened  # which ask here what a recording is
+        from robophm.transports.recordings.columns.drive import opened  # which ask here what a recording is
         from robophm.transports.recordings.columns.pieces import MOST_TIME
 
         self._paths = paths
@@ -139,10 +139,8 @@ class Recording(SignalSource):
 
     def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, SignalColumns]]:
         """The samples of these signals, straight from the files; what of a file is damaged is in the notes."""
-        from robophm.transports.recordings.columns.columns import (  # which ask here what a recording is
-            by_signal,
-            read_columns,
-        )
+        from robophm.transports.recordings.columns.columns import read_columns  # which asks here what a recording is
+        from robophm.transports.recordings.columns.topic_columns import by_signal
 
         with closing(read_columns(self._paths, signals, since or None)) as columns:
             self.notes = columns.notes

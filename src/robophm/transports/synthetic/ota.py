@@ -1,9 +1,4 @@
-"""Transport ``synthetic``: a robot that does not exist, driving a day that can be repeated.
-
-A differential-drive transport AGV of five modules (Power, Sensing, Communication, Mobility, Computation)
-carries loads between the stations of a factory, charges when its battery is low, and is off at night. It is
-made for demonstrations and tests: believable in size and shape, measured on no robot.
-"""
+"""The robot that does not exist: it follows its plan, measures, tells of its tasks, and writes recordings."""
 
 from __future__ import annotations
 
@@ -11,12 +6,12 @@ import hashlib
 import math
 from collections import Counter
 from collections.abc import Collection, Iterator
-from functools import cache, partial
+from functools import partial
 from heapq import merge
 from itertools import groupby, pairwise
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,26 +19,23 @@ from numpy.typing import NDArray
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import HOUR, SECOND, Sample, split_signal
 from robophm.transports.signals.source import SignalSource, TopicInfo
+from robophm.transports.synthetic.drive import CAPACITY, DAY, STATIONS, Trip, plan_drive, working_shifts
+from robophm.transports.synthetic.messages import (
+    ALL_TYPES,
+    LATENCY,
+    MEASURED_TYPES,
+    MODULES,
+    TOLD_TYPES,
+    message_layout,
+    typestore,
+)
 
 if TYPE_CHECKING:
-    from rosbags.interfaces.typing import Typesdict
-    from rosbags.typesys.store import Typestore
-
     from robophm.transports.tasks import DoneTask, PlannedTask
 
     Floats = NDArray[np.float64]
 
-STATIONS = ((4.25, 2.18), (5.55, 3.54), (10.34, 3.91), (8.16, 0.82))
-"""Where the robot loads and unloads, x and y [m]; it charges at the first."""
-
-MODULES = ("power", "sensing", "communication", "mobility", "computation")
-"""The modules, as their topics name them."""
-
-CAPACITY = 40.0
-"""Capacity of the battery [A·h]."""
-
 _NOON = 1_709_553_600 * SECOND  # Monday 4 March 2024, 12:00 UTC
-_DAY = 24 * HOUR
 _THERMAL = {  # module: thermal resistance [K/W], time constant [s]
     "power": (0.55, 1800.0),
     "sensing": (1.10, 600.0),
@@ -51,34 +43,6 @@ _THERMAL = {  # module: thermal resistance [K/W], time constant [s]
     "mobility": (1.80, 1200.0),
     "computation": (0.90, 400.0),
 }
-_TYPES = {f"/ota/{module}/temperature": "sensor_msgs/msg/Temperature" for module in MODULES} | {
-    "/ota/battery": "sensor_msgs/msg/BatteryState",
-    "/ota/odom": "nav_msgs/msg/Odometry",
-}
-_TOLD_TYPES = {
-    "/ota/task_time": "std_msgs/msg/String",
-    "/ota/task_position": "std_msgs/msg/String",
-    "/ota/robot_task_list": "std_msgs/msg/String",
-    "/ota/plan": "nav_msgs/msg/Path",
-}
-_ALL_TYPES = _TYPES | _TOLD_TYPES
-# ns from stamp to receipt, more for each further topic
-_LATENCY = {topic: 100_000 + place * 200_000 // len(_TYPES) for place, topic in enumerate(_ALL_TYPES)}
-_TEXTS = {
-    "/ota/battery": {"header.frame_id": "battery"},
-    "/ota/odom": {"header.frame_id": "odom", "child_frame_id": "base_link"},
-} | {f"/ota/{module}/temperature": {"header.frame_id": module} for module in MODULES}
-
-
-class _Trip(NamedTuple):
-    """From one station to another: when [s], and how fast once it is under way [m/s]."""
-
-    begin: float
-    arrived: float
-    here: int
-    there: int
-    cruise: float
-    charging: bool
 
 
 class _Told(NamedTuple):
@@ -130,7 +94,7 @@ class SyntheticOta(SignalSource):
     def __init__(
         self,
         seed: int = 0,
-        duration: int = _DAY,
+        duration: int = DAY,
         start: int = _NOON,
         period: int = SECOND,
         working_hours: tuple[float, float] = (6.0, 22.0),
@@ -139,14 +103,14 @@ class SyntheticOta(SignalSource):
             raise SourceError(f"period of {period} ns; expected at least a millisecond, {SECOND // 1000} ns")
         self.notes = Counter()
         rng = np.random.default_rng(seed)
-        shifts = _shifts(start, duration, working_hours)
+        shifts = working_shifts(start, duration, working_hours)
         grid = start + np.arange(0, max(duration, 0), period, dtype=np.int64)
         on = np.zeros(len(grid), dtype=bool)
         for begin, end in shifts:
             on |= (grid >= begin) & (grid < end)
         if not on.any():
             raise SourceError(f"the robot is switched off for all of the {duration / HOUR:g} h from its start")
-        plan, tasks = _plan(rng, [((begin - start) / SECOND, (end - start) / SECOND) for begin, end in shifts])
+        plan, tasks = plan_drive(rng, [((begin - start) / SECOND, (end - start) / SECOND) for begin, end in shifts])
         self._simulate(rng, grid, on, plan, period / SECOND)
         self._measure(rng)
         self._told = sorted(self._tell(tasks, start, period), key=attrgetter("look"))
@@ -182,7 +146,7 @@ class SyntheticOta(SignalSource):
         radio_power = 4.0 + np.maximum(wander(2.0, 60.0), 0.0)
         current = on * (20.0 * at_charger - (drive_power + compute_power + radio_power + 32.0) / 25.0)
         charge = np.clip(0.9 + np.cumsum(current) * step / 3600.0 / CAPACITY, 0.0, 1.0)
-        ambient = 20.0 + 4.0 * np.sin(2 * np.pi * ((grid % _DAY) / HOUR - 10.0) / 24.0) + wander(0.5, 3600.0)
+        ambient = 20.0 + 4.0 * np.sin(2 * np.pi * ((grid % DAY) / HOUR - 10.0) / 24.0) + wander(0.5, 3600.0)
         heat = {
             "power": 2.0 + 0.08 * current**2,
             "sensing": np.full(len(t), 8.0),
@@ -245,7 +209,7 @@ class SyntheticOta(SignalSource):
                 digest.update(f"{topic}.{field}".encode() + values.tobytes())
         self.fingerprint = digest.hexdigest()
 
-    def _tell(self, tasks: list[list[_Trip]], start: int, period: int) -> Iterator[_Told]:
+    def _tell(self, tasks: list[list[Trip]], start: int, period: int) -> Iterator[_Told]:
         """What the robot says of its tasks, each at the first look after it; nothing where it does not look in time."""
         for trips in tasks:
             due = [start + math.ceil(at * SECOND) for at in (trips[0].begin, *(trip.arrived for trip in trips))]
@@ -268,14 +232,14 @@ class SyntheticOta(SignalSource):
         """The topics that the robot sends; times are receipt times [ns]."""
         from robophm.transports.signals.message_type import numeric_fields
 
-        definitions = _typestore(2).fielddefs
+        definitions = typestore(2).fielddefs
         found = []
-        for topic, type_ in _TYPES.items():
-            receipt = self.times + _LATENCY[topic]
+        for topic, type_ in MEASURED_TYPES.items():
+            receipt = self.times + LATENCY[topic]
             fields = tuple(numeric_fields(definitions, type_))
             found.append(TopicInfo(topic, type_, len(receipt), int(receipt[0]), int(receipt[-1]), fields))
-        for topic, type_ in _TOLD_TYPES.items():
-            when = [int(self.times[one.look]) + _LATENCY[topic] for one in self._told if one.topic == topic]
+        for topic, type_ in TOLD_TYPES.items():
+            when = [int(self.times[one.look]) + LATENCY[topic] for one in self._told if one.topic == topic]
             fields = tuple(numeric_fields(definitions, type_))
             found.append(TopicInfo(topic, type_, len(when), min(when, default=None), max(when, default=None), fields))
         return sorted(found, key=lambda info: info.topic)
@@ -286,7 +250,7 @@ class SyntheticOta(SignalSource):
 
         listener = TaskListener(self.notes)
         texts = ((one, one.content) for one in self._told if isinstance(one.content, str))
-        heard = (listener.hear(int(self.times[one.look]) + _LATENCY[one.topic], one.topic, text) for one, text in texts)
+        heard = (listener.hear(int(self.times[one.look]) + LATENCY[one.topic], one.topic, text) for one, text in texts)
         return [task for task in heard if task]
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
@@ -296,16 +260,16 @@ class SyntheticOta(SignalSource):
         wanted: dict[str, list[tuple[str, str]]] = {}
         for signal in sorted(set(signals)):
             topic, field = split_signal(signal)
-            if topic not in _ALL_TYPES:
-                raise SourceError(f"synthetic OTA: no topic '{topic}'{nearest(topic, _ALL_TYPES)}")
+            if topic not in ALL_TYPES:
+                raise SourceError(f"synthetic OTA: no topic '{topic}'{nearest(topic, ALL_TYPES)}")
             try:
-                field_getter(_typestore(2).fielddefs, _ALL_TYPES[topic], field)
+                field_getter(typestore(2).fielddefs, ALL_TYPES[topic], field)
             except SourceError as error:
                 raise SourceError(f"synthetic OTA: topic '{topic}' {error}") from None
             wanted.setdefault(topic, []).append((signal, field))
         self.notes.clear()
         columns = []
-        for topic in _TYPES:
+        for topic in MEASURED_TYPES:
             if topic not in wanted:
                 continue
             messages = self._messages(topic, 2)
@@ -321,7 +285,7 @@ class SyntheticOta(SignalSource):
             message = self._message(one, 2) if one.topic in wanted else None
             for signal, field in wanted.get(one.topic, ()):
                 try:
-                    value = field_getter(_typestore(2).fielddefs, _ALL_TYPES[one.topic], field)(message)
+                    value = field_getter(typestore(2).fielddefs, ALL_TYPES[one.topic], field)(message)
                 except IndexError:
                     self.notes[f"no element for {signal}"] += 1
                 else:
@@ -357,17 +321,17 @@ class SyntheticOta(SignalSource):
     def _record_mcap(self, path: Path) -> None:
         from mcap.writer import Writer
 
-        store = _typestore(2)
+        store = typestore(2)
         with path.open("xb") as file:
             writer = Writer(file)
             writer.start(profile="ros2", library="robophm")
             schemas = {
                 type_: writer.register_schema(type_, "ros2msg", store.generate_msgdef(type_, 2)[0].encode())
-                for type_ in dict.fromkeys(_ALL_TYPES.values())
+                for type_ in dict.fromkeys(ALL_TYPES.values())
             }
             channels = {
                 topic: writer.register_channel(topic, "cdr", schemas[type_], {"offered_qos_profiles": ""})
-                for topic, type_ in _ALL_TYPES.items()
+                for topic, type_ in ALL_TYPES.items()
             }
             for topic, number, receipt, stamp, payload in self._payloads(2):
                 writer.add_message(channels[topic], receipt, payload, stamp, number)
@@ -376,10 +340,10 @@ class SyntheticOta(SignalSource):
     def _record_db3(self, path: Path) -> None:
         from rosbags.rosbag2 import Writer
 
-        store = _typestore(2)
+        store = typestore(2)
         with Writer(path, version=9) as writer:
             connections = {
-                topic: writer.add_connection(topic, type_, typestore=store) for topic, type_ in _ALL_TYPES.items()
+                topic: writer.add_connection(topic, type_, typestore=store) for topic, type_ in ALL_TYPES.items()
             }
             for topic, _, receipt, _, payload in self._payloads(2):
                 writer.write(connections[topic], receipt, payload)
@@ -387,35 +351,35 @@ class SyntheticOta(SignalSource):
     def _record_bag(self, path: Path) -> None:
         from rosbags.rosbag1 import Writer
 
-        store = _typestore(1)
+        store = typestore(1)
         with Writer(path) as writer:
             connections = {
-                topic: writer.add_connection(topic, type_, typestore=store) for topic, type_ in _ALL_TYPES.items()
+                topic: writer.add_connection(topic, type_, typestore=store) for topic, type_ in ALL_TYPES.items()
             }
             for topic, _, receipt, _, payload in self._payloads(1):
                 writer.write(connections[topic], receipt, payload)
 
     def _payloads(self, ros: Literal[1, 2]) -> Iterator[tuple[str, int, int, int, bytes]]:
         """Topic, number, receipt, stamp and bytes of every message, in order of receipt."""
-        store = _typestore(ros)
+        store = typestore(ros)
         serialize = store.serialize_ros1 if ros == 1 else store.serialize_cdr
         packed = []
-        for topic in _TYPES:
+        for topic in MEASURED_TYPES:
             messages = self._messages(topic, ros)
             packed.append((topic, messages.tobytes(), messages.dtype.itemsize))
         told = {look: [*group] for look, group in groupby(self._told, attrgetter("look"))}
         sent: Counter[str] = Counter()
         for number, stamp in enumerate(self.times.tolist()):
             for topic, payload, size in packed:
-                yield topic, number, stamp + _LATENCY[topic], stamp, payload[number * size : (number + 1) * size]
-            for one in sorted(told.get(number, ()), key=lambda one: _LATENCY[one.topic]):
-                payload = bytes(serialize(self._message(one, ros), _ALL_TYPES[one.topic]))
-                yield one.topic, sent[one.topic], stamp + _LATENCY[one.topic], stamp, payload
+                yield topic, number, stamp + LATENCY[topic], stamp, payload[number * size : (number + 1) * size]
+            for one in sorted(told.get(number, ()), key=lambda one: LATENCY[one.topic]):
+                payload = bytes(serialize(self._message(one, ros), ALL_TYPES[one.topic]))
+                yield one.topic, sent[one.topic], stamp + LATENCY[one.topic], stamp, payload
                 sent[one.topic] += 1
 
     def _message(self, told: _Told, ros: Literal[1, 2]) -> Any:
         """A message about a task, as rosbags has it."""
-        types = _typestore(ros).types
+        types = typestore(ros).types
         if isinstance(told.content, str):
             return types["std_msgs/msg/String"](told.content)
         stamp = types["builtin_interfaces/msg/Time"](*map(int, divmod(self.times[told.look], SECOND)))
@@ -431,7 +395,7 @@ class SyntheticOta(SignalSource):
 
     def _messages(self, topic: str, ros: Literal[1, 2]) -> NDArray[Any]:
         """All messages of a topic, serialised: one record of a fixed layout a message."""
-        fields = _layout(ros, topic)
+        fields = message_layout(ros, topic)
         dtype = np.dtype(
             {
                 "names": [name for name, _, _, _ in fields],
@@ -450,63 +414,6 @@ class SyntheticOta(SignalSource):
         return messages
 
 
-def _shifts(start: int, duration: int, working_hours: tuple[float, float]) -> list[tuple[int, int]]:
-    """Begin and end [ns] of the times that the robot is switched on."""
-    on, off = (int(hours * HOUR) for hours in working_hours)
-    days = range(start - start % _DAY, start + duration, _DAY)
-    shifts = [(max(day + on, start), min(day + off, start + duration)) for day in days]
-    return [(begin, end) for begin, end in shifts if begin < end]
-
-
-def _plan(rng: np.random.Generator, shifts: list[tuple[float, float]]) -> tuple[Floats, list[list[_Trip]]]:
-    """What the robot sets out to do: a row at each change of acceleration or rate of turn; and its tasks.
-
-    Columns: time [s], speed [m/s], heading [rad], x, y [m]; from then on payload [kg] and charging (0, 1).
-    """
-    acceleration, turn_rate = 0.2, 0.6
-    here, heading, payload, charge = 0, 0.0, 0.0, 0.9
-    rows = [(0.0, 0.0, heading, *STATIONS[here], payload, 0.0)]
-    tasks: list[list[_Trip]] = []
-    for begin, end in shifts:
-        now = begin
-        while True:
-            there = 0 if charge < 0.3 and here else int(rng.choice([s for s in range(len(STATIONS)) if s != here]))
-            dx, dy = np.subtract(STATIONS[there], STATIONS[here])
-            distance = math.hypot(dx, dy)
-            turn = math.remainder(math.atan2(dy, dx) - heading, math.tau)
-            cruise = rng.uniform(0.25, 0.35)
-            ramp = cruise / acceleration
-            charging = charge < 0.3 and there == 0
-            stay = (0.95 - charge) * CAPACITY / 18.0 * 3600.0 if charging else rng.uniform(10.0, 40.0)
-            turned = now + max(abs(turn) / turn_rate, 1e-3)
-            arrived = turned + ramp + distance / cruise
-            if arrived + stay > end:
-                break
-            share = cruise * ramp / 2 / distance  # of the way, in each ramp
-            way = [tuple(np.add(STATIONS[here], np.multiply(part, (dx, dy)))) for part in (0, share, 1 - share, 1)]
-            payload = rng.uniform(5.0, 30.0) if rng.random() < 0.7 and not charging else 0.0
-            rows += [
-                (now, 0.0, heading, *STATIONS[here], payload, 0.0),
-                (turned, 0.0, heading + turn, *way[0], payload, 0.0),
-                (turned + ramp, cruise, heading + turn, *way[1], payload, 0.0),
-                (arrived - ramp, cruise, heading + turn, *way[2], payload, 0.0),
-                (arrived, 0.0, heading + turn, *STATIONS[there], 0.0, float(charging)),
-            ]
-            trip = _Trip(now, arrived, here, there, cruise, charging)
-            if now == begin or len(tasks[-1]) == 2 or tasks[-1][-1].charging:
-                tasks.append([trip])
-            else:
-                tasks[-1].append(trip)
-            used = 1.85 * (arrived + stay - now) + (14.0 + 1.3 * payload) / 25.0 * (arrived - now)
-            charge = 0.95 if charging else charge - used / 3600.0 / CAPACITY
-            now, here, heading = arrived + stay, there, heading + turn
-        rows.append((now, 0.0, heading, *STATIONS[here], 0.0, 0.0))
-    rows.append((max(rows[-1][0], shifts[-1][1]) + 1.0, *rows[-1][1:]))
-    table: Floats = np.array(rows)
-    later = np.append(np.diff(table[:, 0]) > 0, True)
-    return np.compress(later, table, axis=0), tasks
-
-
 def _first_order(driven: Floats, keep: float) -> Floats:
     """Solve y[k] = keep · y[k−1] + driven[k] by doubling: each pass adds the older half of what is known."""
     y = driven.copy()
@@ -515,60 +422,3 @@ def _first_order(driven: Floats, keep: float) -> Floats:
         y[shift:] += keep**shift * y[:-shift]
         shift *= 2
     return y
-
-
-@cache
-def _typestore(ros: Literal[1, 2]) -> Typestore:
-    from rosbags.typesys import Stores, get_typestore
-
-    return get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
-
-
-@cache
-def _layout(ros: Literal[1, 2], topic: str) -> list[tuple[str, Any, int, Any]]:
-    """Name, NumPy format, offset and constant value of each field of a serialised message.
-
-    The layout is fixed since the texts are. ROS 1 packs; CDR aligns every number to its own size, counted
-    from after the four bytes that announce little-endian CDR (OMG DDSI-RTPS 2.3, chapter 10).
-    """
-    from rosbags.interfaces import Nodetype
-
-    definitions: Typesdict = _typestore(ros).fielddefs
-    texts = _TEXTS[topic]
-    origin = 4 if ros == 2 else 0
-    layout: list[tuple[str, Any, int, Any]] = []
-    end = 0
-
-    def put(name: str, format_: Any, constant: Any = None) -> None:
-        nonlocal end
-        dtype = np.dtype(format_)
-        if ros == 2:
-            end += -end % dtype.base.itemsize if dtype.base.kind != "S" else 0
-        layout.append((name, format_, origin + end, constant))
-        end += dtype.itemsize
-
-    def put_message(type_: str, prefix: str) -> None:
-        for name, (node, detail) in definitions[type_][1]:
-            path = prefix + name
-            if node == Nodetype.NAME:
-                put_message(str(detail), path + ".")
-            elif node == Nodetype.SEQUENCE:
-                put(path + ".length", "<u4")
-            elif node == Nodetype.ARRAY:
-                element, size = cast(tuple[Any, int], detail)
-                put(path, (_FORMATS[element[1][0]], (size,)))
-            elif detail[0] == "string":
-                text = texts.get(path, "").encode() + (b"\0" if ros == 2 else b"")
-                put(path + ".length", "<u4", len(text))
-                if text:
-                    put(path, f"S{len(text)}", text)
-            else:
-                put(path, _FORMATS[str(detail[0])])
-
-    put_message(_TYPES[topic], "")
-    return ([("encapsulation", "<u4", 0, 0x100)] if ros == 2 else []) + layout
-
-
-_FORMATS = {"bool": "?", "byte": "u1", "char": "u1", "float32": "<f4", "float64": "<f8"} | {
-    f"{sign}int{8 * size}": f"<{sign or 'i'}{size}" for sign in ("", "u") for size in (1, 2, 4, 8)
-}

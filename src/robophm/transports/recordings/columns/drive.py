@@ -1,0 +1,102 @@
+"""The files of one drive, whatever their format and however they are packed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack
+from itertools import combinations
+from pathlib import Path
+
+from robophm.core.errors import SourceError
+from robophm.transports.recordings.columns.pieces import MOST_TIME, PiecedFile
+from robophm.transports.recordings.files import METADATA, PACKED, existing, parts_of, reading
+
+
+def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -> list[PiecedFile]:
+    """The files of one drive in order of time, left to the stack to close. Raises SourceError as ``read_columns``."""
+    files: list[PiecedFile] = []
+    failed: list[SourceError] = []
+    for given in paths:
+        for part, packs in _files(existing(Path(given)), notes, failed):
+            try:
+                with reading(part):
+                    file = _open(part, packs, notes, stack)
+            except SourceError as error:
+                if part == Path(given):
+                    raise
+                failed.append(error)  # of what was not named itself it costs that alone
+            else:
+                files.append(file)
+    if failed and not files:
+        raise failed[0]
+    notes.update(f"lost: {error}" for error in failed)
+    if len(files) > 1:
+        files.sort(key=lambda file: (file.begin(), file.fingerprint))  # of equal times the earlier file's come first
+    for one, other in combinations(files, 2):
+        if one.fingerprint == other.fingerprint and one.begin() < MOST_TIME:
+            raise SourceError(f"{one.path} and {other.path} are the same recording; expected it once")
+    return files
+
+
+def _files(path: Path, notes: Counter[str], failed: list[SourceError]) -> Iterator[tuple[Path, bool]]:
+    """The files to open, and whether their messages may be compressed one by one."""
+    if path.is_dir() and (path / METADATA).exists():
+        from robophm.transports.recordings.columns.folder import files_in
+
+        with reading(path):
+            files, packs = files_in(path, notes)
+        yield from ((file, packs) for file in files)
+    elif path.is_dir():
+        for part in parts_of(path):
+            try:
+                yield from _files(part, notes, failed)
+            except SourceError as error:
+                failed.append(error)
+    else:
+        yield from ((part, False) for part in parts_of(path))
+
+
+def _open(path: Path, packs: bool, notes: Counter[str], stack: ExitStack) -> PiecedFile:
+    """One file, left to the stack to close."""
+    if path.suffix == PACKED:
+        from robophm.transports.recordings.columns.folder import Unpacked
+
+        unpacked = Unpacked(path, notes)
+        stack.callback(unpacked.close)
+        file = _unpacked(unpacked.path, path, notes)
+    else:
+        file = _plain(path, notes)
+    stack.callback(file.close)
+    if packs:
+        from robophm.transports.recordings.columns.folder import PackedMessages, packs_messages
+
+        return PackedMessages(file) if packs_messages(file) else file
+    return file
+
+
+def _unpacked(temporary: Path, path: Path, notes: Counter[str]) -> PiecedFile:
+    """A file that was unpacked, under the name by which its user knows it."""
+    said: Counter[str] = Counter()
+    try:
+        file = _plain(temporary, said)
+    except SourceError as error:
+        raise type(error)(str(error).replace(str(temporary), str(path))) from None
+    for what, count in said.items():
+        notes[what.replace(str(temporary), str(path)).replace(f"{temporary.name}: ", f"{path.name}: ")] += count
+    file.path, file.notes = path, notes
+    return file
+
+
+def _plain(path: Path, notes: Counter[str]) -> PiecedFile:
+    if path.suffix == ".db3":
+        from robophm.transports.recordings.columns.db3 import Db3File
+
+        return Db3File(path, notes)
+    if path.suffix == ".mcap":
+        from robophm.transports.recordings.columns.mcap import McapFile
+
+        return McapFile(path, notes)
+    from robophm.transports.recordings.columns.bag import BagFile
+
+    return BagFile(path, notes)
