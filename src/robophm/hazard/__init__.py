@@ -1,1 +1,1 @@
-"""What makes a part fail, as a rate: declared models, handbook sections, accelerations."""
+"""What makes a part fail, as a rate: models, handbooks, accelerations."""
