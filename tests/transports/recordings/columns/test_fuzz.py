@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from .fuzz.__main__ import OUTCOMES, tallied
+from .fuzz.__main__ import OUTCOMES, repeat, tallied
 from .fuzz.judge import Read, counted, read
 from .fuzz.pool import Result
 from .fuzz.seeds import TOPICS, seeds, truth
@@ -37,3 +37,9 @@ def test_the_sound_recordings_hold_what_was_written(format_: str, tmp_path: Path
         assert isinstance(ours, Read)
         ros = 1 if format_ == "bag" or seed.name == "ros1" else 2
         assert counted(ours.rows, TOPICS) == counted(truth(ros), TOPICS)
+
+
+@pytest.mark.parametrize(("format_", "number"), [("bag", 38584), ("db3", 16919)])
+def test_what_was_found_once(format_: str, number: int) -> None:
+    """A signalling NaN in a message that is decoded by itself, of a long run's seed."""
+    assert repeat(format_, number, 94580460) == 0

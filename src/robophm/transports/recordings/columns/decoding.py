@@ -146,7 +146,8 @@ class Reading:
             return False
         for path, getter, column, missing in zip(self._paths, self._getters, numbers, absent, strict=True):
             try:
-                column[row] = getter(message)
+                with np.errstate(invalid="ignore"):  # of a signalling NaN, in a damaged message
+                    column[row] = getter(message)
                 missing[row] = False
             except IndexError as error:
                 missing[row] = True
