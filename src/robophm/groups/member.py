@@ -10,8 +10,7 @@ import numpy as np
 from robophm.groups.path import Array, Path, Rows
 from robophm.groups.quadrature import log_integral
 from robophm.groups.state import log_fails
-from robophm.groups.table import SMALLEST
-from robophm.life.distribution import LifeDistribution
+from robophm.life.distribution import FAINT, LifeDistribution
 from robophm.life.exponential import Exponential
 
 
@@ -112,7 +111,7 @@ def log_rate(ageing: Iterable[tuple[Mode, Array, Array]]) -> Array:
     )
     with np.errstate(divide="ignore"):
         log = np.log(rate)
-        if np.any(faint := rate < SMALLEST):
+        if np.any(faint := rate < FAINT):
             logs = [np.log(mode.multiplicity * speed) + mode.life.log_hazard(age) for mode, age, speed in modes]
             log = np.where(faint, np.logaddexp.reduce(logs), log)
     return log
@@ -121,7 +120,7 @@ def log_rate(ageing: Iterable[tuple[Mode, Array, Array]]) -> Array:
 def log_waiting_fails(member: Member, path: Path, s: Array, dormancy: float) -> Array:
     """ln P(a spare that waits has failed by ``s``), however small."""
     hazard = waiting_hazard(member, path, s, dormancy)
-    found, faint = log_fails(hazard), hazard < SMALLEST
+    found, faint = log_fails(hazard), hazard < FAINT
     ageing = [(mode, share) for mode in member if (share := _waiting(mode, dormancy))]
     if ageing and np.any(faint):
 

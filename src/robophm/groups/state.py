@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.groups.path import Array
-from robophm.groups.table import FARTHEST, SMALLEST
+from robophm.groups.table import FARTHEST
+from robophm.life.distribution import FAINT
 
 
 class Solved(ABC):
@@ -71,7 +72,7 @@ class Solved(ABC):
 
 def log_fails(hazard: Array) -> Array:
     """ln(1 − exp(−H)); −inf of an H with hardly any digits left."""
-    hazard = np.where(hazard < SMALLEST, 0.0, hazard)
+    hazard = np.where(hazard < FAINT, 0.0, hazard)
     with np.errstate(divide="ignore"):
         found: Array = np.where(hazard < 0.6931, np.log(-np.expm1(-hazard)), np.log1p(-np.exp(-hazard)))
     return found

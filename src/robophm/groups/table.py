@@ -16,9 +16,6 @@ from robophm.groups.path import Array, Rows
 FARTHEST = 1e9
 """Of the logarithm of a probability: what is beyond has no digits left to be told apart, and is never."""
 
-SMALLEST = 1e-300
-"""Hazard: what is smaller underflows."""
-
 _DEGREE = 19
 _NODES = chebyshev.chebpts1(_DEGREE + 1)
 _FIT = np.linalg.inv(chebyshev.chebvander(_NODES, _DEGREE))
