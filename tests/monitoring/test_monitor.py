@@ -7,7 +7,6 @@ import json
 import time
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,28 +14,15 @@ from mpmath import mp, mpf
 
 import robophm
 from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
-from robophm.design.file import parse
-from robophm.design.robot import Robot
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
 from robophm.transports.recordings.journal import Journal
 
+from .designs import bound, exact, robot
+
 OTA = Path(__file__).parents[2] / "examples" / "ota" / "robot.yaml"
 START = 1_700_000_040 * SECOND  # a whole minute
-
-
-def robot(**design: Any) -> Robot:
-    components = {"part": {"rate": "0.01 /h", "acceleration": {"model": "q10"}}}
-    return parse(json.dumps({"schema_version": 1, "name": "R", "components": components, **design}))
-
-
-def bound(topic: str, field: str, **more: Any) -> dict[str, Any]:
-    return {"signals": {"temperature": {"topic": topic, "field": field, **more}}}
-
-
-def exact(value: Any) -> Any:
-    return pytest.approx(float(value), rel=1e-12, abs=0)
 
 
 # Time is what samples say.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import random
 import subprocess
 import sys
@@ -26,6 +25,8 @@ from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.synthetic import SyntheticOta
 
+from .designs import bound, exact, robot
+
 OTA = Path(__file__).parents[2] / "examples" / "ota" / "robot.yaml"
 START = 1_700_000_040 * SECOND  # a whole minute
 
@@ -40,19 +41,6 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Four minutes of the synthetic robot in the three formats, by suffix."""
     folder, drive = tmp_path_factory.mktemp("recorded"), SyntheticOta(seed=5, duration=240 * SECOND)
     return {suffix: drive.record(folder / f"drive{suffix}") for suffix in (".bag", ".db3", ".mcap")}
-
-
-def robot(**design: Any) -> Robot:
-    components = {"part": {"rate": "0.01 /h", "acceleration": {"model": "q10"}}}
-    return parse(json.dumps({"schema_version": 1, "name": "R", "components": components, **design}))
-
-
-def bound(topic: str, field: str, **more: Any) -> dict[str, Any]:
-    return {"signals": {"temperature": {"topic": topic, "field": field, **more}}}
-
-
-def exact(value: Any) -> Any:
-    return pytest.approx(float(value), rel=1e-12, abs=0)
 
 
 # One drive, many files.

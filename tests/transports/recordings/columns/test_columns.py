@@ -21,6 +21,7 @@ from robophm.transports.recordings.recording import Recording
 from robophm.transports.synthetic import SyntheticOta
 
 from ...conftest import SIGNALS
+from ..made import ros1_in_mcap
 from ..test_recording import JOINTS, T0, TEMPERATURE, joints, rewrite, rewrite_mcap, temperature
 
 Write = Callable[..., Path]
@@ -121,20 +122,7 @@ def test_mcap_without_chunks(profile: str, recorded: dict[str, Path], tmp_path: 
 
 
 def test_ros1_messages_in_mcap(recorded: dict[str, Path], tmp_path: Path) -> None:
-    from mcap.writer import Writer
-    from rosbags.rosbag1 import Reader
-
-    with Reader(recorded[".bag"]) as bag, (tmp_path / "ros1.mcap").open("wb") as file:
-        writer = Writer(file)
-        writer.start(profile="ros1")
-        channels = {}
-        for connection in bag.connections:
-            name = connection.msgtype.replace("/msg/", "/")
-            schema = writer.register_schema(name, "ros1msg", connection.msgdef.data.encode())
-            channels[connection.id] = writer.register_channel(connection.topic, "ros1", schema)
-        for connection, time, raw in bag.messages():
-            writer.add_message(channels[connection.id], time, raw, time)
-        writer.finish()
+    ros1_in_mcap(recorded[".bag"], tmp_path / "ros1.mcap")
     agree(tmp_path / "ros1.mcap")
 
 
