@@ -1,15 +1,16 @@
-# Two commands are enough: `make demo` and `make test`. Both set themselves up.
+# Two commands are enough: `make demo` and `make test`; while you work, `make check`. Each sets itself up.
 
 PYTHON ?= $(shell sh tools/find-python)
 BIN := .venv/bin
-CHECKED := src tests benchmarks
+CHECKED := src tests benchmarks tools
 
-.PHONY: help setup demo demo-ros lint peers test test-full test-fresh calibrate fuzz bench clean
+.PHONY: help setup demo demo-ros lint check peers test test-full test-fresh calibrate fuzz bench clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make demo       a synthetic robot works for a day: its health as a report, and live on a page"
 	@echo "make demo-ros   the case study live: a simulated robot over real ROS 1, or over DDS (ROS=2)"
+	@echo "make check      lint, types, floors, and the tests that your change touches: a minute"
 	@echo "make test       all checks and tests"
 	@echo "make test-full  what takes long too, and the peers that pip can install, half an hour"
 	@echo "make test-fresh both commands on machines that have nothing (as root; docs/fresh-machines.md)"
@@ -35,12 +36,15 @@ lint: setup
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+check: lint
+	@$(BIN)/python tools/touched_tests.py $(if $(SECONDS),--seconds $(SECONDS))
+
 peers:
 	@sh tools/ros-peers
 	@sh tools/browser
 
 test: lint peers
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest -n 2 --durations=10 --durations-min=1
 
 # `make test` has a twenty-fifth of the calibration, by a fixed seed, and skips the peers of the extra `peers`.
 test-full: setup

@@ -77,6 +77,14 @@ def agree(what: str, ours: Any, peer: Any, tolerance: float) -> None:
         raise DisagreementError(f"{what}: {ours[i]!r}, the peer says {peer[i]!r}; expected them within {tolerance:g}")
 
 
+def seconds(value: float | None) -> str:
+    """A time as people read it: "1.2 s", "35 ms", "4.4 µs"."""
+    if value is None:
+        return ""
+    scale, unit = next((s, u) for s, u in ((1, "s"), (1e-3, "ms"), (1e-6, "µs")) if value >= s or s == 1e-6)
+    return f"{value / scale:.3g} {unit}"
+
+
 def race(*runners: Callable[[], Any], rounds: int = 15, at_least: float = 0.02) -> list[float]:
     """Best time of each [s], taking turns so that a slow moment of the machine hits all alike.
 

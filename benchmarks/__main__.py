@@ -1,4 +1,7 @@
-"""``python -m benchmarks [room | room.benchmark ...] [--json]``; exits with 1 where answers differ."""
+"""``python -m benchmarks [room | room.benchmark ...] [--json]``; exits with 1 where answers differ.
+
+What a run has found is appended to series.jsonl, and the picture of the series drawn anew.
+"""
 
 from __future__ import annotations
 
@@ -11,27 +14,18 @@ import time
 from dataclasses import asdict
 from importlib import import_module
 from importlib.metadata import version
-from pathlib import Path
+from importlib.util import find_spec
 
-from benchmarks import BENCHMARKS, ROOMS, DisagreementError, Line
+from benchmarks import BENCHMARKS, ROOMS, DisagreementError, Line, seconds, series
 
 
 def machine() -> dict[str, str | int]:
-    described = Path("/proc/cpuinfo")
-    models = [line for line in described.read_text().splitlines() if "model name" in line] if described.exists() else []
     return {
-        "cpu": models[0].partition(":")[2].strip() if models else platform.processor() or platform.machine(),
+        "processor": series.processor(),
         "cores": os.cpu_count() or 0,
         "system": f"{platform.system()} {platform.machine()}",
         "python": platform.python_version(),
-    } | {name: version(name) for name in ("numpy", "scipy", "rosbags", "repyability")}
-
-
-def seconds(value: float | None) -> str:
-    if value is None:
-        return ""
-    scale, unit = next((s, u) for s, u in ((1, "s"), (1e-3, "ms"), (1e-6, "µs")) if value >= s or s == 1e-6)
-    return f"{value / scale:.3g} {unit}"
+    } | {name: version(name) for name in ("numpy", "scipy", "rosbags", "repyability") if find_spec(name)}
 
 
 def table(lines: list[Line]) -> str:
@@ -62,7 +56,7 @@ def main() -> int:
 
     lines: list[Line] = []
     differing: list[str] = []
-    start = time.monotonic()
+    start, commit = time.monotonic(), series.commit()
     for name in wanted:
         print(name, end=" … ", file=sys.stderr, flush=True)
         try:
@@ -71,6 +65,9 @@ def main() -> int:
             differing.append(f"{name}: {error}")
         print(f"{time.monotonic() - start:.0f} s", file=sys.stderr)
 
+    if lines:
+        series.append(series.run(lines, machine(), commit))
+        series.main()
     if arguments.json:
         rows = [asdict(line) | {"ratio": line.ratio} for line in lines]
         print(json.dumps({"machine": machine(), "lines": rows, "differing": differing}, indent=1, ensure_ascii=False))

@@ -18,7 +18,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
@@ -111,59 +111,18 @@ def design() -> str:
 
 def listen(ros: str, seconds: float, journal: str) -> None:
     """The watcher, in this process: what it took, and how late it integrated and reported."""
-    from robophm.core.signal import CLOCK, Sample
+    from benchmarks.taps import Clock, Tapped
     from robophm.design.file import parse
-    from robophm.health.report import HealthReport
     from robophm.monitoring.live_loop import watch
-    from robophm.monitoring.monitor import Monitor
     from robophm.transports.recordings.journal import Journal
     from robophm.transports.running_ros import open_live
-    from robophm.transports.signals.sink import JudgedTask, ReportSink
-    from robophm.transports.signals.source import LiveItem, LiveSource, TopicInfo
 
-    class Tapped(LiveSource):
-        """How late the clock's samples are where they are taken, for a tick begins with one."""
-
-        def __init__(self, source: LiveSource) -> None:
-            self.source, self.notes, self.late = source, source.notes, list[float]()
-
-        def topics(self) -> list[TopicInfo]:
-            return self.source.topics()
-
-        def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
-            for heard in self.source.listen(signals, topics):
-                if isinstance(heard, Sample) and heard.signal == CLOCK:
-                    self.late.append(time.time() % (PERIOD / 2))
-                yield heard
-
-    class Clock(ReportSink):
-        def __init__(self) -> None:
-            self.aged: list[float] = []
-            self.late: list[float] = []
-            self.memory: list[float] = []
-
-        def start(self, monitor: Monitor) -> None:
-            tick = monitor.on_tick
-            assert tick
-
-            def timed(monitor: Monitor) -> None:
-                self.aged.append(time.time() % PERIOD)
-                tick(monitor)
-
-            monitor.on_tick = timed
-
-        def publish(self, report: HealthReport) -> None:
-            self.late.append(time.time() % PERIOD)
-            self.memory.append(resident())
-
-        def judged(self, task: JudgedTask) -> None: ...
-
-    robot, clock = parse(design()), Clock()
+    robot, clock = parse(design()), Clock(PERIOD)
     gc.collect()
     gc.freeze()  # as the command does
     with open_live(ros, period=PERIOD).source as source, Journal(journal, robot.signals) as kept:
         threading.Timer(seconds, source.stop).start()
-        begun, tapped = resource.getrusage(resource.RUSAGE_SELF), Tapped(source)
+        begun, tapped = resource.getrusage(resource.RUSAGE_SELF), Tapped(source, PERIOD)
         watch(robot, tapped, journal=kept, period=PERIOD, sinks=[clock], on_start=clock.start)
         ended = resource.getrusage(resource.RUSAGE_SELF)
         print(json.dumps({
@@ -171,12 +130,6 @@ def listen(ros: str, seconds: float, journal: str) -> None:
             "begun": tapped.late, "aged": clock.aged, "late": clock.late, "memory": clock.memory,
             "notes": dict(source.notes),
         }))  # fmt: skip
-
-
-def resident() -> float:
-    """Memory of this process [MiB]."""
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
 
 
 @contextmanager

@@ -35,6 +35,23 @@ def test_models_are_scored_for_themselves():
     assert len(half["lives"]["histogram"]) == 10
 
 
+@pytest.mark.parametrize(
+    ("off", "rejected"),
+    [
+        ({"robophm": 1, "other": 2}, False),
+        ({"robophm": 2, "other": 1}, True),
+        ({"other": 2, "another": 1}, False),
+        ({"other": 2}, True),
+    ],
+)
+def test_others_may_be_there_to_be_found_out(off, rejected):
+    """What failures are off by a factor of two is found out; it says something of us where it is ours, or alone."""
+    failure = np.full(3000, 0.1)
+    failed = np.random.default_rng(1).random(3000) < 0.1
+    told = {name: Tasks(failure / factor, 1 - failure / factor, failed) for name, factor in off.items()}
+    assert score(Predictions(told)).rejected is rejected
+
+
 def test_what_is_infinite_is_said_to_be():
     found = score(Predictions({"m": Tasks(np.zeros(2), np.ones(2), np.array([True, False]))}))
     entry = found.to_json()["models"][0]

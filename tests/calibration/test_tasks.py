@@ -66,6 +66,14 @@ def test_bins_hold_equal_expected_failures_and_share_no_prediction():
     assert score.expected == pytest.approx(p.sum())
 
 
+def test_a_bin_is_outside_where_its_own_band_is_left():
+    p = np.full(200, 0.1)
+    for failed in range(0, 60, 5):
+        (one,) = score_tasks(tasks(p, np.arange(200) < failed)).bins
+        assert one.failed == failed
+        assert one.outside == (failed < one.band[0] or failed > one.band[1]) == (one.p_value < 0.01)
+
+
 def test_bins_do_not_depend_on_the_order_of_rows():
     rng = np.random.default_rng(2)
     p = np.round(risks(rng, 2000), 3)

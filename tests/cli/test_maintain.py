@@ -76,7 +76,7 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
     for option, value, said in (
         ("--horizon", "5", "--horizon"),
         ("--setup", "inf", "--setup inf: expected a finite cost"),
-        ("--horizon", "100000 year", "lives of parts of one robot, 2,000 times over; expected a shorter --horizon"),
+        ("--horizon", "100000 year", "lives of parts of one robot, 2,000 times over; expected a shorter horizon"),
     ):
         assert said in inside("maintain", robot, "costs.csv", option, value).stderr
 

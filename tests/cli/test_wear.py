@@ -66,42 +66,6 @@ def test_a_bend_is_said_wherever_life_is(inside, robot, tmp_path):
     assert text.count("with its wear, as if it did not bend") == 2
 
 
-def test_dates_ambient_and_load(inside, robot, tmp_path):
-    """A bearing that runs ever hotter above the air; a current at half load."""
-    rng = np.random.default_rng(2)
-    rows = ["when,value,ambient"]
-    for i in range(120):
-        air = rng.uniform(10, 30)
-        rows.append(
-            f"2024-{1 + i // 28:02}-{1 + i % 28:02},{air + 20 + 0.1 * i + 0.2 * rng.standard_normal():.3f},{air:.3f}"
-        )
-    (tmp_path / "bearing.csv").write_text("\n".join(rows) + "\n")
-    words = ("wear", robot, "bearing.csv", "--part", "battery", "--threshold", 40, "--baseline", 30, "--json")
-    (said,) = json.loads(inside(*words).stdout)["signals"]
-    assert said["unit"] == "h"
-    assert said["remaining"]["low"] < (40 - 20 - 11.9) / 0.1 * 24 < said["remaining"]["high"]
-    load = rng.uniform(0, 1, 120)
-    lines = [f"{i},{2 + 3 * x + 0.01 * i + 0.02 * rng.standard_normal():.4f},{x:.4f}" for i, x in enumerate(load)]
-    (tmp_path / "current.csv").write_text("time [h],value,load\n" + "\n".join(lines) + "\n")
-    words = (
-        "wear",
-        robot,
-        "current.csv",
-        "--part",
-        "computer",
-        "--threshold",
-        6,
-        "--baseline",
-        40,
-        "--load",
-        0.5,
-        "--json",
-    )
-    (said,) = json.loads(inside(*words).stdout)["signals"]
-    assert said["trend"]["low"] < 0.01 < said["trend"]["high"]
-    assert said["noise"] < 0.1  # what the load did is not taken for noise
-
-
 def test_mistakes_are_one_line(inside, robot, tmp_path):
     (tmp_path / "km.csv").write_text("time [km],value\n" + "".join(f"{i},{i}\n" for i in range(9)))
     (tmp_path / "back.csv").write_text("time [h],value\n5,1\n3,2\n")

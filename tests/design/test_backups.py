@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from robophm.design.file import BACKUPS, replace_text
+import pytest
+
+from robophm.core.errors import DesignError
+from robophm.design.file import BACKUPS, replace_text, write
 
 
 def beside(path: Path) -> dict[str, str]:
@@ -38,3 +41,17 @@ def test_to_write_the_same_again_pushes_nothing_out(tmp_path):
     for _ in range(3 * BACKUPS):
         replace_text(path, "second")
     assert beside(path) == {".bak": "second", ".bak.2": "first"}
+
+
+def test_a_design_is_written_whether_a_file_is_there_or_not(tmp_path):
+    path = tmp_path / "robot.yaml"
+    first, second = (f"schema_version: 1\nname: {name}\ncomponents: {{a: {{rate: 1 FIT}}}}\n" for name in "RS")
+    assert write(path, first).name == "R"
+    assert beside(path) == {}
+    assert write(path, second).name == "S"
+    assert (path.read_text(), beside(path)) == (second, {".bak": first})
+    with pytest.raises(DesignError, match=r"robot\.yaml:1: schema_version: None; expected 1"):
+        write(path, "name: T\n")
+    assert (path.read_text(), beside(path)) == (second, {".bak": first})
+    with pytest.raises(DesignError, match="cannot be written: No such file"):
+        write(tmp_path / "no" / "robot.yaml", first)

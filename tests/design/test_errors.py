@@ -56,7 +56,7 @@ FAULTS = {
         4,
         "components/A: duplicate name 'A': a module here has it too",
     ),
-    "no rate": (part(""), 4, "components/A: has no rate; expected rate, hazard, failure_modes, or a life with its"),
+    "no rate": (part(""), 4, "components/A: has no rate; expected rate, mtbf, l10, hazard, part, failure_modes, or"),
     "part of nothing": (HEAD + "components:\n  A:\n", 4, "components/A: expected keys with values, not None"),
     "parts as list": (HEAD + "components: [A]\n", 3, "components: expected keys with values, not ['A']"),
     "negative rate": (part("rate: -1 FIT"), 4, "components/A/rate: hazard rate -1 FIT; expected above zero"),

@@ -8,7 +8,8 @@ import time
 import pytest
 
 from robophm.core.errors import DesignError
-from robophm.design.file import MAX_BYTES, DesignFile, load, parse
+from robophm.core.yaml_values import MAX_BYTES
+from robophm.design.file import DesignFile, load, parse
 
 DESIGN = """\
 # my robot

@@ -172,6 +172,8 @@ common_causes:
   wear: {of: [Left, Right], alpha: [0.95, 0.05], testing: non-staggered}
 components:
   Twin: {rate: 5 FIT, quantity: 2, required: 1}
+  Book: {part: lidar_2d}
+  Sheet: {failure_modes: {a: {mtbf: 20000 h}, b: {mttf: 1 year}, c: {l10: 3000 h}, d: {b10: 2e6 cycle, clock: cycles}}}
   Triple: {rate: 5 FIT, quantity: 3, depends_on: Twin}
   Left: {rate: 5 FIT}
   Lamp:

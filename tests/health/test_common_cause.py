@@ -21,7 +21,7 @@ from robophm.health.mission import completion, deciding
 from robophm.health.outlooks import nominal_outlook, outlooks
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
-from robophm.health.report import health_report
+from robophm.health.reporting import health_report
 from robophm.health.uncertainty import completion_uncertainty
 
 START = 1_700_000_000 * SECOND

@@ -7,7 +7,7 @@ import pytest
 
 from robophm.core.errors import RobophmError
 from robophm.design.file import parse
-from robophm.health.effects import OCCURRENCE, effects, fault_chances, silent_states
+from robophm.health.effects import OCCURRENCE, effects, fault_chances, mode_shares, silent_states, unit_alarms
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 
@@ -71,6 +71,19 @@ def test_severities_may_be_said(outlook):
     assert ranked == sorted(ranked, reverse=True)
 
 
+@pytest.mark.parametrize(
+    ("said", "says"),
+    [
+        ({"tlk": 9}, "no function or part 'tlk'; did you mean 'talk'"),
+        ({"talk": 11}, "severity of 'talk' 11: expected a whole number of at least 1 and at most 10"),
+        ({"talk": 0}, "severity of 'talk' 0"),
+    ],
+)
+def test_a_severity_that_is_none_is_refused(outlook, said, says):
+    with pytest.raises(RobophmError, match=says):
+        effects(outlook, 1000.0, {}, said)
+
+
 def test_members_of_groups():
     robot = parse("{schema_version: 1, name: R, components: {a: {rate: 100 FPMH}, b: {rate: 100 FPMH}},"
                   " diagram: {standby: {of: [a, b]}}}")  # fmt: skip
@@ -90,3 +103,17 @@ def test_nothing_has_failed_unseen_in_a_new_robot(outlook):
     with pytest.raises(RobophmError, match="nothing can have failed unseen"):
         silent_states(outlook, outlook.plant.robot.diagram, 10.0)
     assert np.isfinite(outlook.age).all()
+
+
+def test_what_a_sensor_says_of_a_part_that_has_failed():
+    """Of a motor's failures 1 in 4 is of the winding: 8 of 32 FPMH; of one that is new each is as likely."""
+    plant = Plant(parse(ROBOT))
+    assert mode_shares(as_designed(plant))["motor/winding"] == 0.5
+    old = as_designed(plant, after=1000.0)
+    assert mode_shares(old)["motor/winding"] == pytest.approx(0.25)
+    (motor,) = (part for part in plant.components if part.path == "motor")
+    states = [frozenset(), frozenset(motor.units), frozenset({"lidar", *motor.units})]
+    found = unit_alarms(old, states, [({"motor/winding": 0.8, "motor/bearing": 0.4}, 0.1), ({"lidar": 0.5}, 0.0)])
+    sees = 0.25 * 0.8 + 0.75 * 0.4
+    silent = 0.9 * (1 - sees) ** len(motor.units)
+    assert found == pytest.approx(np.array([[0.1, 0.0], [1 - silent, 0.0], [1 - silent, 0.5]]))

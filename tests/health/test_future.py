@@ -311,3 +311,12 @@ def test_what_never_fails_under_a_future_lives_for_ever() -> None:
     design = robot({"a": {"rate": "0.01 /km", "clock": "kilometres"}}, usage={"kilometres": "1 km/h"})
     found = as_designed(Plant(design)).remaining_life(design.diagram, path([1.0], [1.0], [[0.0]], [[1.0]]))
     assert (found.mean, found.median, found.early, found.late) == (math.inf,) * 4
+
+
+def test_the_pace_of_a_mode_is_of_the_clock_that_its_life_counts() -> None:
+    """Half a day of operation at 3 km/h and twice the stress: of a life whose hazard is scaled stress says nothing."""
+    parts = {"wheel": {"rate": "1e-5 /km", "clock": "kilometres"}, "seal": {"scaling": "hazard", "life": SHAPE_2}}
+    plant = Plant(robot(parts, usage={"operating": 0.25, "kilometres": "3 km/h"}))
+    future = Future.steady("f", plant, np.full(2, 2.0), plant.usage, 0.5)
+    assert future.pace(plant) == pytest.approx([2.0 * 0.5 * 3.0, 0.5])
+    assert as_designed(plant).future.pace(plant) == pytest.approx([0.25 * 3.0, 0.25])

@@ -11,6 +11,7 @@ import pytest
 
 from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.graph import ALL, NOT, UNIT, Gate
+from robophm.blocks.top_event import TopEvent
 from robophm.core.errors import StructureError
 from robophm.design.file import parse
 from robophm.design.robot import Robot
@@ -169,4 +170,4 @@ def test_usual_hours() -> None:
 def test_a_tree_that_is_not_coherent_is_refused() -> None:
     gates = [Gate(UNIT, ()), Gate(UNIT, ()), Gate(NOT, [1]), Gate(ALL, [0, 2])]
     with pytest.raises(StructureError, match="negative"):
-        of_tree(FaultTree(["a", "b"], gates), np.full(2, 0.1), np.full(2, 0.9))
+        of_tree(TopEvent(FaultTree(["a", "b"], gates), np.full(2, 0.1), np.full(2, 0.9)))

@@ -16,7 +16,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.mission import completion
 from robophm.health.outlooks import as_designed, outlooks
 from robophm.health.plant import Plant
-from robophm.health.replacement import Replacement, replacements
+from robophm.health.replacement import Replacement, Replacements, replacements
 from robophm.monitoring.monitor import Monitor
 
 
@@ -196,3 +196,18 @@ def test_it_is_what_a_ledger_says_after_the_part_was_replaced() -> None:
     found = next(one for one in replacements(before, design.diagram, TASK).parts if one.path == "bearing")
     lives = [view.remaining_life(design.diagram) for view in (before, anew)]
     assert found.median == pytest.approx(lives[1].median - lives[0].median, rel=1e-8)
+
+
+def test_gains_for_their_cost() -> None:
+    """By hand: what costs nothing is not asked about, and what would last for ever has no mean to divide."""
+    parts = tuple(
+        Replacement(name, done, 1.0, mean)
+        for name, done, mean in (("a", 0.2, 10.0), ("b", None, 30.0), ("c", 0.1, math.inf), ("d", 0.1, -5.0),
+                                 ("free", 0.3, 9.0))
+    )  # fmt: skip
+    found = Replacements(None, 1.0, 1.0, parts, 0).for_their_cost(
+        {"a": 2.0, "b": 15.0, "c": 1.0, "d": 1.0, "free": 0.0}
+    )
+    assert [one.part for one in found] == ["a", "b", "c", "d"]
+    assert found[0] == ("a", 2.0, 10.0, 5.0, 0.2, 0.1)
+    assert (found[1].mean_life_per_cost, found[1].completion_per_cost) == (2.0, None)

@@ -14,7 +14,8 @@ from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.task import Leg, Plan, Task
-from robophm.health.report import VIEWS, HealthReport, health_now
+from robophm.health.report import VIEWS, HealthReport
+from robophm.health.reporting import health_now, look_ahead
 from robophm.monitoring.monitor import Monitor
 
 START = 1_700_000_040 * SECOND
@@ -73,8 +74,11 @@ def test_a_silent_sensor_makes_stale_and_an_error_is_told_first() -> None:
     observer = Monitor(parse(json.dumps(design)))
     for second in range(100):
         observer.observe(Sample(START + second * SECOND, "clock", math.nan))
-    states = {subject.path: subject.state for subject in observer.report().subjects}
+    report = observer.report()
+    states = {subject.path: subject.state for subject in report.subjects}
     assert states == {"R": "stale", "Quiet": "stale", "Bad": "error"}
+    assert report.stale == {"/t.c"}
+    assert all(subject.stale == ("/t.c",) for subject in report.subjects)
 
 
 def test_what_is_ahead_is_added_to_what_is_now() -> None:
@@ -84,8 +88,8 @@ def test_what_is_ahead_is_added_to_what_is_now() -> None:
     now = health_now(monitor.plant, monitor.exposure, monitor.ledger)
     assert now.system.nominal.remaining_life is None
     assert now.system.nominal.completion is None
-    assert now.looking_ahead(parts=True) == monitor.report(settled=False, parts=True)
-    assert now.looking_ahead().components[0].remaining_life is None
+    assert look_ahead(now, parts=True) == monitor.report(settled=False, parts=True)
+    assert look_ahead(now).components[0].remaining_life is None
 
 
 def test_time_of_a_wanted_survival() -> None:
@@ -119,7 +123,6 @@ def test_a_plan_is_of_the_life_ahead_and_not_of_the_task(duration: float) -> Non
         {"rate": "1 /h", "initial_exposure": "1e6 h"},  # has failed
         {"rate": "1e-200 /h"},  # never fails
         {"life": {"distribution": "weibull", "scale": "1 h", "shape": 0.5}},  # infinite hazard at first
-        {"life": {"distribution": "loglogistic", "scale": "1 h", "shape": 0.9}},  # no mean life
     ],
 )
 def test_json_has_no_infinity_and_no_nan(part: dict[str, Any]) -> None:
@@ -190,6 +193,11 @@ def test_flags_belong_to_the_module_that_hears_the_signal() -> None:
     assert {subject.path: subject.flags for subject in health.subjects} == {
         "R": ("stale /h.c",),
         "hot": ("stale /h.c",),
+        "cold": (),
+    }
+    assert {subject.path: subject.stale for subject in health.subjects} == {
+        "R": ("/h.c",),
+        "hot": ("/h.c",),
         "cold": (),
     }
 

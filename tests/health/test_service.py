@@ -12,7 +12,7 @@ from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.outlooks import outlooks
 from robophm.health.plant import Plant
-from robophm.health.service import repair, replace, service_intervals
+from robophm.health.service import repair, replace, service_intervals, services_of
 from robophm.monitoring.monitor import Monitor
 
 DESIGN = """
@@ -98,6 +98,11 @@ def test_history_is_kept_and_comes_back(robot, worked):
     assert (found[1].hazard, found[1].hours, found[3].hazard) == (0.0, 0.0, 0.0)
     assert found[2].hazard == pytest.approx(lives["gear"].hazard)
     assert [one.parts for one in service_intervals(robot, kept) if one.mode.path == "motor"] == [2]
+    assert [services_of(robot, kept, part) for part in ("bearing", "gear", "arm")] == [
+        kept.services[:1], kept.services[1:], []
+    ]  # fmt: skip
+    with pytest.raises(RobophmError, match="no part 'ger'; did you mean 'gear'"):
+        services_of(robot, kept, "ger")
 
 
 def test_a_ledger_of_before_has_no_services(robot, worked):

@@ -1,92 +1,59 @@
-"""Uncertain rates and loads, against closed forms and quadrature.
+"""Uncertain rates, against closed forms and quadrature.
 
-A rate with a gamma distribution of shape k and mean k/b makes the predictive survival of a part known to have lived a
-hours L(a + t)/L(a), with L(x) = (b/(b + x))^k: Lomax. Lognormal rates are integrated by Gauss and Hermite.
+Lognormal rates are integrated by Gauss and Hermite.
 """
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from scipy.stats import gamma
 
-import robophm.health.prognosis
-from robophm.design.file import parse
 from robophm.design.robot import Robot
-from robophm.design.task import Knowledge, Leg, Task
+from robophm.design.task import Knowledge, Task
 from robophm.health.exposure import ExposureIntegrator
-from robophm.health.future import Future
-from robophm.health.ledger import Ledger, Step
+from robophm.health.ledger import Ledger
 from robophm.health.mission import completion
 from robophm.health.outlooks import as_designed, nominal_outlook, outlooks
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.uncertainty import (
-    FEWEST_STEPS,
-    Interval,
-    completion_at_rates,
     completion_uncertainty,
     draw_loads,
     draw_rates,
     life_uncertainty,
-    predictive_life,
 )
 from robophm.life import LifeDistribution
 from robophm.life.lognormal import Lognormal
 from robophm.life.weibull import Weibull
 
-Array = npt.NDArray[np.float64]
-DRAWS = 20_000
-RATE, FAILURES = 1e-3, 2.0
-B = FAILURES / RATE
-GAMMA = {"rate": f"{RATE} /h", "uncertainty": {"failures": FAILURES}}
-WEAR = {"distribution": "weibull", "scale": "1000 h", "shape": 3}
-LOGNORMAL = {"distribution": "lognormal", "log_mean": 7.0, "log_deviation": 0.5}
-LEVELS = (0.95, 0.5, 0.05)
-
-
-def robot(components: dict[str, Any], **more: Any) -> Robot:
-    return parse(json.dumps({"schema_version": 1, "name": "R", "components": components, **more}))
-
-
-def aged(design: Robot, *hours: float) -> Outlook:
-    return nominal_outlook(Plant(design), np.array(hours))
-
-
-def L(hours: float) -> float:
-    """E[exp(−rate·hours)]."""
-    return (B / (B + hours)) ** FAILURES
-
-
-def near(value: Any, rel: float = 1e-3) -> Any:
-    return pytest.approx(value, rel=rel, abs=0)
-
-
-def life(outlook: Outlook, futures: list[Future] | None = None, draws: int = DRAWS) -> Interval:
-    ratios = draw_rates(outlook.plant, draws, 0)
-    return predictive_life(outlook, outlook.plant.robot.diagram, ratios, futures or [outlook.future])
+from .uncertain import (
+    DRAWS,
+    FAILURES,
+    GAMMA,
+    LEVELS,
+    LOGNORMAL,
+    RATE,
+    WEAR,
+    B,
+    L,
+    aged,
+    history,
+    life,
+    near,
+    ratios_of,
+    robot,
+    steady,
+)
 
 
 def mean_failure(outlook: Outlook, hours: float) -> float:
     found = completion_uncertainty(outlook, Task.plain(0.0, hours), draws=DRAWS).mean
     assert found.failure + found.probability == near(1.0, 1e-12)
     return found.failure
-
-
-def ratios_of(error_factor: float) -> tuple[Array, Array]:
-    """Nodes and weights of E over a lognormal ratio of mean 1."""
-    z, weight = np.polynomial.hermite_e.hermegauss(120)
-    deviation = math.log(error_factor) / 1.6448536269514722
-    return np.exp(deviation * z - deviation**2 / 2), weight / weight.sum()
-
-
-# Gamma rates, the closed form.
 
 
 @pytest.mark.parametrize("age", [0.0, 500.0, 5000.0])
@@ -345,253 +312,12 @@ def test_without_loads_rates_are_all_there_is() -> None:
     found = life_uncertainty(outlook, outlook.plant.robot.diagram, draws=500)
     assert found.all_sources == found.load_known != found.chance_alone
     assert found.rates_known == found.chance_alone
+    assert (found.of_rates, found.of_load) == (True, False)
     assert found.chance_alone == near([-math.log(p) / RATE for p in LEVELS], 1e-7)
     task = completion_uncertainty(outlook, Task.plain(0.0, 10.0), draws=500)
     assert task.failure == task.failure_if_load_known
     assert task.failure_if_rates_known == near([-math.expm1(-10 * RATE)] * 3, 1e-12)
-
-
-def steady(outlook: Outlook, factor: float) -> Future:
-    plant = outlook.plant
-    return Future.steady("steady", plant, np.full(len(plant.robot.modes), factor), plant.usage, 1.0)
-
-
-def test_rates_and_loads_and_chance() -> None:
-    """Two loads, once and four times the stress, equally likely: S(t) = (L(t) + L(4t))/2 of a new part."""
-    outlook = aged(robot({"a": GAMMA}), 0.0)
-    loads = [steady(outlook, factor) for factor in (1.0, 4.0)]
-    found = life_uncertainty(outlook, outlook.plant.robot.diagram, loads=loads, draws=DRAWS)
-    assert [(L(t) + L(4 * t)) / 2 for t in found.all_sources] == near(LEVELS, 5e-3)
-    assert [(math.exp(-RATE * t) + math.exp(-4 * RATE * t)) / 2 for t in found.rates_known] == near(LEVELS, 1e-6)
-    assert [L(t) for t in found.load_known] == near(LEVELS, 2e-3)
-    assert [math.exp(-RATE * t) for t in found.chance_alone] == near(LEVELS, 1e-6)
-
-
-# The load to come.
-
-
-def history(plant: Plant, factors: list[float], operating: float = 1.0) -> Ledger:
-    """A past of hours in which all modes had these stress factors."""
-    ledger, n = Ledger.new(plant.robot), len(plant.robot.modes)
-    ledger.history = [
-        Step(i, 1.0, operating, np.full(n, operating), np.full(n, operating * factor), {})
-        for i, factor in enumerate(factors)
-    ]
-    return ledger
-
-
-PLANT = Plant(robot({"a": {"rate": "1e-3 /h"}}))
-
-
-def test_a_constant_past_has_a_certain_future() -> None:
-    loads = draw_loads(PLANT, history(PLANT, [3.0] * 30), 20, 0)
-    assert len(loads) == 20
-    outlook = as_designed(PLANT)
-    found = life_uncertainty(outlook, PLANT.robot.diagram, loads=loads, draws=10)
-    assert found.all_sources == near([-math.log(p) / 3e-3 for p in LEVELS], 1e-7)
-
-
-@pytest.mark.parametrize("run", [1, 4, 8])
-def test_loads_are_drawn_in_blocks(run: int) -> None:
-    """Two levels in turns, in runs: mean and spread of what 64 steps add, by enumerating all 64 blocks of 8.
-
-    Where a block holds as much of both the future is certain: what belongs together is not torn apart.
-    """
-    levels = ([1.0] * run + [5.0] * run) * (32 // run)
-    loads = draw_loads(PLANT, history(PLANT, levels), 1500, 1)
-    assert {float(load.hours[-1]) for load in loads} == {64.0}
-    blocks = np.array([np.take(levels, range(start, start + 8), mode="wrap").sum() for start in range(64)])
-    found = np.array([load.effective[0, -1] for load in loads])
-    assert np.mean(found) == near(64 * 3.0, 0.01)
-    assert np.std(found) == pytest.approx(math.sqrt(8 * np.var(blocks)), rel=0.05, abs=1e-9)
-    steps = np.array([np.diff(load.effective[0]) for load in loads[:50]])
-    assert set(np.unique(steps)) == {1.0, 5.0}
-    assert {tuple(one) for step in steps for one in step.reshape(8, 8)} <= {
-        tuple(np.take(levels, range(start, start + 8), mode="wrap")) for start in range(64)
-    }
-
-
-def test_too_short_a_past_has_no_load_to_draw_from() -> None:
-    assert draw_loads(PLANT, history(PLANT, [1.0] * (FEWEST_STEPS - 1)), 5, 0) == []
-    assert draw_loads(PLANT, history(PLANT, [1.0] * 20, operating=0.0), 5, 0) == []
-    ledger = history(PLANT, [1.0] * FEWEST_STEPS)
-    assert len(draw_loads(PLANT, ledger, 5, 0)) == 5
-    ledger.history[3] = ledger.history[3]._replace(calendar=0.0)  # a step that took no time says nothing
-    assert draw_loads(PLANT, ledger, 5, 0) == []
-
-
-def test_a_robot_that_mostly_rests_never_rests_for_ever() -> None:
-    """One hour of operation in 100: every load drawn has some."""
-    ledger = history(PLANT, [1.0] * 100, operating=0.0)
-    ledger.history[50] = Step(50, 1.0, 1.0, np.ones(1), np.ones(1), {})
-    assert min(load.operating[-1] for load in draw_loads(PLANT, ledger, 100, 2)) >= 1.0
-
-
-# A future that changes, where stress scales the hazard.
-
-
-def day(outlook: Outlook, low: float, high: float) -> Future:
-    """400 hours at one stress, and 400 at the other."""
-    n = len(outlook.age)
-    hours = np.full((n, 2), 400.0)
-    return Future.of_steps("day", [400.0, 400.0], [400.0, 400.0], hours, hours * [low, high])
-
-
-def weighed(of: LifeDistribution, low: float, high: float) -> Callable[[Array, float, float], Array]:
-    """Σψ·ΔH(θ·age) along ``day``, from an age for so many hours."""
-
-    def hazard(ratio: Array, age: float, hours: float) -> Array:
-        total, now = np.zeros_like(ratio), 0.0
-        while now < hours:
-            step = min(400.0, hours - now)
-            factor = low if (now // 400) % 2 == 0 else high
-            total += factor * of.increment(ratio * (age + now), ratio * step)
-            now += step
-        return total
-
-    return hazard
-
-
-FORMS = pytest.mark.parametrize(
-    ("form", "of"), [(WEAR, Weibull(1000.0, 3.0)), (LOGNORMAL, Lognormal(7.0, 0.5))], ids=["weibull", "lognormal"]
-)
-
-
-@FORMS
-def test_a_weighed_hazard_follows_the_changes_of_the_future(form: dict[str, Any], of: LifeDistribution) -> None:
-    """The same stresses in the other order are another life; two futures of equal chance are their mixture."""
-    design = robot({"a": {"life": form, "scaling": "hazard", "uncertainty": {"error_factor": 2}}})
-    outlook, (ratio, weight) = aged(design, 300.0), ratios_of(2)
-    now = np.exp(-of.cumulative_hazard(300 * ratio))
-    orders = [(0.1, 4.0), (4.0, 0.1)]
-
-    def survives(hours: float, *orders: tuple[float, float]) -> float:
-        paths = [now * np.exp(-weighed(of, *order)(ratio, 300.0, hours)) for order in orders]
-        return float(weight @ np.mean(paths, axis=0) / (weight @ now))
-
-    for order in orders:
-        found = life(outlook, [day(outlook, *order)], 2000)
-        assert [survives(time, order) for time in found] == near(LEVELS, 3e-3)
-    both = life(outlook, [day(outlook, *order) for order in orders], 2000)
-    assert [survives(time, *orders) for time in both] == near(LEVELS, 0.04)  # each future has half of the draws
-
-
-@FORMS
-def test_a_weighed_hazard_of_exact_rates_is_the_plain_one(form: dict[str, Any], of: LifeDistribution) -> None:
-    outlook = aged(robot({"a": {"life": form, "scaling": "hazard"}, "b": {"life": form}}), 300.0, 300.0)
-    future = day(outlook, 0.1, 4.0)
-    plain = outlook.remaining_life(outlook.plant.robot.diagram, future)
-    assert life(outlook, [future], 1) == near([plain.early, plain.median, plain.late], 1e-7)
-    diagram = outlook.plant.robot.diagram
-
-    def survives(hours: float) -> float:
-        added = weighed(of, 0.1, 4.0)(np.ones(1), 300.0, hours)[0]
-        by_age = of.increment(300.0, future.at(np.array([hours]))[1][1, 0])
-        return math.exp(-added - by_age)
-
-    assert outlook.curve(diagram, future)(np.array([900.0]))[1][0] == near(survives(900.0), 1e-12)
-
-
-@pytest.mark.parametrize(("low", "high"), [(1e-6, 1e3), (1e3, 1e-6), (0.0, 1.0), (0.0, 1e6), (1.0, 0.0)])
-def test_kinks_do_not_mislead(low: float, high: float) -> None:
-    """Quantiles where the hazard leaps a billionfold, or rests."""
-    outlook = aged(robot({"a": {"rate": "1e-3 /h"}}), 300.0)
-    future = day(outlook, low, high)
-
-    def survives(hours: float) -> float:
-        return math.exp(-1e-3 * float(future.at(np.array([hours]))[1][0, 0]))
-
-    assert [survives(time) for time in life(outlook, [future], 10)] == near(LEVELS, 1e-5)
-
-
-def test_where_knots_would_not_fit_the_mean_holds(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Memory is bounded whatever the number of modes and draws; from the last knot that fits the mean stress holds."""
-    design = robot({"a": {"life": LOGNORMAL, "scaling": "hazard", "uncertainty": {"error_factor": 2}}})
-    outlook, of = aged(design, 300.0), Lognormal(7.0, 0.5)
-    modes, future, hours = outlook.plant.everything, day(outlook, 0.1, 4.0), np.array([400.0, 1600.0])
-    followed = weighed(of, 0.1, 4.0)
-    assert outlook.along(modes, future)(hours)[0, :, 0] == near(
-        [followed(np.ones(1), 300.0, time)[0] for time in hours], 1e-12
-    )
-    monkeypatch.setattr(robophm.health.prognosis, "_AT_ONCE", 1)
-    by_mean = [factor * float(of.increment(300.0, time)) for factor, time in zip((0.1, 2.05), hours, strict=True)]
-    assert outlook.along(modes, future)(hours)[0, :, 0] == near(by_mean, 1e-12)
-
-
-# Tasks.
-
-
-def test_a_phased_task() -> None:
-    """Driving needs a and c, seeing then b and c; each has its own rate, and a may fail once it has arrived."""
-    design = robot(
-        dict.fromkeys("abc", GAMMA),
-        functions={"drive": {"series": ["a", "c"]}, "see": {"series": ["b", "c"]}},
-    )
-    outlook = aged(design, 100.0, 200.0, 300.0)
-    task = Task((Leg(50.0, functions=("drive",)), Leg(70.0, functions=("see",))))
-    found = completion_uncertainty(outlook, task, draws=DRAWS).mean
-    b_after = L(200 + 50 + 70)  # duty 1: it ages while it is not needed
-    assert found.probability == near(L(150) / L(100) * b_after / L(200) * L(420) / L(300), 1e-3)
-    assert found.failure == near(1 - found.probability, 1e-9)
-
-
-def test_a_phased_task_of_a_redundant_part() -> None:
-    """a, then a or b: P = E[S_a(t₁)·(1 − F_a(t₂|t₁)·F_b)], two legs, new parts."""
-    design = robot(dict.fromkeys("ab", GAMMA), functions={"first": "a", "then": {"parallel": ["a", "b"]}})
-    outlook = as_designed(Plant(design))
-    task = Task((Leg(300.0, functions=("first",)), Leg(400.0, functions=("then",))))
-    found = completion_uncertainty(outlook, task, draws=DRAWS).mean
-    assert found.probability == near(L(300) - (L(300) - L(700)) * (1 - L(700)), 2e-3)
-
-
-@pytest.mark.parametrize("ratio", [0.5, 1.0, 2.0])
-def test_completion_at_rates(ratio: float) -> None:
-    """The past is scaled too: a pair of unknown state has aged as fast."""
-    wear = Weibull(1000.0, 3.0)
-    alone = aged(robot({"a": {"life": WEAR}, "b": {"rate": "1e-3 /h"}}), 300.0, 300.0)
-    failure = -math.expm1(-float(wear.increment(ratio * 300, ratio * 100)) - ratio * 0.1)
-    assert completion_at_rates(alone, Task.plain(0.0, 100.0), ratio).failure == near(failure, 1e-12)
-    pair = aged(robot({name: {"life": LOGNORMAL} for name in "ab"}, diagram={"parallel": ["a", "b"]}), 900.0, 900.0)
-    now, then = (float(Lognormal(7.0, 0.5).failure_probability(ratio * hours)) for hours in (900.0, 1000.0))
-    found = completion_at_rates(pair, Task.plain(0.0, 100.0), ratio)
-    assert found.failure == near((then**2 - now**2) / (1 - now**2), 1e-11)
-    assert found.probability == near((1 - then**2) / (1 - now**2), 1e-11)
-
-
-def lately(ledger: Ledger, design: Robot) -> Outlook:
-    return outlooks(Plant(design), ExposureIntegrator(design), ledger)["sensor_based"]
-
-
-@pytest.mark.parametrize(("hours", "low", "high"), [(0.5, 1.0, 5.0), (4.0, 1.0, 5.0), (64.0, 3.0, 3.0)])
-def test_the_load_of_a_task_is_that_of_its_own_hours(hours: float, low: float, high: float) -> None:
-    """Four hours at the design's stress and four at five times it in turns, drawn in blocks of eight."""
-    ledger = history(PLANT, ([1.0] * 4 + [5.0] * 4) * 8)
-    loads = draw_loads(PLANT, ledger, 400, 0)
-    found = completion_uncertainty(lately(ledger, PLANT.robot), Task.plain(0.0, hours), loads=loads, draws=400)
-    ends = [-math.expm1(-1e-3 * hours * factor) for factor in (low, high)]
-    assert [found.failure.low, found.failure.high] == near(ends, 1e-9)
-    assert [found.failure_if_rates_known.low, found.failure_if_rates_known.high] == near(ends, 1e-9)
-    assert found.failure_if_load_known == near([-math.expm1(-1e-3 * hours)] * 3, 1e-9)  # nothing was heard of late
-    assert found.mean.failure == near(-math.expm1(-1e-3 * hours * 3), 0.05)
-
-
-def test_where_nothing_was_driven_in_the_hours_drawn_all_of_the_load_counts() -> None:
-    """Kilometres in one hour of 64, at three times the stress: a load that holds it has that stress, others none."""
-    design = robot({"a": {"rate": "1e-3 /km", "clock": "kilometres"}}, usage={"kilometres": "1 km/h"})
-    ledger = history(Plant(design), [3.0] * 64)
-    ledger.history = [step._replace(age=step.age * (step.end == 63), effective=step.effective * (step.end == 63))
-                      for step in ledger.history]  # fmt: skip
-    loads = draw_loads(Plant(design), ledger, 400, 0)
-    found = completion_uncertainty(lately(ledger, design), Task.plain(1000.0, 0.5), loads=loads, draws=400).failure
-    assert [found.low, found.high] == near([-math.expm1(-1e-3), -math.expm1(-3e-3)], 1e-9)
-
-
-def test_nothing_to_do_is_done() -> None:
-    outlook = aged(robot({"a": GAMMA}), 100.0)
-    found = completion_uncertainty(outlook, Task(()), draws=50)
-    assert (found.mean.probability, found.mean.failure) == (1.0, 0.0)
-    assert found.failure == found.failure_if_rates_known == found.failure_if_load_known == (0.0, 0.0, 0.0)
-    assert completion_at_rates(outlook, Task(()), 2.0) == found.mean
+    assert (task.of_rates, task.of_load) == (True, False)
 
 
 def test_many_uncertain_parts_that_have_survived_leave_enough_draws() -> None:

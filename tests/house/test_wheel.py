@@ -68,7 +68,8 @@ def test_it_holds_what_is_needed_at_run_time(wheel):
     names = set(zipfile.ZipFile(wheel).namelist())
     examples = (f"examples/ota/{name}.yaml" for name in ("robot", "guide", "handbook"))
     messages = (f"ros/phm_msgs/{name}.msg" for name in ("msg/Health", "ros1/msg/Potc"))
-    for needed in ("py.typed", "design/robot.schema.json", *examples, *messages):
+    library = (f"parts/library/{file.name}" for file in (ROOT / "src/robophm/parts/library").iterdir())
+    for needed in ("py.typed", "design/robot.schema.json", *examples, *messages, *library):
         assert f"robophm/{needed}" in names
     assert not {name for name in names if name.startswith(("tests", "benchmarks"))}
 
@@ -81,7 +82,7 @@ def test_the_demonstration_runs_from_the_wheel_alone(wheel, tmp_path):
     unpacked = tmp_path / "site"
     zipfile.ZipFile(wheel).extractall(unpacked)
     code = (
-        f"import sys; sys.path.insert(0, {str(unpacked)!r}); from robophm.cli.demo import example_design;"
+        f"import sys; sys.path.insert(0, {str(unpacked)!r}); from robophm.design.file import example_design;"
         "print(example_design())"
     )
     found = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)

@@ -37,6 +37,12 @@ def lives(draw, name):
     return cls(**{key: draw(parameter(key, dimension)) for key, dimension in cls.dimensions.items()})
 
 
+def shapes(data, cls):
+    """All parameters but the scale."""
+    given = {key: power for key, power in cls.dimensions.items() if key != cls.scale_parameter}
+    return {key: data.draw(parameter(key, power)) for key, power in given.items()}
+
+
 every = pytest.mark.parametrize("name", NAMES)
 
 
@@ -153,15 +159,11 @@ def test_arrays_are_scalars_side_by_side(name, data):
 @given(data=st.data())
 def test_with_mean_and_with_rate(name, data):
     cls = life_distribution(name)
-    shape = {
-        key: data.draw(parameter(key, dimension))
-        for key, dimension in cls.dimensions.items()
-        if key != cls.scale_parameter
-    }
+    shape = shapes(data, cls)
     mean = data.draw(st.floats(2e3, 1e6))
-    if name in ("curve", "piecewise"):
-        with pytest.raises(ModelError):
-            cls.with_mean(mean, **({} if name == "piecewise" else shape))
+    if name == "piecewise":
+        with pytest.raises(ModelError, match="no scale"):
+            cls.with_mean(mean)
         return
     if name == "loglogistic" and shape["shape"] <= 1:
         with pytest.raises(ModelError, match="mean is infinite"):
@@ -169,7 +171,8 @@ def test_with_mean_and_with_rate(name, data):
         return
     life = cls.with_mean(mean, **shape)
     assert life.mean() == pytest.approx(mean, rel=1e-12)
-    assert cls.with_rate(1 / mean, **shape).mean() == pytest.approx(mean, rel=1e-12)
+    if name != "curve":
+        assert cls.with_rate(1 / mean, **shape).mean() == pytest.approx(mean, rel=1e-12)
     assert all(getattr(life, key) == value for key, value in shape.items())
     if "location" in shape and life.lowest == 0:
         with pytest.raises(ModelError, match="mean − location"):
@@ -178,6 +181,43 @@ def test_with_mean_and_with_rate(name, data):
 
 def test_curve_keeps_its_rate():
     assert life_distribution("curve").with_rate(0.25, shape=0.7).rate == 0.25
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name != "piecewise"])
+@given(data=st.data())
+def test_the_rate_of_a_life_gives_it_again(name, data):
+    cls = life_distribution(name)
+    shape = shapes(data, cls)
+    assume(name != "loglogistic" or shape["shape"] > 1)
+    life = cls.with_mean(data.draw(st.floats(2e3, 1e6)), **shape)
+    again = cls.with_rate(life.nominal_rate, **shape)
+    scale = getattr(life, cls.scale_parameter)
+    assert getattr(again, cls.scale_parameter) == pytest.approx(scale, rel=1e-9, abs=1e-6)
+
+
+@every
+@given(data=st.data(), share=st.sampled_from([1e-9, 0.01, 0.1, 0.5, 0.9]))
+def test_with_quantile(name, data, share):
+    """S(age) = 1 − share, whatever the shape and the location."""
+    cls = life_distribution(name)
+    if name == "piecewise":
+        with pytest.raises(ModelError, match="no scale"):
+            cls.with_quantile(share, 1e3)
+        return
+    shape = shapes(data, cls)
+    age = shape.get("location", 0.0) + data.draw(st.floats(100, 1e6))
+    life = cls.with_quantile(share, age, **shape)
+    assert life.failure_probability(age) == pytest.approx(share, rel=1e-8)
+    assert life.survival(age) == pytest.approx(1 - share, rel=1e-9)
+    assert all(getattr(life, key) == value for key, value in shape.items())
+    if "location" in shape and life.lowest == 0:
+        with pytest.raises(ModelError, match="age − location"):
+            cls.with_quantile(share, shape["location"], **shape)
+    for wrong in (0.0, 1.0, -0.1, math.nan, True):
+        with pytest.raises(ModelError, match="probability"):
+            cls.with_quantile(wrong, age, **shape)
+    with pytest.raises(ModelError):
+        cls.with_quantile(share, "3 h", **shape)
 
 
 @every

@@ -40,6 +40,10 @@ def check(path):
         assert sorted(one.gaps) == sorted(longest)
         assert one.gap_count == len(gaps)
         assert one.gap_length == sum(length for _, length in gaps)
+        assert one.longest_gap == max(gaps, key=lambda gap: gap[1], default=None)
+        assert one.span == (min(times), max(times))
+    every = [time for times in received.values() for time in times]
+    assert seen.span == (min(every), max(every))
     return seen
 
 

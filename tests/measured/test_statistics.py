@@ -16,7 +16,7 @@ from robophm.measured.held import HeldValues
 from robophm.measured.levels import MOST_STEPS, Levels, marginal
 from robophm.measured.recordings import recordings, signal_of
 from robophm.measured.series import MOST_COLUMNS, Series
-from robophm.measured.statistics import Look, statistics
+from robophm.measured.statistics import Look, statistics, statistics_of
 from robophm.transports.recordings.columns import pieces
 
 from .plain import BARE, START, TEMPERATURE, samples, stretches, write
@@ -71,6 +71,34 @@ def test_windows_are_those_of_a_plain_loop(tmp_path_factory, drive, every, max_a
     for one, (*_, mean, deviation) in zip(got, expected, strict=True):
         assert one.mean == pytest.approx(mean, rel=1e-12, abs=1e-9, nan_ok=True)
         assert one.deviation == pytest.approx(deviation, rel=1e-7, abs=1e-9, nan_ok=True)
+
+
+def test_recordings_one_after_the_other(tmp_path):
+    """Of each recording what it says by itself; a signal that says nothing there is not listed."""
+    drives = [[(0, 20.0), (1, 30.0), (4, 10.0)], [], [(100, 5.0), (102, 7.0)]]
+    paths = [
+        write(
+            tmp_path / f"{k}.mcap",
+            [(START, None, 1.0)] + [(START + t * SECOND, START + t * SECOND, v) for t, v in drive],
+        )
+        for k, drive in enumerate(drives)
+    ]
+    each = recordings(paths)
+    signal, heard, told = signal_of(TEMPERATURE, each), [], []
+    found = statistics_of(
+        each, [signal], 2 * SECOND, 10 * SECOND, on_window=lambda *one: heard.append(one),
+        advance=lambda done, total: told.append((done, total)),
+    )  # fmt: skip
+    assert [one.recording for one in found.seen] == [str(paths[0]), str(paths[2])]
+    first, last = (one.whole for one in found.seen)
+    assert (first.samples, first.held, first.lowest, first.highest) == (3, 4 * SECOND, 10.0, 30.0)
+    assert first.mean == pytest.approx((20 * 1 + 30 * 3) / 4)
+    assert (last.begin, last.mean) == (START + 100 * SECOND, 5.0)
+    own = [(str(path), signal, one) for path, (recorded,) in ((path, recordings([path])) for path in paths)
+           for _, one in statistics(recorded, [signal], 2 * SECOND, 10 * SECOND, Counter())]  # fmt: skip
+    assert found.windows == heard == own
+    assert found.count == len(own) == 3 + 2
+    assert told == [(0, 3), (1, 3), (2, 3)]
 
 
 def looked_at(path, name, levels=20):

@@ -22,7 +22,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.mission import completion
 from robophm.health.outlooks import outlooks
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.task_history import TaskRecord, judge_tasks
+from robophm.monitoring.task_history import TaskRecord, judge_tasks, too_unlikely
 from robophm.transports.recordings.recording import Recording
 from robophm.transports.synthetic import SyntheticOta
 from robophm.transports.tasks import DoneLeg, DoneTask, PlannedLeg, PlannedTask, driven_task, tasks_of
@@ -113,6 +113,33 @@ def test_plans_and_what_was_done_of_them(judged: tuple[list[TaskRecord], Monitor
         assert len(record.planned.legs) == len(record.done.legs)
         assert record.planned.distance == pytest.approx(record.done.distance, rel=0.01)
         assert record.planned.duration < record.done.duration  # at full speed, without the loading
+
+
+def test_what_the_2020_tool_would_have_said(judged: tuple[list[TaskRecord], Monitor], drive: SyntheticOta) -> None:
+    """R since its window was opened, to the power of the last leg's kilometres; it knows constant rates alone."""
+    design = parse("schema_version: 1\nname: R\ncomponents: {a: {rate: 1e-2 /h}}\n")
+    begin = int(drive.times[0])
+    for record in judged[0]:
+        assert record.time == record.arrived is not None
+        assert record.planned
+        found = record.legacy(design, begin)["km/h"]
+        works = math.exp(-1e-2 * (record.time - begin) / HOUR)
+        assert found.reliability == exact(works)
+        takes = record.planned.duration * 3600 / 3600**2  # seconds, divided by 3600 twice
+        last = record.planned.legs[-1].distance / 1000
+        assert found.predicted == exact((works * math.exp(-1e-2 * takes)) ** last, 1e-9)
+        done = TaskRecord(None, record.start, record.end, None, None, record.done, None)
+        assert done.time == record.start
+        assert bool(done.legacy(design, begin)) == (record.done is not None)
+
+
+@pytest.mark.parametrize(("off", "below"), [(1e-9, True), (-1e-9, False)])
+def test_a_design_wants_more_than_was_predicted(
+    judged: tuple[list[TaskRecord], Monitor], off: float, below: bool
+) -> None:
+    least = min(record.predicted["sensor_based"].probability for record in judged[0] if record.predicted)
+    assert too_unlikely(judged[0], robot(thresholds={"completion": least + off})) == below
+    assert not too_unlikely(judged[0], robot())
 
 
 def stopped(drive: SyntheticOta, design: Robot, at: int) -> Monitor:

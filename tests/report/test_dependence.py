@@ -4,7 +4,7 @@ from robophm.design.file import parse
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.plant import Plant
-from robophm.health.report import health_report
+from robophm.health.reporting import health_report
 from robophm.report.dependence import MOST_SAID, dependence
 from robophm.report.health_page import health_page
 

@@ -9,8 +9,8 @@ import numpy as np
 from robophm.core.signal import SECOND
 from robophm.measured.held import HeldValues
 from robophm.measured.recordings import Signal
-from robophm.measured.statistics import Look
-from robophm.report.measured_page import Seen, statistics_page
+from robophm.measured.statistics import Look, Seen
+from robophm.report.measured_page import statistics_page
 
 START = 1_700_000_000 * SECOND
 

@@ -9,13 +9,14 @@ import pytest
 
 from robophm.blocks.cut_sets import MinimalSets
 from robophm.blocks.diagram import Parallel, Series, Unit
+from robophm.blocks.listed_sets import list_sets
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.file import parse
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
 from robophm.report import minimal_sets
 from robophm.report.health_page import health_page
-from robophm.report.minimal_sets import Listed, what_it_takes_to_fail
+from robophm.report.minimal_sets import counted, what_it_takes_to_fail
 from robophm.transports.synthetic import SyntheticOta
 
 DESIGN = """
@@ -127,6 +128,8 @@ def test_what_takes_too_long_is_said(monkeypatch, rover, limit, least):
 def test_more_sets_than_digits_can_be_written():
     """3^9100 cut sets are a number of 4,342 digits, of which Python writes 4,300."""
     wide = Parallel(*(Series(*(Unit(f"{i} {j}") for j in range(3))) for i in range(9100)))
-    listed = Listed(MinimalSets.cuts(wide), np.full(27_300, 0.5), most=1)
+    listed = list_sets(MinimalSets.cuts(wide), np.full(27_300, 0.5), 1.0, most=1)
     power = 9100 * math.log10(3)
-    assert listed.counted("cut") == f"{10 ** (power % 1):.2f}e{math.floor(power)} minimal cut sets: all of more than 10"
+    assert (
+        counted(listed, "cut") == f"{10 ** (power % 1):.2f}e{math.floor(power)} minimal cut sets: all of more than 10"
+    )

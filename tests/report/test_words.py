@@ -5,7 +5,7 @@ import math
 import pytest
 
 from robophm.core.errors import UnitError
-from robophm.report.words import duration_text, number_text, probability_text, rate_text
+from robophm.report.words import duration_text, failure_text, number_text, probability_text, rate_text
 
 INF, NAN = math.inf, math.nan
 
@@ -55,6 +55,13 @@ def test_number(value: float, text: str) -> None:
 )
 def test_probability(p: float, failure: float | None, text: str) -> None:
     assert probability_text(p, failure) == text
+
+
+@pytest.mark.parametrize(
+    ("failure", "text"), [(1 / 4700, "1 in 4,700"), (0.05, "1 in 20"), (0.5, "50 %"), (0.0, "0 %"), (1.0, "100 %")]
+)
+def test_failure(failure: float, text: str) -> None:
+    assert failure_text(failure) == text
 
 
 def test_less_than_certain_never_reads_as_certain() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from robophm.parts import completed
 from robophm.simulation.design import Design
 from robophm.simulation.design_file import read_design
 from robophm.simulation.plan import Plans
@@ -28,7 +29,7 @@ def design(tmp_path: Path) -> Callable[[str], Design]:
     def read(text: str) -> Design:
         path = tmp_path / "robot.yaml"
         path.write_text(HEAD + text)
-        return read_design(path)
+        return read_design(path, completed)
 
     return read
 

@@ -7,6 +7,7 @@ import json
 import subprocess
 import sys
 from collections import defaultdict
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -108,6 +109,20 @@ def seconds(leg):
     return float(leg["distance"].removesuffix(" m")) / float(leg["speed"].removesuffix(" m/s"))
 
 
+def down_at(events, moment):
+    """Parts that have failed by then and are not replaced by then."""
+    down = set()
+    for time, part, event in events:
+        if time <= moment and part and event != "inspected":
+            (down.add if event == "failed" else down.discard)(part)
+    return down
+
+
+def down_before_repair_at(events, moment):
+    """The same, and what is replaced at that very moment."""
+    return down_at(events, moment) | {part for time, part, event in events if time == moment and event == "replaced"}
+
+
 def test_outcomes_follow_from_failures(made):
     """Brute force, from the files alone: what has failed when, so which task failed when, and what was repaired."""
     folder, _, _ = made
@@ -115,34 +130,22 @@ def test_outcomes_follow_from_failures(made):
     repairs = refused = part_of_the_robot = 0
     for robot, tasks in tasks_of(folder).items():
         events = all_events[robot]
-
-        def down_at(moment, events=events):
-            """Parts that have failed by then and are not replaced by then."""
-            down = set()
-            for time, part, event in events:
-                if time <= moment and part and event != "inspected":
-                    (down.add if event == "failed" else down.discard)(part)
-            return down
-
-        def down_before_repair_at(moment, events=events):
-            replaced = {part for time, part, event in events if time == moment and event == "replaced"}
-            return down_at(moment) | replaced
-
+        down, down_before_repair = partial(down_at, events), partial(down_before_repair_at, events)
         expected_repairs = set()
         for legs in tasks:
             start, end = parse_time(legs[0]["start"]), parse_time(legs[0]["end"])
             needed = [leg["functions"].split(";") for leg in legs]
             part_of_the_robot += [""] not in needed
-            if any(not functions(down_before_repair_at(start))[name] for names in needed for name in names):
+            if any(not functions(down_before_repair(start))[name] for names in needed for name in names):
                 # Either it is repaired now, or the task before it failed at this very moment.
                 expected_repairs.add(start)
                 refused += 1
-            assert all(functions(down_at(start))[name] for names in needed for name in names)
+            assert all(functions(down(start))[name] for names in needed for name in names)
             begin, failed = start, None
             for leg, names in zip(legs, needed, strict=True):
                 until = begin + round(seconds(leg) * SECOND)
                 for time in sorted({begin, *(t for t, _, e in events if begin < t <= until and e == "failed"), until}):
-                    works = functions((down_at if time == start else down_before_repair_at)(time))
+                    works = functions((down if time == start else down_before_repair)(time))
                     if failed is None and not all(works[name] for name in names):
                         failed = time
                 begin = until
@@ -151,7 +154,7 @@ def test_outcomes_follow_from_failures(made):
             if failed is not None:
                 expected_repairs.add(failed)
         end = next(time for time, part, event in events if event == "end")
-        if not functions(down_before_repair_at(end))[""]:
+        if not functions(down_before_repair(end))[""]:
             expected_repairs.add(end)
         by_time = defaultdict(set)
         for time, part, event in events:
@@ -161,7 +164,7 @@ def test_outcomes_follow_from_failures(made):
         assert used == {("Mobility/Bearing", "inspected"), ("Arm/Joint", "inspected")}
         assert by_time.keys() == expected_repairs
         for time, said in by_time.items():
-            failed_parts = down_before_repair_at(time)
+            failed_parts = down_before_repair(time)
             assert {part for part, event in said if event == "replaced"} == failed_parts
             assert len(said) == 15  # every part of the robot
         repairs += len(by_time)
@@ -170,7 +173,7 @@ def test_outcomes_follow_from_failures(made):
         since = 0
         for repair in [*sorted(by_time), end + 1]:
             moments = sorted(t for t, part, e in events if since < t <= min(repair, end) and part and e == "failed")
-            fell = [t for t in moments if not functions(down_before_repair_at(t))[""]]
+            fell = [t for t in moments if not functions(down_before_repair(t))[""]]
             assert [t for t in system if since < t <= min(repair, end)] == fell[:1]
             since = repair
     assert repairs > 60

@@ -158,7 +158,8 @@ def test_a_design_for_which_there_are_no_figures_is_no_design_without_problems(p
     pump = "pump: {rate: 1e-3 /h, quantity: 3, life: {distribution: weibull, shape: 2}}"
     path.write_text(f"schema_version: 1\nname: R\ncomponents: {{{pump}}}\n"
                     "diagram: {load_sharing: {of: [pump], exponent: 2}}\n")  # fmt: skip
-    checked = Workspace(path).check()
+    work = Workspace(path)
+    checked = work.checked.of(work.draft().text)
     (problem,) = checked.problems
     assert problem.level == "error"
     assert "no exact solution" in problem.message

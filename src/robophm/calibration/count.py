@@ -28,7 +28,7 @@ class Count:
 
     @classmethod
     def of(cls, happens: Array, fails_to: Array) -> Count:
-        """Of independent events with these probabilities and their complements, shape (n,) each.
+        """The count of independent events, by their probabilities and the complements of these, shape (n,) each.
 
         Each probability is carried with its own complement and only positive terms are added, so every mass
         keeps its relative accuracy down to 1e-290.
@@ -50,7 +50,7 @@ class Count:
 
     @classmethod
     def joined(cls, counts: Sequence[Count]) -> Count:
-        """Of the events of several independent counts together."""
+        """The count of the events of several independent counts together."""
         parts = [(count.first, count.mass) for count in counts]
         return cls._joined(parts, sum(count.fewest for count in counts), sum(count.most for count in counts))
 
@@ -63,11 +63,11 @@ class Count:
         return cls(*parts[0], fewest, most)
 
     def at_most(self, count: int) -> float:
-        """P(no more than ``count`` happen)."""
+        """The probability that no more than ``count`` events happen."""
         return float(min(1.0, np.sum(self.mass[: max(0, count - self.first + 1)])))
 
     def at_least(self, count: int) -> float:
-        """P(``count`` or more happen)."""
+        """The probability that ``count`` or more events happen."""
         return float(min(1.0, np.sum(self.mass[max(0, count - self.first) :][::-1])))
 
     def p_value(self, count: int) -> float:

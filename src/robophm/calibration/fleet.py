@@ -24,7 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.merging import single_points_of_failure
-from robophm.calibration.predictions import LEVELS, Lives, Predictions, Tasks
+from robophm.calibration.predictions import LEVELS, OWN, Lives, Predictions, Tasks
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import HOUR, SECOND, Sample
 from robophm.core.waiting_time import time_at
@@ -75,13 +75,13 @@ class _Life:
 
 
 def files(folder: Path) -> list[Path]:
-    """What is read of a fleet's folder."""
+    """The files of a fleet's folder that are read."""
     named = (folder / name for name in ("robot.yaml", "tasks.csv", "failures.csv"))
     return [*named, *folder.glob("recordings/*"), *folder.glob("plans/*")]
 
 
 def robophm_says(outlook: Outlook, task: Task, steps: Steps) -> Completion:
-    """Our own prediction."""
+    """The tool's own prediction of a task and of remaining life."""
     return completion_of_steps(outlook, task, steps)
 
 
@@ -94,12 +94,12 @@ def paper_says(outlook: Outlook, task: Task, steps: Steps) -> Completion:
 
 
 def doubled_rates_say(outlook: Outlook, task: Task, steps: Steps) -> Completion:
-    """What we would say of a robot all of whose rates were doubled."""
+    """The prediction of a robot all of whose rates are doubled, which a test of honesty must reject."""
     return completion_at_rates(outlook, task, 2.0)
 
 
 def forgetting_says(outlook: Outlook, task: Task, steps: Steps) -> Completion:
-    """What we would say if every robot were new."""
+    """The prediction as if every robot were new, which a test of honesty must reject."""
     none = np.zeros(len(outlook.age))
     new = replace(
         outlook, age=outlook.plant.initial, seen_age=none, unseen_hazard=none, cumulative_hazard=none,
@@ -107,7 +107,7 @@ def forgetting_says(outlook: Outlook, task: Task, steps: Steps) -> Completion:
     return completion_of_steps(new, task, steps)
 
 
-OURS = {"robophm": robophm_says}
+OURS: dict[str, Model] = {OWN: robophm_says}
 """Our own model."""
 
 CONTROLS: dict[str, Model] = {

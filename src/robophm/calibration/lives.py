@@ -34,7 +34,7 @@ _SAME = 1e-5  # hours between two moments that are one, printed twice
 
 @dataclass(frozen=True)
 class Coverage:
-    """How many lives ended in the central interval that should hold ``level`` of them."""
+    """How many lives ended within the central interval that should hold ``level`` of them."""
 
     level: float
     share: float
@@ -67,7 +67,7 @@ class Prognosis:
 
 @dataclass(frozen=True)
 class LifeScore:
-    """How honest predicted remaining lives were."""
+    """The score of predicted remaining lives against those that came."""
 
     predictions: int
     lives: int
@@ -95,6 +95,10 @@ class LifeScore:
     """Factor on all hazards, above 1, beyond which 9 of 10 such histories betray it; infinite where none would."""
     prognosis: Prognosis | None
     """None where no life was predicted twice and seen to end."""
+
+    def outside(self, height: int) -> bool:
+        """Whether a bar of the histogram is so high, or so low, that the prediction is not credible."""
+        return not self.band[0] <= height <= self.band[1]
 
 
 def score_lives(predicted: Lives) -> LifeScore:

@@ -32,6 +32,9 @@ Flags = NDArray[np.bool_]
 LEVELS = (0.025, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.975)
 """Probabilities of the quantiles that a prediction of remaining life states."""
 
+OWN = "robophm"
+"""What our own model is called."""
+
 MOST_ROWS = 1_000_000
 """Rows beyond which a file is refused."""
 
@@ -99,7 +102,7 @@ class Lives:
 
 @dataclass(frozen=True)
 class Predictions:
-    """What was predicted by each model, by its name."""
+    """What was predicted, by the name of the model that predicted it."""
 
     tasks: dict[str, Tasks] = field(default_factory=dict)
     lives: dict[str, Lives] = field(default_factory=dict)

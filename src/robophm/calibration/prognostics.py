@@ -52,7 +52,7 @@ class History:
 
     @property
     def point(self) -> Array:
-        """The median of each prediction."""
+        """The median of each prediction, shape (predictions,)."""
         return np.median(self.remaining, axis=1)
 
     def within(self, margin: Array | float) -> Array:
@@ -92,7 +92,7 @@ def cumulative_relative_accuracy(history: History, weights: Array | None = None)
 
 
 def convergence(history: History) -> float | None:
-    """How soon the errors get small: the distance from (first prediction, 0) to the centroid under the error curve.
+    """The distance from (first prediction, 0) to the centroid under the error curve: small where errors soon get small.
 
     The error is |true − predicted| over time, a step from each prediction to the next. Less is sooner. None
     for a single prediction or without any error.

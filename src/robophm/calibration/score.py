@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from robophm.calibration.lives import LifeScore, score_lives
-from robophm.calibration.predictions import Predictions
+from robophm.calibration.predictions import OWN, Predictions
 from robophm.calibration.tasks import TaskScore, score_tasks
 from robophm.calibration.verdict import Verdict, judge_lives, judge_tasks
 from robophm.health.report import plain
@@ -34,6 +34,11 @@ class Calibration:
     """The models of a history of predictions, in the order of the file, those with tasks first."""
 
     models: tuple[ModelCalibration, ...]
+
+    @property
+    def rejected(self) -> bool:
+        """Whether our own model is rejected, or the only one: others may be there to be found out."""
+        return any(one.rejected and (one.model == OWN or len(self.models) == 1) for one in self.models)
 
     def to_json(self) -> dict[str, Any]:
         """Plain lists and dictionaries that JSON can say: what is infinite or not a number becomes None."""

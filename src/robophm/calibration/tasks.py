@@ -41,6 +41,11 @@ class Bin:
     p_value: float
     """Of this bin alone, two-sided, exact."""
 
+    @property
+    def outside(self) -> bool:
+        """Whether so many, or so few, failed that the prediction is not credible."""
+        return not self.band[0] <= self.failed <= self.band[1]
+
 
 @dataclass(frozen=True)
 class Brier:
@@ -56,7 +61,7 @@ class Brier:
 
 @dataclass(frozen=True)
 class TaskScore:
-    """How honest predicted probabilities of task completion were."""
+    """The score of predicted probabilities of task completion against what happened."""
 
     tasks: int
     failed: int

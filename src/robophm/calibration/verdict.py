@@ -21,7 +21,7 @@ _SAME = 1.2  # times one probability is much the same
 
 @dataclass(frozen=True)
 class Verdict:
-    """One or two sentences on a model, and what they come to."""
+    """A judgement of a model in one or two sentences, and whether it is honest."""
 
     finding: Finding
     text: str

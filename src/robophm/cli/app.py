@@ -24,6 +24,7 @@ COMMANDS = {
     "show": "Draw a design and state what it promises when new.",
     "rate": "The hazard rate that a handbook gives for a part.",
     "models": "The hazard models for a kind of part.",
+    "parts": "The library of robot parts: what they fail by, and where each figure is from.",
     "predict": "Say what lies ahead: remaining life, task completion.",
     "task": "Say whether a robot can do its tasks: the probability that each will be completed, and what decides it.",
     "replay": "A robot's health after what it recorded: drives in the order of their time, however many.",

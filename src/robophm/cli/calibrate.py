@@ -8,8 +8,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from robophm.calibration.fleet import CONTROLS, files, predict_fleet
-from robophm.calibration.fleet import OURS as OURS_OF_FLEET
+from robophm.calibration.fleet import CONTROLS, OURS, files, predict_fleet
 from robophm.calibration.lives import LifeScore, Prognosis
 from robophm.calibration.predictions import Predictions, read_predictions
 from robophm.calibration.score import Calibration, score
@@ -22,9 +21,6 @@ from robophm.cli.shared.unused import refuse_unused
 from robophm.report.calibration_page import calibration_page
 from robophm.report.words import duration_text, number_text
 
-OURS = "robophm"
-"""The model whose rejection is a breach; an only model is too."""
-
 TASKS = ("model", "tasks", "failed", "expected", "Brier", "reliability", "resolution", "log. score", "p")
 LIVES = ("model", "lives", "censored", "in 50 %", "in 80 %", "in 95 %", "CRPS", "p")
 PROGNOSIS = ("model", "lives", "horizon", "α–λ half way", "relative accuracy", "convergence")
@@ -32,14 +28,9 @@ PROGNOSIS = ("model", "lives", "horizon", "α–λ half way", "relative accuracy
 
 def of_fleet(folder: Path, *, controls: bool, jobs: int) -> Predictions:
     """What our model says of a fleet, task by task; with ``controls`` models that are wrong, too."""
-    models = {**OURS_OF_FLEET, **(CONTROLS if controls else {})}
+    models = OURS | CONTROLS if controls else OURS
     with counted(progress_console(), "predicting") as on_robot:
         return predict_fleet(folder, models, jobs=jobs, on_robot=on_robot)
-
-
-def breached(calibration: Calibration) -> bool:
-    """Whether our own model, or the only one, is rejected."""
-    return any(one.rejected and (one.model == OURS or len(calibration.models) == 1) for one in calibration.models)
 
 
 def print_calibration(out: Console, calibration: Calibration) -> None:
@@ -106,5 +97,5 @@ def command(
         print_calibration(console(), calibration)
         if report:
             console().print(f"Report: {report}", markup=False)
-    if breached(calibration):
+    if calibration.rejected:
         raise typer.Exit(BREACHED)

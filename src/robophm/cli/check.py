@@ -8,6 +8,7 @@ from robophm.core.errors import DesignError
 from robophm.design.file import load
 from robophm.health.refusal import refusal
 from robophm.health.unknown_rates import alone, named
+from robophm.parts import graded
 
 
 def command(design: Design, as_json: Json = False) -> None:
@@ -18,21 +19,22 @@ def command(design: Design, as_json: Json = False) -> None:
             warn(warning)
     if says := refusal(robot):
         raise DesignError(f"{design}: {says}")
-    count = sum(component.quantity for component in robot.all_components()) - len(robot.causes)
     left_out = alone(robot.all_components())
     warnings = list(robot.warnings)
     if left_out:
         warnings.append(f"{left_out.left_out} ({named(robot)})")
+    entries = {robot.part_of(mode): said for mode in robot.modes if (said := graded(mode.source))}
     if as_json:
         print_json(
             {
                 "robot": robot.name,
-                "parts": count,
+                "parts": robot.part_count,
                 "parts_of_unknown_rate": left_out.parts if left_out else 0,
                 "common_causes": len(robot.causes),
                 "signals": list(robot.signals),
                 "warnings": warnings,
                 "notes": list(robot.notes),
+                "library": [{"path": mode.path, "source": mode.source} for mode in robot.modes if graded(mode.source)],
             }
         )
         return
@@ -40,8 +42,10 @@ def command(design: Design, as_json: Json = False) -> None:
         warn(warnings[-1])
     for note in robot.notes:
         warn(note, "note")
+    if entries:
+        warn("by the library of parts: " + "; ".join(f"{path} ({said})" for path, said in entries.items()), "note")
     console().print(
-        f"{design}: {robot.name} is valid: {len(list(robot.all_modules()))} modules, {count} parts, "
+        f"{design}: {robot.name} is valid: {len(list(robot.all_modules()))} modules, {robot.part_count} parts, "
         + (f"{left_out.parts} of them of unknown rate, " if left_out else "")
         + (f"{len(robot.causes)} common causes, " if robot.causes else "")
         + f"{len(robot.signals)} signals, {len(warnings)} warnings", markup=False, soft_wrap=True

@@ -16,11 +16,9 @@ from rich.live import Live
 
 from robophm.cli.shared.live_table import LiveTable
 from robophm.cli.shared.output import console, print_report, warn, write
-from robophm.cli.shared.watching import started
 from robophm.core.errors import RobophmError
-from robophm.core.files import shipped
 from robophm.core.signal import split_signal
-from robophm.design.file import load
+from robophm.design.file import example_design, load
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
 from robophm.report.curve import sparkline
@@ -35,11 +33,6 @@ PAGE_SECONDS = 2.0
 
 PAGE_SPEED = 20.0
 """As fast as the synthetic robot works on the page, in multiples of its own time."""
-
-
-def example_design() -> Path:
-    """The OTA's design. Raises RobophmError where it is not installed."""
-    return shipped("examples/ota/robot.yaml")
 
 
 def command(
@@ -62,7 +55,7 @@ def command(
     begun = time.monotonic()
     robot_day = SyntheticOta(seed=seed)
     robot_day.record(recording)
-    hours = len(robot_day.times) / 3600  # one look a second while it is on
+    hours = robot_day.operating
     took = time.monotonic() - begun
     out.print(
         f"{robot.name} worked through a day: {hours:.1f} h of driving, waiting and charging, made in {took:.1f} s and "
@@ -115,7 +108,7 @@ def show_page(design: Path, seed: int) -> None:
     design.write_bytes(example_design().read_bytes())
 
     def ready(address: str, service: Service, stop: Callable[[], None]) -> None:
-        started(service, "synthetic", PAGE_SPEED)
+        service.watch("synthetic", PAGE_SPEED)
         until = "until Ctrl+C" if out.is_terminal else f"for {PAGE_SECONDS:.0f} s, as there is no terminal"
         out.print(
             f"Page:   {address} {until}, the robot at {PAGE_SPEED:.0f} times its speed", markup=False, soft_wrap=True

@@ -7,26 +7,23 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
-import numpy as np
 import typer
 
 from robophm.cli.shared.options import Design, Json, Store
 from robophm.cli.shared.output import console, print_json, print_table, table
-from robophm.cli.shared.stored_past import kept
+from robophm.cli.shared.stored_past import outlook_of
 from robophm.cli.shared.unused import refuse_unused
-from robophm.core.errors import DataError, RobophmError, nearest
 from robophm.design.file import load
 from robophm.design.robot import Robot
-from robophm.health.effects import SilentStates, alarm_chances, fault_chances, silent_states
-from robophm.health.outlooks import as_designed, nominal_outlook
+from robophm.health.effects import SilentStates, fault_chances, silent_states, unit_alarms
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.report import plain
 from robophm.health.unknown_rates import PartsOfUnknownRate, alone, marks, named, unknown
-from robophm.learning.diagnosis.coverage_matrix import coverage, read_sensors, seen
+from robophm.learning.diagnosis.coverage_matrix import coverage, read_sensors, unseen
 from robophm.learning.diagnosis.fault_isolation import Diagnosis, Sensor, suspects
-from robophm.learning.diagnosis.sensor_choice import Choice, choose, explained
-from robophm.monitoring.monitor import Monitor
+from robophm.learning.diagnosis.sensor_choice import Choice, choose, parted
 from robophm.report.words import more_text, number_text, percent_text
 
 MOST_SUSPECTS = 15
@@ -77,17 +74,14 @@ def run(path: Path, table_of_sensors: Path, wishes: Wishes) -> None:
     sensors = read_sensors(table_of_sensors, robot)
     plant = Plant(robot)
     outlook = _outlook(robot, plant, wishes)
-    unseen = [mode for mode, p in seen(robot, sensors).items() if p == 0]
     found = None
     if wishes.alarms is not None:
         found = suspects(fault_chances(outlook, wishes.hours), sensors, wishes.alarms)
-    added: _Added | None = None
-    if wishes.add:
-        added = _added(robot, outlook, sensors, wishes)
+    added = _added(outlook, sensors, wishes) if wishes.add else None
     if wishes.as_json:
-        print_json(plain(_json(robot, sensors, unseen, found, added)))
+        print_json(plain(_json(robot, sensors, found, added)))
     else:
-        _print(robot, sensors, unseen, found, added, wishes)
+        _print(robot, sensors, found, added, wishes)
 
 
 def _only(wishes: Wishes) -> None:
@@ -104,11 +98,7 @@ def _only(wishes: Wishes) -> None:
 
 
 def _outlook(robot: Robot, plant: Plant, wishes: Wishes) -> Outlook:
-    if wishes.store:
-        return Monitor(robot, kept(wishes.store, robot)).report(remaining_life=False).outlooks["sensor_based"]
-    if wishes.after is None:
-        return as_designed(plant)
-    return nominal_outlook(plant, plant.initial + plant.pace * wishes.after / robot.usage.operating)
+    return outlook_of(wishes.store, robot) if wishes.store else as_designed(plant, after=wishes.after or 0.0)
 
 
 class _Added(NamedTuple):
@@ -116,52 +106,19 @@ class _Added(NamedTuple):
 
     states: SilentStates
     choice: Choice
-    now: float
-    """What is fitted takes away."""
-    spread: float
     unknown: PartsOfUnknownRate | None
 
 
-def _added(robot: Robot, outlook: Outlook, sensors: list[Sensor], wishes: Wishes) -> _Added:
-    if wishes.function is not None and wishes.function not in robot.functions:
-        raise RobophmError(f"no function '{wishes.function}'{nearest(wishes.function, robot.functions)}")
-    if all(sensor.fitted for sensor in sensors):
-        raise DataError("every sensor is fitted already; expected some with fitted: no, to choose from")
+def _added(outlook: Outlook, sensors: list[Sensor], wishes: Wishes) -> _Added:
     diagram = outlook.plant.diagram(wishes.function or "")
+    fitted, others = parted(sensors)
     states = silent_states(outlook, diagram, wishes.hours)
-    units = {mode.path: part.units for part in robot.all_components() for mode in part.modes}
-    share = _mode_shares(outlook)
-    columns = []
-    for sensor in sensors:
-        by_unit: dict[str, float] = {}
-        for mode, p in sensor.detects.items():  # a unit has failed by one of its modes, each as likely as its hazard
-            for unit in units[mode]:
-                by_unit[unit] = by_unit.get(unit, 0.0) + share[mode] * p
-        columns.append(alarm_chances(states.states, by_unit, sensor.false_alarm))
-    alarms = np.stack(columns, axis=1)
-    base = [i for i, sensor in enumerate(sensors) if sensor.fitted]
-    choice = choose(states.weights, states.outcome, alarms, wishes.add, base=base)
-    now = explained(states.weights, states.outcome, alarms, (), base)
-    spread = float(states.weights @ (states.outcome - states.weights @ states.outcome) ** 2)
-    return _Added(states, choice, now, spread, unknown(outlook, diagram))
+    alarms = unit_alarms(outlook, states.states, [(sensor.detects, sensor.false_alarm) for sensor in sensors])
+    choice = choose(states.weights, states.outcome, alarms, wishes.add, base=fitted, candidates=others)
+    return _Added(states, choice, unknown(outlook, diagram))
 
 
-def _mode_shares(outlook: Outlook) -> dict[str, float]:
-    """Of the hazard that a part has gathered, the share of each of its modes."""
-    found = {}
-    at = {mode.path: i for i, mode in enumerate(outlook.plant.robot.modes)}
-    for part in outlook.plant.robot.all_components():
-        gathered = [float(outlook.cumulative_hazard[at[mode.path]]) for mode in part.modes]
-        total = math.fsum(gathered)
-        for mode, one in zip(part.modes, gathered, strict=True):
-            found[mode.path] = one / total if total > 0 else 1 / len(part.modes)
-    return found
-
-
-def _print(
-    robot: Robot, sensors: list[Sensor], unseen: list[str], found: Diagnosis | None,
-    added: _Added | None, wishes: Wishes,
-) -> None:  # fmt: skip
+def _print(robot: Robot, sensors: list[Sensor], found: Diagnosis | None, added: _Added | None, wishes: Wishes) -> None:
     out = console()
     names = [sensor.name for sensor in sensors]
     matrix = [
@@ -173,8 +130,8 @@ def _print(
                            figures=range(1, len(columns))))  # fmt: skip
     if not all(sensor.fitted for sensor in sensors):
         out.print("(in brackets: not fitted)")
-    if unseen:
-        some = ", ".join(unseen[:10]) + (" …" if len(unseen) > 10 else "")
+    if blind := unseen(robot, sensors):
+        some = ", ".join(blind[:10]) + (" …" if len(blind) > 10 else "")
         out.print(f"Nothing fitted sees: {some}", style="yellow", markup=False, soft_wrap=True)
     if found:
         _print_suspects(robot, found, wishes)
@@ -214,13 +171,9 @@ def _print_suspects(robot: Robot, found: Diagnosis, wishes: Wishes) -> None:
 
 
 def _print_choice(sensors: list[Sensor], added: _Added, wishes: Wishes) -> None:
-    states, choice, now, spread, left_out = added
-    out = console()
+    states, choice, left_out = added
+    out, share = console(), added.choice.share
     rows = []
-
-    def share(variance: float) -> float:
-        return max(variance / spread, 0.0) if spread > 0 and variance > 1e-12 * spread else 0.0
-
     for i, gain in zip(choice.chosen, choice.gains, strict=True):
         price = sensors[i].price
         per_price = "–" if price is None else percent_text(share(gain) / price)
@@ -235,7 +188,7 @@ def _print_choice(sensors: list[Sensor], added: _Added, wishes: Wishes) -> None:
         best = f"Chosen one by one: at least {percent_text(choice.at_least)} of what the best choice takes away"
     out.print(
         f"Of the doubt that comes from what may have failed unseen ({len(states.units)} units); what is fitted takes "
-        f"away {percent_text(share(now))}. {best}; all candidates together would take away at most "
+        f"away {percent_text(share(choice.before))}. {best}; all candidates together would take away at most "
         f"{percent_text(share(choice.most))}.",
         markup=False, soft_wrap=True,
     )  # fmt: skip
@@ -246,21 +199,20 @@ def _print_choice(sensors: list[Sensor], added: _Added, wishes: Wishes) -> None:
                   style="yellow", markup=False)  # fmt: skip
 
 
-def _json(
-    robot: Robot, sensors: list[Sensor], unseen: list[str], found: Diagnosis | None,
-    added: _Added | None,
-) -> dict[str, Any]:  # fmt: skip
-    document: dict[str, Any] = {"robot": robot.name, "coverage": coverage(robot, sensors), "unseen": unseen}
+def _json(robot: Robot, sensors: list[Sensor], found: Diagnosis | None, added: _Added | None) -> dict[str, Any]:
+    document: dict[str, Any] = {
+        "robot": robot.name, "coverage": coverage(robot, sensors), "unseen": unseen(robot, sensors),
+    }  # fmt: skip
     if found:
         document["suspects"] = [one._asdict() for one in found.suspects]
         document["no_fault"], document["evidence"] = found.no_fault, found.evidence
         if left_out := alone(robot.all_components()):
             document["unknown"] = {**asdict(left_out), "rivals": found.rivals}
     if added:
-        states, choice, now, spread, unrated = added
+        states, choice, unrated = added
         document["sensors"] = {
-            "chosen": [sensors[i].name for i in choice.chosen], "gains": list(choice.gains), "variance": spread,
-            "fitted": now, "all_candidates": choice.most, "bound": choice.bound,
+            "chosen": [sensors[i].name for i in choice.chosen], "gains": list(choice.gains),
+            "variance": choice.variance, "fitted": choice.before, "all_candidates": choice.most, "bound": choice.bound,
             "exhaustive": choice.exhaustive, "at_least": choice.at_least,
             "missed": states.missed,
             **({"unknown": asdict(unrated)} if unrated else {}),

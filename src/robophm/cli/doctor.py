@@ -48,10 +48,9 @@ def _try(check: Callable[[], None]) -> str:
 
 
 def _design() -> None:
-    from robophm.core.files import shipped
-    from robophm.design.file import load
+    from robophm.design.file import example_design, load
 
-    load(shipped("examples/ota/robot.yaml"))
+    load(example_design())
 
 
 def _store() -> None:

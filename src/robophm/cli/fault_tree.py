@@ -8,7 +8,6 @@ from typing import Annotated
 
 import typer
 
-from robophm.blocks.cut_sets import MinimalSets
 from robophm.cli.shared.fault_trees import System, of_model, of_robot, print_sets, sets_json
 from robophm.cli.shared.options import ChanceSeed, Json, MostSets, Order
 from robophm.cli.shared.output import console, estimate_text, may_write, print_json, write
@@ -17,7 +16,6 @@ from robophm.core.errors import RobophmError
 from robophm.design.file import load
 from robophm.design.importers.open_psa.as_design import as_design
 from robophm.design.importers.open_psa.writing import document
-from robophm.report.minimal_sets import Listed
 
 
 def command(
@@ -53,16 +51,17 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
     if to and system.unknown:
         raise RobophmError(f"{to}: {system.unknown.words} would be written as never failing; expected a rate for each")
     text = _design(system, to) if to and is_design(to) else ""
-    probability = float(system.tree.probability(system.occurred, system.not_yet))
-    listed = Listed(MinimalSets(system.tree), system.occurred, most, order) if system.tree.coherent else None
+    event, solved = system.event, system.event.tree.modular
+    probability = event.probability
+    listed = event.cut_sets(most, order) if event.tree.coherent else None
     if to:
-        write(to, text or document(system.name, system.tree, list(map(float, system.occurred)), system.rates))
-    size = {"basic_events": len(system.tree.names), "gates": len(system.tree.gates) - len(system.tree.names)}
+        write(to, text or document(system.name, event.tree, event.occurred.tolist(), system.rates))
+    size = {"basic_events": len(event.tree.names), "gates": len(event.tree.gates) - len(event.tree.names)}
     if as_json:
         print_json({
             "top_event": system.name, "when": system.when, "probability": probability, **size,
-            "modules": len(system.tree.modular.parts), "nodes": system.tree.modular.size,
-            "coherent": system.tree.coherent, "cut_sets": sets_json(listed, probability) if listed else None,
+            "modules": len(solved.parts), "nodes": solved.size,
+            "coherent": event.tree.coherent, "cut_sets": sets_json(listed) if listed else None,
             **system.json,
         })  # fmt: skip
         return
@@ -71,10 +70,10 @@ def tree(system: System, *, order: int | None, most: int, to: Path | None, as_js
         f"{system.name}, {system.when}: occurs with {system.fails(f'{probability:.6g}')}", markup=False, soft_wrap=True
     )
     system.print_unknown()
-    out.print(f"{size['basic_events']} basic events, {size['gates']} gates; solved as {len(system.tree.modular.parts)} "
-              f"modules by {system.tree.modular.size} nodes", markup=False)  # fmt: skip
+    out.print(f"{size['basic_events']} basic events, {size['gates']} gates; solved as {len(solved.parts)} modules "
+              f"by {solved.size} nodes", markup=False)  # fmt: skip
     if listed:
-        print_sets(listed, "cut", probability)
+        print_sets(listed, "cut")
     else:
         out.print(
             "It has 'not' or 'xor' gates: no minimal cut sets are listed, the probability is exact.", markup=False
@@ -87,7 +86,7 @@ def estimated(system: System, samples: int, seed: int, *, as_json: bool) -> None
     """State how often the top event occurred in so many samples of the basic events."""
     from robophm.groups.monte_carlo import simulate_tree
 
-    found = simulate_tree(system.tree, system.occurred.tolist(), samples, seed=seed)
+    found = simulate_tree(system.event.tree, system.event.occurred.tolist(), samples, seed=seed)
     if as_json:
         print_json({"top_event": system.name, "when": system.when, "seed": seed, **asdict(found), **system.json})
         return

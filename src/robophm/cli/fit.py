@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,16 +11,25 @@ import typer
 from rich.console import Console
 
 from robophm.cli.shared.options import Json
-from robophm.cli.shared.output import console, may_make, may_write, print_json, print_table, table, write, write_design
+from robophm.cli.shared.output import console, may_make, may_write, print_json, print_table, table, write
 from robophm.cli.shared.unused import refuse_unused
-from robophm.core.errors import DataError, RobophmError
-from robophm.design.file import load, read
-from robophm.learning.failure_mode_edits import edited, named_mode
-from robophm.learning.life_data.distribution_fitting import Bounded, Fit, How, fit, fit_all, goodness
-from robophm.learning.life_data.fit_in_design import design_keys, snippet
+from robophm.core.errors import RobophmError
+from robophm.design import file
+from robophm.learning.life_data.distribution_fitting import (
+    Bounded,
+    Fit,
+    Goodness,
+    How,
+    as_good_as_best,
+    can_be_corrected,
+    fit,
+    fit_all,
+    goodness,
+)
+from robophm.learning.life_data.fit_in_design import edited_design, snippet
 from robophm.learning.life_data.life_stress import LifeStressFit, fit_life_stress
 from robophm.learning.life_data.observed_lives import LifeData, read_life_data, written_quantity
-from robophm.learning.life_data.repairable_systems import PowerLaw, fit_power_law, systems
+from robophm.learning.life_data.repairable_systems import PowerLaw, power_laws
 from robophm.report.fit_page import fit_page, life_stress_page, parameters_text, span_text
 from robophm.report.probability_plot import probability_text
 from robophm.report.words import number_text
@@ -92,20 +100,11 @@ def run(path: Path, wishes: Wishes) -> None:
     ]
     data = read_life_data(path, named)
     if wishes.repairable:
-        times, ends = systems(data)
-        try:
-            both = [fit_power_law(times, ends, level=wishes.level, unbiased=one) for one in (True, False)]
-        except DataError as error:
-            raise DataError(f"{path}: {error}") from None
-        _show_power_law({one.estimate: one for one in both}, data, wishes)
+        _show_power_law(power_laws(data, level=wishes.level), data, wishes)
     elif data.stresses or wishes.use or wishes.laws:
         _only(wishes, stress=True)
         _stress(data, wishes)
     else:
-        if data.items and len(set(data.items)) < len(data.items):
-            raise DataError(
-                f"{path}: items have several rows; expected --repairable for repaired systems, or one life each"
-            )
         _plain(data, wishes)
 
 
@@ -134,7 +133,7 @@ def _plain(data: LifeData, wishes: Wishes) -> None:
         print_json({
             "data": data.described(), "unit": data.unit, "level": wishes.level,
             "fits": [_fit_json(one) for one in fits],
-            "refused": refused, "anderson_darling": tested and {"statistic": tested[0], "p": tested[1]},
+            "refused": refused, "anderson_darling": tested and {"statistic": tested.statistic, "p": tested.p_value},
         })  # fmt: skip
     else:
         _show(data, fits, refused, tested, wishes)
@@ -171,16 +170,13 @@ def _pairs(texts: Sequence[str], option: str) -> list[tuple[str, str]]:
 
 def _changed(found: Fit | LifeStressFit, wishes: Wishes) -> str | None:
     """The text of the design with this life in it; None where none is to be changed."""
-    if not (wishes.to and wishes.part):
-        return None
-    mode = named_mode(load(wishes.to), wishes.part)
-    return edited(read(wishes.to), str(wishes.to), {mode.path: design_keys(found, mode)})
+    return edited_design(found, wishes.to, wishes.part) if wishes.to and wishes.part else None
 
 
 def _into_design(found: Fit | LifeStressFit, design: str | None, wishes: Wishes) -> None:
     out = console()
     if wishes.to and design is not None:
-        write_design(wishes.to, design)
+        file.write(wishes.to, design)
         if not wishes.as_json:
             out.print(f"{wishes.to}: {wishes.part} has this life now; as it was: {wishes.to.name}.bak", markup=False)
     elif not wishes.as_json:
@@ -195,7 +191,7 @@ def _into_design(found: Fit | LifeStressFit, design: str | None, wishes: Wishes)
 
 
 def _show(
-    data: LifeData, fits: Sequence[Fit], refused: Mapping[str, str], tested: tuple[float, float] | None, wishes: Wishes
+    data: LifeData, fits: Sequence[Fit], refused: Mapping[str, str], tested: Goodness | None, wishes: Wishes
 ) -> None:
     out = console()
     unit = f" [{data.unit}]" if data.unit else ""
@@ -212,13 +208,11 @@ def _show(
         f"In brackets: {100 * wishes.level:g} % intervals. AICc: less is better, two apart is little. R² of the "
         "probability plot", markup=False,
     )  # fmt: skip
-    corrected = all(math.isfinite(one.aic_corrected) for one in fits)
-    if not corrected and len(fits) > 1:
+    if not can_be_corrected(fits) and len(fits) > 1:
         out.print(
             f"{data.parts} parts are too few to correct AIC for them: ranked without", style="yellow", markup=False
         )
-    scores = [one.aic_corrected if corrected else one.aic for one in fits]
-    close = [one.name for one, score in zip(fits[1:], scores[1:], strict=True) if score < scores[0] + 2]
+    close = [one.name for one in as_good_as_best(fits)]
     if len(fits) > 1:
         also = f"; {', '.join(close)} cannot be told from it" if close else ""
         out.print(f"Best: {best.name}{also}", style="bold", markup=False, soft_wrap=True)
@@ -227,10 +221,9 @@ def _show(
         f"by {span_text(best.quantiles[0.5])}", markup=False, soft_wrap=True,
     )  # fmt: skip
     if tested:
-        fits_well = "no reason to doubt it" if tested[1] >= 0.05 else "it does not fit"
-        out.print(
-            f"Anderson–Darling {number_text(tested[0], 3)}, p = {number_text(tested[1], 2)}: {fits_well}", markup=False
-        )
+        fits_well = "it does not fit" if tested.doubtful else "no reason to doubt it"
+        statistic, p = number_text(tested.statistic, 3), number_text(tested.p_value, 2)
+        out.print(f"Anderson–Darling {statistic}, p = {p}: {fits_well}", markup=False)
     for one in fits:
         for note in one.notes:
             out.print(f"{one.name}: {note}", style="yellow", markup=False, soft_wrap=True)
@@ -284,7 +277,7 @@ def _show_power_law(by: Mapping[str, PowerLaw], data: LifeData, wishes: Wishes) 
         })  # fmt: skip
         return
     out = console()
-    trend = "no trend is shown" if found.p_value >= 0.05 else "they improve" if found.shape.value < 1 else "they wear"
+    trend = {None: "no trend is shown", "improving": "they improve", "wearing": "they wear"}[found.trend]
     out.print(f"{found.failures} failures of {found.systems} repaired system{'s' * (found.systems > 1)}: {trend} "
               f"(p = {number_text(found.p_value, 2)})", style="bold", markup=False)  # fmt: skip
     rows = [

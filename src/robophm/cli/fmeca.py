@@ -11,10 +11,10 @@ import typer
 from robophm.cli.shared.options import Design, Force, Json
 from robophm.cli.shared.output import console, may_make, print_json, print_table, table, write
 from robophm.cli.shared.unused import refuse_unused
-from robophm.core.errors import RobophmError, nearest
+from robophm.core.errors import RobophmError
 from robophm.design.file import load
 from robophm.design.robot import Robot
-from robophm.health.effects import SEVERITY, Effect, effects
+from robophm.health.effects import Effect, check_severities, effects
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.report import plain
@@ -63,16 +63,16 @@ def run(
 
 
 def _severities(texts: tuple[str, ...], robot: Robot) -> dict[str, int]:
-    known = [*SEVERITY, *robot.functions, *(part.path for part in robot.all_components()),
-             *(mode.path for mode in robot.modes)]  # fmt: skip
     found = {}
     for text in texts:
         name, _, value = text.rpartition("=")
         if not value.strip().isascii() or not value.strip().isdigit() or not 1 <= int(value) <= 10:
             raise RobophmError(f"--severity {text[:60]!r}; expected e.g. drive=9, from 1 to 10")
-        if name.strip() not in known:
-            raise RobophmError(f"--severity: no function or part '{name.strip()[:60]}'{nearest(name.strip(), known)}")
         found[name.strip()] = int(value)
+        try:
+            check_severities(found, robot)
+        except RobophmError as error:
+            raise RobophmError(f"--severity: {error}") from None
     return found
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -15,10 +13,15 @@ from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, may_write, print_json, print_table, table, warn, write
 from robophm.core.errors import RobophmError
 from robophm.design.file import replace_text
-from robophm.design.importers.bom import ImportedList, ImportedPart, import_bom
+from robophm.design.importers.bom import ImportedList, ImportedPart, assumed_inputs, by_kind, import_bom, total_rate
 from robophm.design.importers.bom.assumptions import OF_ALL, Assumptions
 from robophm.design.importers.bom.columns import ColumnMapping, mapping_text, parse_mapping
+from robophm.design.importers.bom.merging import State
 from robophm.report.words import rate_text
+
+COUNTED: tuple[State, ...] = ("added", "changed", "unchanged", "kept")
+CHANGED: tuple[State, ...] = ("changed", "kept")
+"""What is said of parts one by one."""
 
 MOST_LINES = 20
 """Of one kind, for people; --json has them all."""
@@ -87,15 +90,6 @@ def run(source: Path, design: Path, wishes: Wishes) -> None:
         _print(found, source, design, wishes)
 
 
-def _total(found: ImportedList) -> float:
-    """Of the parts as the list gives them, in series when new [1/h]."""
-    return _sum(found.parts)
-
-
-def _sum(parts: Iterable[ImportedPart]) -> float:
-    return math.fsum(one.part.quantity * one.hazard_rate for one in parts if one.hazard_rate is not None)
-
-
 def _document(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> dict[str, Any]:
     parts, read = found.parts_list, found.parts_list.table
     return {
@@ -111,10 +105,10 @@ def _document(found: ImportedList, source: Path, design: Path, wishes: Wishes) -
         "assumptions": asdict(found.assumptions),
         "assumed": [
             {"kind": kind, "input": name, "rows": values.total(), "values": dict(values)}
-            for kind, of in _by_kind(found.parts).items()
-            for name, values in _assumed(of).items()
+            for kind, of in by_kind(found.parts).items()
+            for name, values in assumed_inputs(of).items()
         ],
-        "hazard_rate": _total(found),
+        "hazard_rate": total_rate(found.parts),
         "parts": [_part(one) for one in found.parts],
         "removed": [asdict(one) for one in found.removed],
         "errors": [asdict(one) for one in parts.errors],
@@ -160,7 +154,6 @@ def _print(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> N
         f"{of_all.stress:g} of the rated, environment {of_all.environment}, quality {quality}",
         markup=False,
     )
-    states = Counter(one.outcome.state for one in found.parts)
     kinds = [
         (
             kind or "not clear",
@@ -169,55 +162,41 @@ def _print(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> N
             _rates(of),
             _assumed_in_words(of),
         )
-        for kind, of in _by_kind(found.parts).items()
+        for kind, of in by_kind(found.parts).items()
     ]
     print_table(
         out, table("", ["kind", "rows", "parts", "λ", "assumed besides, in how many rows"], kinds, figures=(1, 2, 3))
     )
-    for state in ("changed", "kept"):
-        lines = [f"{one.outcome.name}: {one.outcome.text}" for one in found.parts if one.outcome.state == state]
-        _several(out, state, lines)
+    for state in CHANGED:
+        _several(out, state, _outcomes(found, state))
     _several(out, "removed", [one.name for one in found.removed if one.state == "removed"])
     _several(out, "not in the list", [f"{one.name}: {one.text}" for one in found.removed if one.state == "kept"])
     _several(out, "left out", map(str, parts.left_out))
-    needing = [f"{one.outcome.name}: {one.outcome.text}" for one in found.parts if one.outcome.state == "needs a rate"]
-    _several(out, "needs a rate", needing)
-    guesses = [one for one in found.parts if one.guess]
+    _several(out, "needs a rate", _outcomes(found, "needs a rate"))
+    guesses = found.guesses
     _several(out, "a guess, by letters alone", [f"{one.outcome.name}: {one.part.recognised.kind}" for one in guesses])
     gone = sum(one.state == "removed" for one in found.removed)
-    counts = ", ".join(f"{states[state]} {state}" for state in ("added", "changed", "unchanged", "kept"))
+    counts = ", ".join(f"{len(found.of_state(state))} {state}" for state in COUNTED)
+    needing = len(found.of_state("needs a rate"))
     written = "nothing written (dry run)" if wishes.dry_run else str(design)
-    guessed = f", of which {rate_text(_sum(guesses))} is guessed by letters alone" if guesses else ""
+    guessed = f", of which {rate_text(total_rate(guesses))} is guessed by letters alone" if guesses else ""
     out.print(
-        f"{written}: {counts}, {gone} removed; {states['needs a rate']} need a rate; "
-        f"λ {'at least ' if states['needs a rate'] else ''}{rate_text(_total(found))}{guessed}",
+        f"{written}: {counts}, {gone} removed; {needing} need a rate; "
+        f"λ {'at least ' if needing else ''}{rate_text(total_rate(found.parts))}{guessed}",
         markup=False,
     )
 
 
-def _by_kind(parts: Iterable[ImportedPart]) -> dict[str, list[ImportedPart]]:
-    found: dict[str, list[ImportedPart]] = {}
-    for one in parts:
-        found.setdefault(one.part.recognised.kind, []).append(one)
-    return dict(sorted(found.items()))
+def _outcomes(found: ImportedList, state: State) -> list[str]:
+    return [f"{one.outcome.name}: {one.outcome.text}" for one in found.of_state(state)]
 
 
 def _rates(parts: list[ImportedPart]) -> str:
-    rated = [one.part.quantity * one.hazard_rate for one in parts if one.hazard_rate is not None]
-    return rate_text(math.fsum(rated)) if rated else "–"
-
-
-def _assumed(parts: Iterable[ImportedPart]) -> dict[str, Counter[str]]:
-    """The inputs that the list does not say: how many rows take which value."""
-    found: dict[str, Counter[str]] = {}
-    for rating in filter(None, (one.rating for one in parts)):
-        for name in rating.assumed:
-            found.setdefault(name, Counter())[rating.inputs.get(name, rating.model)] += 1
-    return found
+    return rate_text(total_rate(parts)) if any(one.hazard_rate is not None for one in parts) else "–"
 
 
 def _assumed_in_words(parts: Iterable[ImportedPart]) -> str:
-    own = {name: values for name, values in _assumed(parts).items() if name not in OF_ALL}
+    own = {name: values for name, values in assumed_inputs(parts).items() if name not in OF_ALL}
     said = [(f"{name} {min(values)}" if len(values) == 1 else name, values) for name, values in own.items()]
     return ", ".join(f"{what} ({values.total()})" for what, values in said) or "–"
 

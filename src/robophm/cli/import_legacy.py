@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -11,31 +10,11 @@ import typer
 
 from robophm.cli.shared.options import Force, Json
 from robophm.cli.shared.output import console, may_write, print_json, print_table, table, warn, write
-from robophm.cli.shared.promises import promises
 from robophm.core.errors import RobophmError
-from robophm.design.importers.legacy.figures import reliability_at
-from robophm.design.importers.legacy.reading import Imported, import_legacy
+from robophm.design.importers.legacy.reading import import_legacy
+from robophm.health.legacy_comparison import HOURS, Comparison, comparisons
 from robophm.health.report import plain
 from robophm.report.words import number_text, percent_text, rate_text
-
-HOURS = 1000.0
-"""Of operation, at which figures are compared: those of the 2020 tool's guide."""
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Failure rates [1/h] and reliabilities at 1000 h of the system (empty path) or a module, the exact ones when new.
-
-    Without exact ones the module is left out of the design.
-    """
-
-    path: str
-    legacy_stored: float | None
-    legacy_hazard_rate: float
-    legacy_reliability: float
-    hazard_rate: float | None
-    reliability: float | None
-    unreliability: float | None
 
 
 def command(
@@ -67,30 +46,8 @@ def command(
     at = f"{number_text(HOURS)} h"
     columns = ["2020 tool and exact", "λ stored", "λ recomputed", f"λ exact, {at}", f"R({at}) 2020", f"R({at}) exact"]
     print_table(out, table("", columns, rows, figures=range(1, len(columns))))
-    count = sum(component.quantity for component in imported.robot.all_components())
-    said = f"{design}: {imported.robot.name}, {count} parts, {len(imported.findings)} findings"
+    said = f"{design}: {imported.robot.name}, {imported.robot.part_count} parts, {len(imported.findings)} findings"
     out.print(f"{said}; check them, and bind its signals", markup=False)
-
-
-def comparisons(imported: Imported) -> list[Comparison]:
-    """Of the system, then of its modules."""
-    exact: dict[str, tuple[float, float, float]] = {
-        one.path: (one.hazard_rate, one.reliability, one.unreliability)
-        for one in promises(imported.robot, HOURS, legacy=False)
-    }
-    for part in imported.robot.components:  # a module without parts of its own is one part
-        rate = part.modes[0].rate
-        exact[part.path] = rate, math.exp(-rate * HOURS), -math.expm1(-rate * HOURS)
-    return [
-        Comparison(
-            figure.path,
-            figure.stored,
-            figure.recomputed,
-            reliability_at(HOURS * 3600, figure.recomputed),
-            *exact.get(figure.path, (None, None, None)),
-        )
-        for figure in imported.figures
-    ]
 
 
 def _row(one: Comparison, robot: str) -> list[str]:

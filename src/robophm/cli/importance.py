@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any, cast
 
@@ -15,19 +14,20 @@ from robophm.cli.shared.fault_trees import of_model
 from robophm.cli.shared.options import Failed, Future, Json, Store, Working
 from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.stored_past import kept
-from robophm.cli.shared.task_words import with_knowledge
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError, nearest
 from robophm.core.units import quantity
+from robophm.design.build_task import with_knowledge
 from robophm.design.file import load
 from robophm.design.robot import Robot
-from robophm.design.task import Plan, Task
+from robophm.design.task import Plan
 from robophm.design.task_file import load_plan
-from robophm.health.importance import Drawn, Importances, importances, of_tree, usual_hours
+from robophm.health.importance import LONGEST, Importances, of_tree
 from robophm.health.ledger import Ledger
 from robophm.health.outlooks import FutureName, View, outlooks
-from robophm.health.replacement import Replacements, replacements
+from robophm.health.replacement import Replacements
 from robophm.health.report import VIEWS, plain
+from robophm.health.what_matters import what_matters
 from robophm.monitoring.monitor import Monitor
 from robophm.report.words import duration_text, more_text, number_text, percent_text, probability_text
 
@@ -41,9 +41,6 @@ MEASURES = {
     "barlow-proschan": "barlow_proschan",
 }
 """What parts may be ranked by, and what it is called inside."""
-
-LONGEST = 1e9
-"""Hours ahead that may be asked about."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +93,7 @@ def command(
         run_model(design, hours, ranked, most, as_json=as_json)
         return
     robot = load(design)
-    plan = load_plan(tasks, robot) if tasks else Plan((robot.task,) if robot.task else ())
+    plan = load_plan(tasks, robot) if tasks else robot.plan
     plan = with_knowledge(plan, robot, failed or (), working or ())
     run(robot, kept(store, robot) if store else None, Question(plan, future, function, hours, ranked, most),
         as_json=as_json)  # fmt: skip
@@ -104,8 +101,7 @@ def command(
 
 def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: bool) -> None:
     """Answer on stdout, of a robot."""
-    if question.function is not None and question.function not in robot.functions:
-        raise RobophmError(f"no function '{question.function}'{nearest(question.function, robot.functions)}")
+    diagram = robot.diagram_of(question.function)
     monitor = Monitor(robot, ledger)
     settled = monitor.exposure.settled(monitor.ledger)
     plan = question.plan
@@ -113,31 +109,27 @@ def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: boo
         monitor.plant, monitor.exposure, settled, future=cast(FutureName, question.future), knowledge=plan.knowledge
     )
     wanted: Sequence[View] = VIEWS if ledger else ("sensor_based",)  # without a past both are one
-    diagram = robot.functions[question.function] if question.function else robot.diagram
-    task = Task(tuple(chain.from_iterable(one.legs for one in plan.tasks))) if plan.tasks else None
-    drawn = Drawn(monitor.plant, diagram)
-    gains = {view: replacements(views[view], diagram, task) for view in wanted}
-    hours = question.hours or usual_hours(views["sensor_based"], gains["sensor_based"].median)
-    found = {view: importances(views[view], drawn, hours) for view in wanted}
+    task = plan.joined if plan.tasks else None
+    found = what_matters({view: views[view] for view in wanted}, diagram, task, question.hours)
     name = f"{robot.name}: {question.function}" if question.function else robot.name
     if as_json:
         print_json({
             "system": name,
-            "importance": {view: _json(one, question) for view, one in found.items()},
+            "importance": {view: _json(one, question) for view, one in found.importances.items()},
             "replacement": {view: plain({**asdict(one), "parts": [asdict(part) for part in one.parts[: question.most]]})
-                            for view, one in gains.items()},
+                            for view, one in found.replacements.items()},
         })  # fmt: skip
         return
     seen = "sensor-based, given what is known now" if ledger else "new and as designed"
-    _show(f"{name}, {seen}", found["sensor_based"], question, found.get("nominal"))
-    _show_gains(gains["sensor_based"], question)
+    _show(f"{name}, {seen}", found.importances["sensor_based"], question, found.importances.get("nominal"))
+    _show_gains(found.replacements["sensor_based"], question)
 
 
 def run_model(path: Path, hours: float | None, by: str, most: int, *, as_json: bool) -> None:
     """Answer on stdout, of a coherent fault tree in the Open-PSA format."""
     refuse_unused("a fault tree", ("after", "by", "most"))
     system = of_model(path, hours, None)
-    found = of_tree(system.tree, system.occurred, system.not_yet, math.nan if hours is None else hours)
+    found = of_tree(system.event, math.nan if hours is None else hours)
     question = Question(Plan(()), "nominal", None, hours, by, most)
     if as_json:
         print_json({"system": system.name, "importance": {"as_given": _json(found, question)}})
@@ -152,30 +144,29 @@ def _json(found: Importances, question: Question) -> Any:
 
 def _show(title: str, found: Importances, question: Question, nominal: Importances | None = None) -> None:
     out = console()
-    if math.isnan(found.units[0].birnbaum):
+    if found.has_failed:
         out.print(f"{title}: has failed; no part matters more than another", markup=False, soft_wrap=True)
         return
-    ahead = f"within {number_text(found.hours)} h of operation " if not math.isnan(found.ever) else ""
+    ahead = f"within {number_text(found.hours)} h of operation " if found.lifelong else ""
     left_out, fails = found.unknown, f"{number_text(100 * found.failure)} %"
     says = left_out.said(left_out.failing, fails) if left_out else fails
     out.print(f"{title}: fails {ahead}with {says}", markup=False, soft_wrap=True)
     if left_out:
         out.print(left_out.aside, style="yellow", markup=False, soft_wrap=True)
     columns = ["most important first", "Birnbaum", "criticality", "F–V", "RAW", "RRW", "improvement"]
-    lifelong = not math.isnan(found.ever)
-    columns += [*(["causes"] if lifelong else []), *(["crit. nominal"] if nominal else [])]
+    columns += [*(["causes"] if found.lifelong else []), *(["crit. nominal"] if nominal else [])]
     designed = {one.unit: one for one in nominal.units} if nominal else {}
     rows = []
     for one in found.ranked(question.by)[: question.most]:
         row = [one.unit, number_text(one.birnbaum), _share(one.criticality), _share(one.fussell_vesely)]
         row += [number_text(one.achievement), number_text(one.reduction), number_text(one.improvement)]
-        row += [_share(one.barlow_proschan)] if lifelong else []
+        row += [_share(one.barlow_proschan)] if found.lifelong else []
         rows.append(row + ([_share(designed[one.unit].criticality)] if nominal else []))
     print_table(out, table("", columns, rows, figures=range(1, len(columns))))
     if len(rows) < len(found.units):
         more = more_text(len(found.units) - len(rows), "listed")
         out.print(f"{more} (--most); --by ranks by another importance")
-    if lifelong:
+    if found.lifelong:
         ever = "" if found.ever > 1 - 1e-6 else f", which comes with {percent_text(found.ever)}"
         out.print(f"causes: share of all failures to come that its own failure brings about (Barlow–Proschan){ever}")
     if found.refused:
@@ -196,7 +187,7 @@ def _show_gains(found: Replacements, question: Question) -> None:
     out.print(f"\nWhat to replace first. As it is: {said}", markup=False, soft_wrap=True)
     if found.unknown:
         out.print(found.unknown.aside, style="yellow", markup=False, soft_wrap=True)
-    some = [one for one in found.parts if one.completion or one.median or one.mean]
+    some = found.changing
     if not some:
         out.print("Nothing gains by being replaced: no part has aged, and no redundancy is lost.")
         return
@@ -210,9 +201,8 @@ def _show_gains(found: Replacements, question: Question) -> None:
     print_table(out, table("", columns, rows, figures=range(1, len(columns))))
     if len(some) > len(rows):
         out.print(f"{more_text(len(some) - len(rows), 'listed')} (--most)")
-    losing = sum(max(one.completion or 0.0, one.median, one.mean) < 0 for one in some)
-    if losing:
-        out.print(f"{losing:,} would lose: young parts of theirs fail more often than old ones")
+    if found.losing:
+        out.print(f"{found.losing:,} would lose: young parts of theirs fail more often than old ones")
     if len(some) < len(found.parts):
         out.print(f"{len(found.parts) - len(some):,} more would change nothing")
     if found.others:

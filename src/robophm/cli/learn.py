@@ -9,21 +9,21 @@ from typing import Annotated, Any
 import typer
 
 from robophm.cli.shared.options import Design, Force, Json
-from robophm.cli.shared.output import console, may_make, print_json, print_table, table, warn, write_design
+from robophm.cli.shared.output import console, may_make, print_json, print_table, table, warn
 from robophm.cli.shared.stored_past import kept
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import DataError
-from robophm.design.file import load, read
+from robophm.design.file import load, read, write
 from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Robot
-from robophm.health.service import service_intervals
 from robophm.health.unknown_rates import few
 from robophm.learning.rates.evidence import with_evidence
 from robophm.learning.rates.failure_log import Seen, read_failure_log
-from robophm.learning.rates.life_scale import Lived
 from robophm.learning.rates.rate_update import LearnedRate, UnstatedRate, learn, unstated
+from robophm.monitoring.rate_history import rate_history
 from robophm.report.words import number_text
 
 STORES = (".db", ".sqlite", ".sqlite3")
+"""How the names of stores end; all else is a log."""
 
 
 def command(
@@ -48,13 +48,14 @@ def command(
     notes: list[str] = []
     for log in logs:
         if log.suffix.lower() in STORES:
-            seen += _of_store(log, robot)
+            seen += rate_history(robot, kept(log, robot), log.stem)
         else:
             found = read_failure_log(log, robot)
             seen += found.seen
             notes += found.notes
-    together = _together(seen)
-    learned, unrated = learn(robot, together, prior, of), unstated(robot, together)
+    if not any(one.exposure > 0 or one.failures for one in seen):
+        raise DataError("nothing was seen: no failure and no exposure; expected a log or a robot that has worked")
+    learned, unrated = learn(robot, seen, prior, of), unstated(robot, seen)
     if to and not learned:
         raise DataError(
             f"nothing can be learned beside a rate: all that was seen is of unknown rate ({_paths(unrated)}); expected "
@@ -69,44 +70,10 @@ def command(
     else:
         _print(robot, learned, unrated)
     if to:
-        write_design(to, text)
+        write(to, text)
         if not as_json:
             but = f"; not of what is of unknown rate ({_paths(unrated)})" if unrated else ""
             console().print(f"Written to {to}, the evidence beside each rate{but}", markup=False, soft_wrap=True)
-
-
-def _of_store(path: Path, robot: Robot) -> list[Seen]:
-    """What the ledger of a store tells: every life of every part, ended or not."""
-    found: dict[str, Seen] = {}
-    for one in service_intervals(robot, kept(path, robot)):
-        seen = found.setdefault(one.mode.path, Seen(one.mode, path.stem))
-        seen.failures += one.failed
-        seen.expected += one.parts * one.hazard
-        seen.exposure += one.parts * one.hours
-        if one.mode.life.degree is None and one.end > one.start and not one.mode.unknown:
-            if one.mode.scaling == "hazard":
-                kind = type(one.mode.life).__name__.lower()
-                raise DataError(
-                    f"'{one.mode.path}': of a {kind} life with scaling: hazard a ledger keeps a sum, into which no "
-                    "other rate can be put; expected a log, or scaling: age"
-                )
-            seen.lives.append(Lived(one.start, one.end - one.start, float(one.failed), float(one.parts)))
-    return list(found.values())
-
-
-def _together(seen: Sequence[Seen]) -> list[Seen]:
-    """One for each failure mode and robot."""
-    found: dict[tuple[str, str], Seen] = {}
-    for one in seen:
-        if (key := (one.mode.path, one.robot)) in found:
-            there = found[key]
-            found[key] = Seen(one.mode, one.robot, there.failures + one.failures, there.expected + one.expected,
-                              there.exposure + one.exposure, there.lives + one.lives)  # fmt: skip
-        else:
-            found[key] = one
-    if not any(one.exposure > 0 or one.failures for one in found.values()):
-        raise DataError("nothing was seen: no failure and no exposure; expected a log or a robot that has worked")
-    return list(found.values())
 
 
 def _paths(unrated: Sequence[UnstatedRate]) -> str:

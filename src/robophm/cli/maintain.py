@@ -3,49 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 import typer
+from rich.console import Console
 
 from robophm.cli.shared.options import Design, Json
 from robophm.cli.shared.output import console, print_json, print_table, table
-from robophm.cli.shared.stored_past import kept
+from robophm.cli.shared.stored_past import outlook_of
 from robophm.core.errors import DataError, RobophmError, UnitError
 from robophm.core.units import quantity
 from robophm.design.file import load
-from robophm.design.robot import CLOCK_UNITS, UNKNOWN, FailureMode, Robot
+from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Robot
+from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.prognosis import Outlook
-from robophm.health.replacement import replacements
+from robophm.health.replacement import Worth, replacements
 from robophm.health.unknown_rates import PartsOfUnknownRate, alone, few, named
-from robophm.learning.maintenance.costs_table import PartCosts, read_costs
-from robophm.learning.maintenance.life_cycle_costs import (
-    TOGETHER,
-    LifeCycle,
-    Return,
-    Upkept,
-    return_on_watching,
-    simulate,
-)
-from robophm.learning.maintenance.replacement_age import Costs, Policy, Visit, best_age, rescaled, together
-from robophm.learning.maintenance.spares import spares
-from robophm.learning.maintenance.standstill import Standstill
-from robophm.life.distribution import LifeDistribution
-from robophm.monitoring.monitor import Monitor
+from robophm.learning.maintenance.costs_table import read_costs
+from robophm.learning.maintenance.life_cycle_costs import LifeCycle
+from robophm.learning.maintenance.replacement_age import Visit
+from robophm.learning.maintenance.upkeep import LifeCycles, PartPlan, UpkeepPlan
 from robophm.report.words import duration_text, number_text
 
-MOST_LIVES = 2e9
-"""Of parts, in all repetitions."""
-
-MOST_TOGETHER = 1e7
-"""Of parts, in the repetitions that are in memory at a time."""
-
-_SURE = 0.99999
-"""Below it a part that is down may leave the robot working."""
+MOST_FIRST = 20
+"""Parts that are listed as what to replace first."""
 
 
 @dataclass(frozen=True)
@@ -65,22 +49,19 @@ class Wishes:
 
 
 @dataclass(frozen=True)
-class _Plan:
-    """One part: its life in calendar hours, what it costs, when it is best replaced."""
+class _Answers:
+    """What there is to print."""
 
-    mode: FailureMode
-    costs: PartCosts
-    pace: float
-    """How far its clock goes in a calendar hour."""
-    upkept: Upkept
-    policy: Policy
-    """In calendar hours."""
-    due: float | None
-    """Calendar hours until it is best replaced, of a robot with a past."""
-    stops: float
-    """P(the robot stands still | it is down)."""
-    standing: Costs
-    """With what it costs that the robot may stand still meanwhile."""
+    plan: UpkeepPlan
+    left_out: PartsOfUnknownRate | None
+    """What parts of unknown rate among those asked about make of it."""
+    visit: Visit | None
+    cycles: LifeCycles | None
+    spares: dict[str, tuple[int, float]]
+    first: list[Worth] | None
+    """What each part put in new would gain for what it costs; None without a past."""
+    first_unknown: PartsOfUnknownRate | None
+    """What parts of unknown rate make of that."""
 
 
 def command(
@@ -110,42 +91,41 @@ def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
         if not math.isfinite(value):
             raise RobophmError(f"{option} {value:g}: expected a finite cost")
     horizon, lead = _hours(wishes.horizon, "--horizon"), _hours(wishes.lead, "--lead")
-    told = read_costs(table_of_costs, robot, wishes.hour_down)
-    unrated = [name for name, one in told.items() if one.part.unknown]
-    costs = {name: one for name, one in told.items() if name not in unrated}
-    if not costs:
+    costs = read_costs(table_of_costs, robot, wishes.hour_down)
+    if all(one.part.unknown for one in costs.values()):
         raise DataError(
-            f"{table_of_costs}: all parts in it are of unknown rate ({few(unrated)}); expected one with a rate"
+            f"{table_of_costs}: all parts in it are of unknown rate ({few(list(costs))}); expected one with a rate"
         )
     plant = Plant(robot)
-    outlook = None
-    if wishes.store:
-        outlook = Monitor(robot, kept(wishes.store, robot)).report(remaining_life=False).outlooks["sensor_based"]
-    plans = _plans(robot, plant, costs, outlook, wishes)
-    standing = Standstill(robot.diagram)
-    repaired = [plan for plan in plans if plan.costs.costs.repair is not None]
-    replaced = {plan.costs.part.path: plan for plan in plans if plan not in repaired}
-    visit = None
-    if wishes.setup > 0 and replaced:
-        visit = together({name: (plan.upkept.life, plan.standing) for name, plan in replaced.items()}, wishes.setup)
-    by_age = {name: plan.upkept for name, plan in replaced.items()}
-    only_failed = {name: replace(part, age=None) for name, part in by_age.items()}
-    without, aged = (_cycle(parts, standing, horizon, wishes) for parts in (only_failed, by_age))
-    watched = None
-    if any(plan.costs.watch for plan in replaced.values()):
-        watched = return_on_watching(
-            {name: replace(plan.upkept, watch=plan.costs.watch) for name, plan in replaced.items()}, horizon,
-            wishes.repetitions, wishes.seed, aged, standing, wishes.hour_down,
-        )  # fmt: skip
-    stock = {
-        name: spares(plan.upkept.life, lead, wishes.robots * plan.upkept.parts, wishes.level, plan.policy.age)
-        for name, plan in replaced.items()
-    }
-    first = _first(robot, outlook, plans) if outlook else None
+    outlook = outlook_of(wishes.store, robot) if wishes.store else as_designed(plant)
+    plan = UpkeepPlan.of(
+        robot, costs, outlook.future.pace(plant), age=outlook.age if wishes.store else None,
+        hour_down=wishes.hour_down, seed=wishes.seed,
+    )  # fmt: skip
+    visit = plan.visit(wishes.setup) if wishes.setup else None
+    cycles = plan.life_cycles(horizon, wishes.repetitions, wishes.seed)
+    stock = plan.spares(lead, wishes.robots, wishes.level)
+    gains = replacements(outlook, robot.diagram, robot.task) if wishes.store else None
+    first = gains.for_their_cost({one.path: one.price for one in plan.parts}) if gains else None
+    left_out = alone(costs[name].part for name in plan.unknown)
+    found = _Answers(plan, left_out, visit, cycles, stock, first, gains.unknown if gains else None)
     if wishes.as_json:
-        print_json(_json(robot, plans, visit, without, aged, watched, stock, first, unrated))
-    else:
-        _print(robot, plans, visit, (without, aged, watched), stock, first, unrated, wishes, horizon, lead)
+        print_json(_json(found))
+        return
+    out = console()
+    _print_parts(out, found)
+    if visit:
+        _print_visit(out, visit, wishes.setup)
+    if cycles:
+        title = f"Over {duration_text(horizon)} of one robot, {wishes.repetitions:,} times over (seed {wishes.seed})"
+        _print_cycles(out, cycles, title, found.left_out)
+    if stock:
+        _print_spares(out, found, wishes, lead)
+    if first:
+        _print_first(out, first, robot)
+    if found.first_unknown:
+        out.print(f"What to replace first: {found.first_unknown.aside} ({named(robot)})", style="yellow", markup=False,
+                  soft_wrap=True)  # fmt: skip
 
 
 def _hours(text: str, option: str) -> float:
@@ -158,187 +138,45 @@ def _hours(text: str, option: str) -> float:
     return hours
 
 
-def _plans(
-    robot: Robot, plant: Plant, costs: Mapping[str, PartCosts], outlook: Outlook | None, wishes: Wishes
-) -> list[_Plan]:
-    """When each part is best replaced, its downtime as dear as it makes the robot stand still."""
-    lives = {name: _life(robot, plant, one, outlook) for name, one in costs.items()}
-    up: dict[str, float] = {}
-    for name, one in costs.items():
-        mean = lives[name][2].mean()
-        each = mean / (mean + one.costs.corrective_downtime) if mean < math.inf else 1.0
-        up |= dict.fromkeys(one.part.units, each ** (one.part.quantity / len(one.part.units)))
-    standing = Standstill(robot.diagram)
-    plans = []
-    for name, one in costs.items():
-        mode, pace, life = lives[name]
-        stops = standing.stops(one.part.units[0], up)
-        whole = one.standing(wishes.hour_down * stops)
-        policy = best_age(life, whole, seed=wishes.seed)
-        due = None
-        if outlook is not None and policy.age is not None:
-            i = next(k for k, other in enumerate(robot.modes) if other.path == mode.path)
-            due = policy.age - float(outlook.age[i]) / pace
-        upkept = Upkept(life, one.costs, policy.age, None, one.part.quantity, one.part.units)
-        plans.append(_Plan(mode, one, pace, upkept, policy, due, stops, whole))
-    return plans
-
-
-def _life(
-    robot: Robot, plant: Plant, said: PartCosts, outlook: Outlook | None
-) -> tuple[FailureMode, float, LifeDistribution]:
-    """A part's failure mode, how far its clock goes in a calendar hour, and its life in such."""
-    part = said.part
-    if len(part.modes) > 1:
-        raise DataError(
-            f"'{part.path}' fails in {len(part.modes)} ways, each with its own age; expected costs of parts "
-            "that fail in one, as components of their own"
-        )
-    (mode,) = part.modes
-    i = next(k for k, one in enumerate(robot.modes) if one.path == mode.path)
-    pace = float(plant.pace[i])
-    if outlook is not None:  # as it was used of late, at the stress that it had
-        future = outlook.future
-        gone = future.effective if mode.scaling == "age" else future.advance
-        pace = float(gone[i, -1] / future.hours[-1])
-    if not pace > 0:
-        raise DataError(f"'{part.path}' does not age: its clock '{mode.clock}' stands still by the design's usage")
-    return mode, pace, rescaled(mode.life, 1 / pace)
-
-
-def _cycle(parts: Mapping[str, Upkept], standing: Standstill, horizon: float, wishes: Wishes) -> LifeCycle | None:
-    if not parts:
-        return None
-    work = sum(
-        part.parts * (1 + horizon / max(min(part.age or math.inf, part.life.mean()), 1e-9)) for part in parts.values()
-    )
-    if work * wishes.repetitions > MOST_LIVES or work * min(wishes.repetitions, TOGETHER) > MOST_TOGETHER:
-        raise RobophmError(
-            f"that is some {work:.2g} lives of parts of one robot, {wishes.repetitions:,} times over; expected a "
-            "shorter --horizon or fewer --repetitions"
-        )
-    return simulate(parts, horizon, wishes.repetitions, wishes.seed, standing, wishes.hour_down)
-
-
-class _First(NamedTuple):
-    """What each part put in new would gain, and what parts of unknown rate make of that."""
-
-    rows: list[dict[str, Any]]
-    unknown: PartsOfUnknownRate | None
-
-
-def _first(robot: Robot, outlook: Outlook, plans: Sequence[_Plan]) -> _First:
-    """What each part put in new would gain for what it costs, the most mean life per cost first."""
-    prices = {plan.costs.part.path: plan.standing.preventive * plan.costs.part.quantity for plan in plans}
-    rows: list[dict[str, Any]] = []
-    found = replacements(outlook, robot.diagram, robot.task)
-    for one in found.parts:
-        price = prices.get(one.path, 0.0)
-        if not price > 0:
-            continue
-        rows.append({
-            "part": one.path, "cost": price, "mean_life": one.mean, "mean_life_per_cost": one.mean / price,
-            "completion": one.completion,
-            "completion_per_cost": None if one.completion is None else one.completion / price,
-        })  # fmt: skip
-    rows.sort(key=lambda row: -row["mean_life_per_cost"] if math.isfinite(row["mean_life_per_cost"]) else 0.0)
-    return _First(rows, found.unknown)
-
-
-def _print(
-    robot: Robot, plans: list[_Plan], visit: Visit | None,
-    cycles: tuple[LifeCycle | None, LifeCycle | None, Return | None], stock: dict[str, tuple[int, float]],
-    first: _First | None, unrated: list[str], wishes: Wishes, horizon: float, lead: float,
-) -> None:  # fmt: skip
-    out = console()
-    left_out = alone(part for part in robot.all_components() if part.path in unrated)
-    columns = [
-        "",
-        "replace at",
-        "that is every",
-        "cost per 1000 h",
-        "if never",
-        "saved",
-        *(["due in"] if wishes.store else []),
-    ]
-    rows = []
-    for plan in plans:
-        name, policy, unit = plan.costs.part.path, plan.policy, CLOCK_UNITS[plan.mode.clock]
-        age = policy.age
-        rows.append([
-            name,
-            "never by age" if age is None else f"{number_text(age * plan.pace, 3)} {unit}",
-            "–" if age is None else duration_text(age),
-            number_text(1000 * policy.cost_rate, 3), number_text(1000 * policy.never, 3),
-            f"{number_text(100 * policy.saving, 2)} %" if policy.saving else "–",
-            *([_due(plan)] if wishes.store else []),
-        ])  # fmt: skip
-    rows += [[name, UNKNOWN, *["–"] * (len(columns) - 2)] for name in unrated]
-    print_table(out, table(f"When to replace the parts of {robot.name}", columns, rows, figures=range(1, len(columns))))
+def _print_parts(out: Console, found: _Answers) -> None:
+    plan, left_out, past = found.plan, found.left_out, found.first is not None
+    columns = ["", "replace at", "that is every", "cost per 1000 h", "if never", "saved", *["due in"] * past]
+    rows = [[*_part_row(one), *[_due(one)] * past] for one in plan.parts]
+    rows += [[name, UNKNOWN, *["–"] * (len(columns) - 2)] for name in plan.unknown]
+    title = f"When to replace the parts of {plan.robot.name}"
+    print_table(out, table(title, columns, rows, figures=range(1, len(columns))))
     out.print("Costs of one part per 1000 h of calendar time. Never by age: it does not wear (β ≤ 1, or constant), or "
               "failing costs no more than replacing.", soft_wrap=True)  # fmt: skip
     if left_out:
-        others = f"; all others are said as {left_out.if_never}" if any(plan.stops < _SURE for plan in plans) else ""
-        out.print(f"{left_out.left_out} ({few(unrated)}): when to replace is not known{others}",
+        others = f"; all others are said as {left_out.if_never}" if any(one.redundant for one in plan.parts) else ""
+        out.print(f"{left_out.left_out} ({few(plan.unknown)}): when to replace is not known{others}",
                   style="yellow", markup=False, soft_wrap=True)  # fmt: skip
-    for plan in plans:
-        if plan.stops < _SURE:
+    for one in plan.parts:
+        if one.redundant:
             out.print(
-                f"{plan.costs.part.path} is redundant: while it is down the robot stands still with "
-                f"{number_text(100 * plan.stops, 2)} %", markup=False, soft_wrap=True,
+                f"{one.path} is redundant: while it is down the robot stands still with "
+                f"{number_text(100 * one.stops, 2)} %", markup=False, soft_wrap=True,
             )  # fmt: skip
-    if visit:
-        _print_visit(visit, wishes)
-    by_failure, by_age, watched = cycles
-    if by_failure and by_age:
-        policies = [("only what fails", by_failure), ("by age", by_age)]
-        policies += [("watched", watched.watched)] if watched else []
-        rows = [[name, *_cycle_row(one, left_out)] for name, one in policies]
-        title = f"Over {duration_text(horizon)} of one robot, {wishes.repetitions:,} times over (seed {wishes.seed})"
-        columns = ["", "cost", "90 % between", "available", "failures", "precautions"]
-        out.print()
-        print_table(out, table(title, columns, rows, figures=range(1, 6)))
-        if left_out:
-            out.print(left_out.of_costs, style="yellow", soft_wrap=True)
-        if watched:
-            pays = "pays" if watched.ratio > 0 else "does not pay"
-            out.print(
-                f"Watching costs {number_text(watched.investment, 3)} and {pays}: return on it "
-                f"{number_text(100 * watched.ratio, 3)} %, with {number_text(100 * watched.chance, 3)} % it saves "
-                "anything",
-                markup=False, soft_wrap=True,
-            )  # fmt: skip
-    if stock:
-        robots = f"{wishes.robots} robot{'s' * (wishes.robots > 1)}"
-        share = f"{100 * wishes.level:g} %"
-        out.print(f"\nSpares that are enough for {robots} of new parts over {duration_text(lead)} with {share}:")
-        out.print(
-            "  " + ", ".join([*(f"{name} {number}" for name, (number, _) in stock.items()),
-                              *(f"{name} {UNKNOWN}" for name in unrated)]),
-            markup=False, soft_wrap=True,
-        )  # fmt: skip
-    if first and first.rows:
-        columns = ["first, for what it costs", "cost", "mean life", "per cost", *(["PoTC"] if robot.task else [])]
-        rows = [
-            [row["part"], number_text(row["cost"]), _signed(row["mean_life"]), _signed(row["mean_life_per_cost"]),
-             *([number_text(row["completion"])] if robot.task else [])]
-            for row in first.rows[:20]
-        ]  # fmt: skip
-        out.print()
-        print_table(out, table("What to replace first, put in new now", columns, rows, figures=range(1, len(columns))))
-    if first and first.unknown:
-        out.print(f"What to replace first: {first.unknown.aside} ({named(robot)})", style="yellow", markup=False,
-                  soft_wrap=True)  # fmt: skip
 
 
-def _due(plan: _Plan) -> str:
+def _part_row(one: PartPlan) -> list[str]:
+    policy = one.policy
+    return [
+        one.path,
+        "never by age" if one.age is None else f"{number_text(one.age, 3)} {CLOCK_UNITS[one.mode.clock]}",
+        "–" if policy.age is None else duration_text(policy.age),
+        number_text(1000 * policy.cost_rate, 3), number_text(1000 * policy.never, 3),
+        f"{number_text(100 * policy.saving, 2)} %" if policy.saving else "–",
+    ]  # fmt: skip
+
+
+def _due(plan: PartPlan) -> str:
     return "–" if plan.due is None else "now" if plan.due <= 0 else duration_text(plan.due)
 
 
-def _print_visit(visit: Visit, wishes: Wishes) -> None:
-    out = console()
+def _print_visit(out: Console, visit: Visit, setup: float) -> None:
     if visit.interval is None:
-        out.print(f"\nA visit that costs {wishes.setup:g} is worth nothing: replace what has failed.", markup=False)
+        out.print(f"\nA visit that costs {setup:g} is worth nothing: replace what has failed.", markup=False)
         return
     groups: dict[int, list[str]] = {}
     for name, every in visit.every.items():
@@ -349,11 +187,30 @@ def _print_visit(visit: Visit, wishes: Wishes) -> None:
         for every, names in sorted(groups.items())
     )
     between, saved = duration_text(visit.interval), 1 - visit.cost_rate / visit.apart
-    out.print(f"\nTogether, at {wishes.setup:g} a visit: one every {between}: {what}", markup=False, soft_wrap=True)
+    out.print(f"\nTogether, at {setup:g} a visit: one every {between}: {what}", markup=False, soft_wrap=True)
     out.print(
         f"That costs {number_text(1000 * visit.cost_rate, 3)} per 1000 h, where visits of their own cost "
         f"{number_text(1000 * visit.apart, 3)} ({number_text(100 * saved, 2)} % less)", markup=False, soft_wrap=True,
     )  # fmt: skip
+
+
+def _print_cycles(out: Console, cycles: LifeCycles, title: str, left_out: PartsOfUnknownRate | None) -> None:
+    policies, watched = [("only what fails", cycles.failures_only), ("by age", cycles.by_age)], cycles.watched
+    policies += [("watched", watched.watched)] if watched else []
+    rows = [[name, *_cycle_row(one, left_out)] for name, one in policies]
+    columns = ["", "cost", "90 % between", "available", "failures", "precautions"]
+    out.print()
+    print_table(out, table(title, columns, rows, figures=range(1, 6)))
+    if left_out:
+        out.print(left_out.of_costs, style="yellow", soft_wrap=True)
+    if watched:
+        pays = "pays" if watched.ratio > 0 else "does not pay"
+        out.print(
+            f"Watching costs {number_text(watched.investment, 3)} and {pays}: return on it "
+            f"{number_text(100 * watched.ratio, 3)} %, with {number_text(100 * watched.chance, 3)} % it saves "
+            "anything",
+            markup=False, soft_wrap=True,
+        )  # fmt: skip
 
 
 def _cycle_row(one: LifeCycle, left_out: PartsOfUnknownRate | None) -> list[str]:
@@ -367,36 +224,56 @@ def _cycle_row(one: LifeCycle, left_out: PartsOfUnknownRate | None) -> list[str]
     ]  # fmt: skip
 
 
+def _print_spares(out: Console, found: _Answers, wishes: Wishes, lead: float) -> None:
+    robots = f"{wishes.robots} robot{'s' * (wishes.robots > 1)}"
+    share = f"{100 * wishes.level:g} %"
+    out.print(f"\nSpares that are enough for {robots} of new parts over {duration_text(lead)} with {share}:")
+    numbers = [f"{name} {number}" for name, (number, _) in found.spares.items()]
+    out.print("  " + ", ".join([*numbers, *(f"{name} {UNKNOWN}" for name in found.plan.unknown)]),
+              markup=False, soft_wrap=True)  # fmt: skip
+
+
+def _print_first(out: Console, first: list[Worth], robot: Robot) -> None:
+    of_task = bool(robot.task)
+    columns = ["first, for what it costs", "cost", "mean life", "per cost", *["PoTC"] * of_task]
+    rows = [
+        [one.part, number_text(one.cost), _signed(one.mean_life), _signed(one.mean_life_per_cost),
+         *([] if one.completion is None else [number_text(one.completion)])]
+        for one in first[:MOST_FIRST]
+    ]  # fmt: skip
+    out.print()
+    print_table(out, table("What to replace first, put in new now", columns, rows, figures=range(1, len(columns))))
+
+
 def _signed(hours: float) -> str:
     if not np.isfinite(hours):
         return number_text(hours)
     return ("+" if hours > 0 else "-" if hours < 0 else "") + duration_text(abs(hours))
 
 
-def _json(
-    robot: Robot, plans: list[_Plan], visit: Visit | None, by_failure: LifeCycle | None, by_age: LifeCycle | None,
-    watched: Return | None, stock: dict[str, tuple[int, float]], first: _First | None,
-    unrated: list[str],
-) -> dict[str, Any]:  # fmt: skip
+def _json(found: _Answers) -> dict[str, Any]:
     def cycle(one: LifeCycle | None) -> dict[str, float] | None:
         names = ("cost", "low", "high", "error", "availability", "failures", "replacements")
         return None if one is None else {name: getattr(one, name) for name in names}
 
+    plan, visit, cycles = found.plan, found.visit, found.cycles
+    watched = cycles.watched if cycles else None
     return {
-        "robot": robot.name,
+        "robot": plan.robot.name,
         "parts": [
-            {"part": p.costs.part.path, "clock": p.mode.clock, "age": p.policy.age and p.policy.age * p.pace,
-             "every_hours": p.policy.age, "cost_per_hour": p.policy.cost_rate, "never": p.policy.never,
-             "due_in_hours": p.due, "stops_robot": p.stops}
-            for p in plans
+            {"part": one.path, "clock": one.mode.clock, "age": one.age, "every_hours": one.policy.age,
+             "cost_per_hour": one.policy.cost_rate, "never": one.policy.never, "due_in_hours": one.due,
+             "stops_robot": one.stops}
+            for one in plan.parts
         ],
-        "unknown": {"parts": unrated, "first": first and first.unknown and asdict(first.unknown)},
+        "unknown": {"parts": list(plan.unknown), "first": found.first_unknown and asdict(found.first_unknown)},
         "together": visit and {"interval_hours": visit.interval, "every": dict(visit.every),
                                "cost_per_hour": visit.cost_rate, "apart": visit.apart},
-        "life_cycle": {"failures_only": cycle(by_failure), "by_age": cycle(by_age),
+        "life_cycle": {"failures_only": cycle(cycles.failures_only if cycles else None),
+                       "by_age": cycle(cycles.by_age if cycles else None),
                        "watched": watched and {**(cycle(watched.watched) or {}), "investment": watched.investment,
                                                "return": watched.ratio, "chance": watched.chance}},
-        "spares": {name: {"spares": number, "enough_with": sure} for name, (number, sure) in stock.items()}
-        | dict.fromkeys(unrated),
-        "first": first and first.rows,
+        "spares": {name: {"spares": number, "enough_with": sure} for name, (number, sure) in found.spares.items()}
+        | dict.fromkeys(plan.unknown),
+        "first": None if found.first is None else [one._asdict() for one in found.first],
     }  # fmt: skip

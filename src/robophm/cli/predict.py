@@ -12,11 +12,10 @@ from robophm.cli import BREACHED
 from robophm.cli.shared.options import Design, Draws, Failed, Future, Horizon, Json, Store, Unit, Working, horizon_of
 from robophm.cli.shared.output import print_json, print_parts, print_report
 from robophm.cli.shared.stored_past import affordable, kept
-from robophm.cli.shared.task_words import with_knowledge
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
 from robophm.core.units import quantity
-from robophm.design.build_task import plain_task
+from robophm.design.build_task import plain_task, with_knowledge
 from robophm.design.fault import Fault
 from robophm.design.file import load
 from robophm.design.task import Plan

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Annotated
 
-import numpy as np
 import typer
 
 from robophm.cli.shared.options import Json
@@ -14,8 +13,9 @@ from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import ModelError
 from robophm.core.units import in_unit
+from robophm.hazard.answer import Answer, answer
 from robophm.hazard.handbooks import handbook_model, handbook_models
-from robophm.hazard.model import Assumed, Choice, Model, Range
+from robophm.hazard.model import Model, Range
 from robophm.report.words import number_text
 
 
@@ -33,79 +33,98 @@ def command(
     as_json: Json = False,
 ) -> None:
     """The hazard rate that a handbook gives for a part."""
-    out = console()
     if model is None:
         refuse_unused("the list of models", ())
-        models = [(name, handbook_model(name)) for name in handbook_models()]
-        if as_json:
-            print_json({"models": [{"name": n, "formula": m.formula, "source": str(m.source)} for n, m in models]})
-        else:
-            rows = [(n, m.formula, str(m.source)) for n, m in models]
-            print_table(out, table("Hazard models", ("model", "formula", "source"), rows))
+        print_models(as_json=as_json)
         return
-    chosen = handbook_model(model)
-    given = {}
-    for pair in set_ or []:
+    chosen, given = handbook_model(model), pairs(set_ or [])
+    if unit is not None:
+        in_unit(0.0, chosen.unit, unit)
+    if not given and chosen.must_be_given:
+        refuse_unused(f"what {chosen.name} takes", ("model",))
+        print_inputs(chosen, as_json=as_json)
+        return
+    refuse_unused("a hazard rate", ("model", "set_", "explain", "unit"))
+    found = answer(chosen, given)
+    if as_json:
+        _print_json(found, unit)
+    else:
+        _print(found, given, unit, explain=explain)
+
+
+def pairs(texts: Sequence[str]) -> dict[str, str]:
+    """The inputs that ``--set`` names. Raises ModelError where one is none, or is named twice."""
+    given: dict[str, str] = {}
+    for pair in texts:
         name, equals, value = (word.strip() for word in pair.partition("="))
         if not equals:
             raise ModelError(f"--set {pair}: expected INPUT=VALUE")
         if name in given:
             raise ModelError(f"--set {pair}: '{name}' is given twice")
         given[name] = value
-    if unit is not None:
-        in_unit(0.0, chosen.unit, unit)
-    if not given and any(
-        getattr(entry, "required", True) and entry.default is None for entry in chosen.inputs.values()
-    ):
-        refuse_unused(f"what {chosen.name} takes", ("model",))
-        takes = [
-            (name, chosen.expected(name), "" if e.default is None else str(e.default), e.description)
-            for name, e in chosen.inputs.items()
-        ]
-        if as_json:
-            keys = ("name", "expected", "default", "description")
-            print_json({"model": chosen.name, "unit": chosen.unit, "formula": chosen.formula,
-                        "source": str(chosen.source),
-                        "inputs": [dict(zip(keys, row, strict=True)) for row in takes]})  # fmt: skip
-            return
-        out.print(f"{chosen.name}: {chosen.formula}\n{chosen.source}", markup=False)
-        for name, expected, default, description in takes:
-            out.print(
-                f"  {name}: {description}; {expected}" + (f"; default {default}" if default else ""),
-                markup=False,
-            )
-        return
-    refuse_unused("a hazard rate", ("model", "set_", "explain", "unit"))
-    inputs = chosen.settle(given)
-    taken = [f"{name} '{word}' is taken as {inputs[name]}" for name, word in given.items()
-             if isinstance(chosen.inputs[name], Choice) and inputs[name] != word]  # fmt: skip
-    result = chosen.explain(inputs)
-    rate = float(np.asarray(result.value))
-    answer = rate if unit is None else in_unit(rate, chosen.unit, unit)
-    assumed = chosen.assumed(given, inputs)
-    factors = [(f.symbol, float(np.asarray(f.value)), f.note) for f in result.leaves()]
+    return given
+
+
+def print_models(*, as_json: bool) -> None:
+    """All of them."""
+    models = [(name, handbook_model(name)) for name in handbook_models()]
     if as_json:
-        listed = [{"symbol": s, "value": v, "note": n} for s, v, n in factors]
-        units = {n: e.unit for n, e in chosen.numbers.items()}
-        print_json({"model": chosen.name, "inputs": inputs, "units": units,
-                    "assumed": {name: asdict(one) for name, one in assumed.items()},
-                    "hazard_rate": answer, "unit": unit or chosen.unit,
-                    "formula": chosen.formula, "source": str(chosen.source), "factors": listed})  # fmt: skip
+        print_json({"models": [{"name": n, "formula": m.formula, "source": str(m.source)} for n, m in models]})
+    else:
+        rows = [(n, m.formula, str(m.source)) for n, m in models]
+        print_table(console(), table("Hazard models", ("model", "formula", "source"), rows))
+
+
+def print_inputs(model: Model, *, as_json: bool) -> None:
+    """What a model takes."""
+    takes = [
+        (name, model.expected(name), "" if e.default is None else str(e.default), e.description)
+        for name, e in model.inputs.items()
+    ]
+    if as_json:
+        keys = ("name", "expected", "default", "description")
+        print_json({"model": model.name, "unit": model.unit, "formula": model.formula, "source": str(model.source),
+                    "inputs": [dict(zip(keys, row, strict=True)) for row in takes]})  # fmt: skip
         return
-    shown = (unit or chosen.unit).removeprefix("1")
-    out.print(f"{chosen.name}: {number_text(answer)} {shown}", markup=False)
-    for note in taken:
-        out.print(note, markup=False)
+    out = console()
+    out.print(f"{model.name}: {model.formula}\n{model.source}", markup=False)
+    for name, expected, default, description in takes:
+        out.print(
+            f"  {name}: {description}; {expected}" + (f"; default {default}" if default else ""),
+            markup=False,
+        )
+
+
+def _print_json(found: Answer, unit: str | None) -> None:
+    model = found.model
+    print_json({
+        "model": model.name, "inputs": found.inputs, "units": {n: e.unit for n, e in model.numbers.items()},
+        "assumed": {name: asdict(one) for name, one in found.assumed.items()},
+        "hazard_rate": _in(found, unit), "unit": unit or model.unit,
+        "formula": model.formula, "source": str(model.source), "factors": [one._asdict() for one in found.factors],
+    })  # fmt: skip
+
+
+def _print(found: Answer, given: dict[str, str], unit: str | None, *, explain: bool) -> None:
+    model, out = found.model, console()
+    out.print(f"{model.name}: {number_text(_in(found, unit))} {(unit or model.unit).removeprefix('1')}", markup=False)
+    for name, option in found.taken.items():
+        out.print(f"{name} '{given[name]}' is taken as {option}", markup=False)
     if explain:
-        out.print(f"{chosen.formula}\n{chosen.source} ({chosen.source.status})", markup=False)
-        for line in _inputs(chosen, inputs, assumed):
+        out.print(f"{model.formula}\n{model.source} ({model.source.status})", markup=False)
+        for line in _inputs(found):
             out.print(f"  {line}", markup=False)
-        for symbol, number, note in factors:
+        for symbol, number, note in found.factors:
             out.print(f"  {symbol:<6} {number:<12.6g} {note}", markup=False)
 
 
-def _inputs(model: Model, inputs: Mapping[str, str | float], assumed: Mapping[str, Assumed]) -> Iterator[str]:
+def _in(found: Answer, unit: str | None) -> float:
+    return found.value if unit is None else in_unit(found.value, found.model.unit, unit)
+
+
+def _inputs(found: Answer) -> Iterator[str]:
     """What the rate is of, input by input, and which of it nobody said."""
+    model, inputs, assumed = found.model, found.inputs, found.assumed
     width = max(map(len, model.inputs), default=0)
     for name, entry in model.inputs.items():
         if name not in inputs and name not in assumed:

@@ -12,7 +12,6 @@ import typer
 from robophm.cli.shared.options import Design
 from robophm.cli.shared.output import console, may_write, warn
 from robophm.cli.shared.unused import refuse_unused
-from robophm.cli.shared.watching import started
 from robophm.core.errors import RobophmError
 
 if TYPE_CHECKING:
@@ -63,6 +62,8 @@ def run(design: Path, wishes: Wishes) -> None:
     if wishes.start is None:
         used = ("host", "port", "token", "store", "journal", "recordings", "synthetic")
         refuse_unused("a page on which nothing is watched at once (--start)", used)
+    from robophm.transports.recordings.files import recordings_in
+
     try:
         from robophm.web.service import Settings
         from robophm.web.serving import serve
@@ -73,7 +74,7 @@ def run(design: Path, wishes: Wishes) -> None:
     may_write(wishes.journal, design, *([wishes.store] if wishes.store else []))
     may_write(wishes.store, design)
     settings = Settings(
-        design, wishes.store, wishes.journal, files_of(wishes.recordings), 1 if wishes.synthetic else None,
+        design, wishes.store, wishes.journal, recordings_in(wishes.recordings), 1 if wishes.synthetic else None,
         wishes.host, wishes.token,
     )  # fmt: skip
 
@@ -81,17 +82,7 @@ def run(design: Path, wishes: Wishes) -> None:
         if service.workspace.begun:
             warn(f"{design}: no such file; the page begins a new robot, and saving makes the file")
         if wishes.start:
-            started(service, wishes.start, wishes.speed)
+            service.watch(wishes.start, wishes.speed)
         console().print(f"{design} is served at {address} until Ctrl+C", markup=False, soft_wrap=True)
 
     serve(settings, wishes.port, ready)
-
-
-def files_of(paths: Sequence[Path]) -> tuple[Path, ...]:
-    """Recordings, and those in folders, in the order of their names. Raises SourceError where there is none."""
-    from robophm.transports.recordings.files import existing, parts_of
-
-    found: list[Path] = []
-    for path in paths:
-        found += parts_of(existing(path)) if path.is_dir() else [existing(path)]
-    return tuple(found)

@@ -9,11 +9,11 @@ import typer
 
 from robophm.cli.shared.options import Design, Json
 from robophm.cli.shared.output import console, print_json
-from robophm.cli.shared.stored_past import existing_store, past_in
 from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
 from robophm.design.file import load
-from robophm.health.service import find, repair, replace
+from robophm.health.service import repair, replace, services_of
+from robophm.monitoring.stored_past import existing_store, past_in
 from robophm.report.words import moment_text, number_text
 
 
@@ -45,8 +45,7 @@ def command(
             repair(robot, ledger, part, repaired, failed=failed)
         if len(ledger.services) > before:
             kept.save(robot.name, ledger.to_json())
-    named = {mode.key for mode in find(robot, part)[1]}
-    some = ledger.services[before:] if not history else [one for one in ledger.services if one.mode in named]
+    some = services_of(robot, ledger, part) if history else ledger.services[before:]
     if as_json:
         print_json({"robot": robot.name, "services": [one._asdict() for one in some]})
         return

@@ -23,17 +23,19 @@ from robophm.cli.shared.output import (
     table,
     write,
 )
-from robophm.cli.shared.promises import Promise, levels, promises
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import UnitError
 from robophm.design.file import load
+from robophm.design.importers.legacy.figures import legacy_rate, legacy_reliability
 from robophm.design.robot import Robot
-from robophm.groups.monte_carlo import Estimate, Wear, simulate
+from robophm.health.by_chance import survival_by_chance
 from robophm.health.failures_to_come import failures_to_come
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
+from robophm.health.prognosis import Outlook
 from robophm.health.report import plain
 from robophm.health.unknown_rates import marked, marks, unknown
+from robophm.health.when_new import Promise, hazard_rates, promises
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
 from robophm.report.diagram_text import diagram_text
@@ -42,29 +44,11 @@ from robophm.report.outline import Label
 from robophm.report.words import duration_text, number_text, percent_text, rate_text
 
 
-def estimate(robot: Robot, hours: float, samples: int, seed: int) -> Estimate:
-    """Reliability of the new robot after so many operating hours, nominal, by chance; also where nothing is exact."""
-    units = {
-        unit: [
-            Wear(
-                mode.life,
-                robot.usage.per_operating_hour(mode.clock),
-                mode.initial_exposure,
-                mode.share * part.multiplicity,
-            )
-            for mode in part.modes
-        ]
-        for part in robot.all_components()
-        for unit in part.units
-    }
-    return simulate(robot.diagram, units, hours, samples, seed=seed)
-
-
-def draw(out: Console, robot: Robot, unit: str) -> None:
+def draw(out: Console, new: Outlook, unit: str) -> None:
     """Every level's diagram as text."""
-    label = _labels(robot, unit)
+    label, robot = _labels(new, unit), new.plant.robot
     out.print(robot.name, style="bold", markup=False)
-    for path, module in levels(robot):
+    for path, module in robot.levels.items():
         if path:
             out.print(f"\n{path}", style="bold", markup=False)
         out.print(diagram_text(module.wiring, label, out.width), markup=False, soft_wrap=True)
@@ -73,36 +57,32 @@ def draw(out: Console, robot: Robot, unit: str) -> None:
     out.print()
 
 
-def svg_diagram(robot: Robot, unit: str) -> str:
-    """The whole robot down to its components as one stand-alone SVG."""
-    return diagram_svg(robot.diagram, _labels(robot, unit), standalone=True)
+Old = tuple[float | None, float | None]
+"""What the 2020 tool says of a level: hazard rate [1/h] and reliability; None unless it is asked for."""
 
 
-def promises_table(robot: Robot, found: Sequence[Promise], hours: float, unit: str) -> Table:
+def promises_table(robot: Robot, found: Sequence[tuple[Promise, Old]], hours: float, unit: str) -> Table:
     """For people."""
     at = f"{number_text(hours)} h"
     columns = ["when new, nominal", f"λ at {at} of operation", f"R({at})", "MTTF, calendar"]
-    if found[0].legacy_hazard_rate is not None:
+    if found[0][1][0] is not None:
         columns += ["λ, 2020 tool", f"R({at}), 2020 tool"]
     rows = []
-    for one in found:
+    for one, (old_rate, old_works) in found:
         indent = "  " * (one.path.count("/") + bool(one.path))
         rate, works, ahead = marks(one.unknown)
         row = [indent + (one.path.rpartition("/")[2] or robot.name), marked(rate, rate_text(one.hazard_rate, unit))]
         row.append(works + percent_text(one.reliability, one.unreliability))
         row.append(marked(ahead, duration_text(one.mean_time_to_failure)))
-        if one.legacy_hazard_rate is not None and one.legacy_reliability is not None:
-            row += [rate_text(one.legacy_hazard_rate, unit), percent_text(one.legacy_reliability)]
+        if old_rate is not None and old_works is not None:
+            row += [rate_text(old_rate, unit), percent_text(old_works)]
         rows.append(row)
     return table("", columns, rows, figures=range(1, len(columns)))
 
 
-def _labels(robot: Robot, unit: str) -> Callable[[str], Label]:
-    new = as_designed(Plant(robot))
-    rates = {path: new.hazard_rate(module.diagram) for path, module in levels(robot)}
-    components = zip(robot.all_components(), new.component_hazard_rates(), strict=True)
-    left_out = {path: marks(unknown(new, module.diagram))[0] for path, module in levels(robot)}
-    return part_labels(robot, rates | {part.path: float(rate) for part, rate in components}, unit, unknown=left_out)
+def _labels(new: Outlook, unit: str) -> Callable[[str], Label]:
+    left_out = {path: marks(unknown(new, module.diagram))[0] for path, module in new.plant.robot.levels.items()}
+    return part_labels(new.plant.robot, hazard_rates(new), unit, unknown=left_out)
 
 
 def command(
@@ -129,7 +109,7 @@ def estimated(design: Path, hours: float, robots: int, seed: int, *, as_json: bo
     """Say what so many simulated robots did in place of what the diagram gives. Raises RobophmError."""
     refuse_unused("simulated robots (--monte-carlo)", ("hours", "monte_carlo", "seed"))
     robot = _asked(design, hours, None)
-    by_chance = estimate(robot, hours, robots, seed)
+    by_chance = survival_by_chance(robot, hours, robots, seed=seed)
     if as_json:
         print_json({"robot": robot.name, "hours": hours, "seed": seed, **asdict(by_chance)})
         return
@@ -149,22 +129,28 @@ def shown(
         ("hours", "svg", "legacy", "horizon", *["unit"] * bool(in_words)),
     )
     robot = _asked(design, hours, svg)
-    found = promises(robot, hours, legacy=legacy)
-    if svg:
-        write(svg, svg_diagram(robot, unit))
     new = as_designed(Plant(robot))
+    found = [
+        (one, (legacy_rate(module), legacy_reliability(module, hours)) if legacy else (None, None))
+        for one, module in zip(promises(new.plant, hours), robot.levels.values(), strict=True)
+    ]
+    if svg:  # the whole robot down to its components
+        write(svg, diagram_svg(robot.diagram, _labels(new, unit), standalone=True))
     median = new.remaining_life(robot.diagram).median
     to_come = failures_to_come({"nominal": new, "sensor_based": new}, robot.diagram, median, horizon)
     if as_json:
-        modules = [plain(asdict(one)) for one in found]
+        modules = [
+            plain({**asdict(one), "legacy_hazard_rate": rate, "legacy_reliability": works})
+            for one, (rate, works) in found
+        ]
         print_json(
             {"robot": robot.name, "hours": hours, "modules": modules, "failures_to_come": plain(asdict(to_come))}
         )
         return
     out = console()
-    draw(out, robot, unit)
+    draw(out, new, unit)
     print_table(out, promises_table(robot, found, hours, unit))
-    print_unknown(found[0].unknown, robot)
+    print_unknown(found[0][0].unknown, robot)
     print_failures_to_come(to_come, both=False)
 
 

@@ -12,6 +12,7 @@ import typer
 from robophm.cli.shared.options import Design, Json
 from robophm.cli.shared.output import console, print_json, print_table, progress_console, table
 from robophm.cli.shared.progress import counted
+from robophm.parts import completed
 from robophm.simulation.fleet import simulate
 
 
@@ -31,8 +32,9 @@ def command(
         seed = secrets.randbits(32)
     with counted(progress_console(), "simulating") as advance:
         fleet = simulate(
-            design, output, robots, tasks, seed, lambda done: advance(done, robots), uncertain_rates=uncertain_rates
-        )
+            design, output, robots, tasks, seed, lambda done: advance(done, robots),
+            uncertain_rates=uncertain_rates, library=completed,
+        )  # fmt: skip
     if as_json:
         print_json({**asdict(fleet), "output": str(output)})
         return

@@ -9,10 +9,9 @@ import typer
 
 from robophm.cli.shared.options import Design, Json
 from robophm.cli.shared.output import console, print_json
-from robophm.cli.shared.stored_past import existing_store, past_in
 from robophm.core.signal import HOUR
 from robophm.design.file import load
-from robophm.health.clock_jump_removal import take_out_jump
+from robophm.monitoring.stored_past import existing_store, repair_past
 from robophm.report.words import moment_text, number_text
 
 command = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None)
@@ -32,16 +31,10 @@ def repair(
     """Take a jump of the clock by years out of a robot's past, and what came behind it; a copy is kept beside it."""
     robot = load(design)
     with existing_store(path) as kept:
-        ledger = past_in(kept, robot)
-        done = take_out_jump(robot, ledger)
-        copy = path.with_name(f"{path.name}.before-repair")
-        if done:
-            kept.copy_to(copy)
-            kept.bring_back(robot.name, ledger.to_json(), done.before)
+        found = repair_past(kept, robot)
+    done, copy = found or (None, None)
     if as_json:
-        print_json(
-            {"robot": robot.name, "repaired": done._asdict() if done else None, "copy": str(copy) if done else None}
-        )
+        print_json({"robot": robot.name, "repaired": done._asdict() if done else None, "copy": copy and str(copy)})
         return
     out = console()
     if not done:

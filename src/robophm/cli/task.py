@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import numpy.typing as npt
 import typer
 from rich.console import Console
 
@@ -19,28 +17,34 @@ from robophm.cli.shared.options import Design, Draws, Failed, Future, Json, Lega
 from robophm.cli.shared.output import console, print_json, print_table, progress_console, table, warn
 from robophm.cli.shared.progress import counted
 from robophm.cli.shared.stored_past import affordable, kept
-from robophm.cli.shared.task_words import known_functions, stated_speed, with_knowledge
+from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
+from robophm.design.build_task import with_knowledge
 from robophm.design.file import load
-from robophm.design.importers.legacy.figures import UNIT_MODES, LegacyTask, UnitMode, legacy_task
+from robophm.design.importers.legacy.figures import LegacyTask, UnitMode, legacy_tasks
 from robophm.design.robot import Robot
 from robophm.design.task import Plan, Task
 from robophm.design.task_file import load_plan
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, repetitions
 from robophm.health.outlooks import FutureName, View, outlooks
+from robophm.health.prognosis import Outlook
+from robophm.health.repeated_tasks import RepeatedTasks
 from robophm.health.report import VIEWS
 from robophm.health.task_report import TaskReport, task_report
 from robophm.health.uncertainty import Interval
 from robophm.health.unknown_rates import marks
 from robophm.monitoring.monitor import Monitor
-from robophm.report.words import duration_text, number_text, odds_text, percent_text, probability_text
+from robophm.report.words import duration_text, failure_text, number_text, percent_text, probability_text
 from robophm.transports.recordings.files import SUFFIXES
 from robophm.transports.recordings.salvage import Salvage
 
 MOST_NAMED = 5
 """Components that are named one by one."""
+
+LEAST_NAMED = 0.005
+"""Share of the failures from which on a component is."""
 
 MOST_LISTED = 200
 """Tasks that are listed one by one."""
@@ -105,7 +109,8 @@ def run(design: Path, asked: Request) -> bool:
     robot, tasks = load(design), asked.tasks
     affordable(asked.draws, robot)
     chosen: Any = asked.future
-    known_functions(robot, asked.function)
+    for name in asked.function:
+        robot.diagram_of(name)  # which must be there
     ledger = kept(asked.store, robot) if asked.store else None
     if tasks is not None and (tasks.is_dir() or tasks.suffix.lower() in SUFFIXES):
         refuse_unused("the tasks of a recording", (*_ALWAYS, "topic", "speed", "function", "skip_missing"))
@@ -122,7 +127,7 @@ def run(design: Path, asked: Request) -> bool:
         again, drawn = ["threshold"] * (asked.repeat > 1), ["seed"] * (asked.draws > 0)
         path = "a list of tasks" + " that is done once, by the design's threshold" * (asked.repeat == 1)
         refuse_unused(path, (*_ALWAYS, "future", "repeat", "draws", *again, *drawn))
-        plan = load_plan(tasks, robot) if tasks else Plan((robot.task,) if robot.task else ())
+        plan = load_plan(tasks, robot) if tasks else robot.plan
         plan = with_knowledge(plan, robot, asked.failed, asked.working)
         question = Question(plan, chosen, asked.repeat, asked.threshold, asked.draws, asked.seed, asked.legacy)
         breached = _of_list(robot, ledger, question, as_json=asked.as_json)
@@ -151,19 +156,15 @@ def _of_list(robot: Robot, ledger: Ledger | None, question: Question, *, as_json
         monitor.plant, monitor.exposure, settled, question.plan,
         future=question.future, draws=question.draws, seed=question.seed,
     )  # fmt: skip
-    again = {}
+    again: dict[View, tuple[RepeatedTasks, bool]] = {}
     if question.repeat > 1:
         views = outlooks(
             monitor.plant, monitor.exposure, settled, future=question.future, knowledge=question.plan.knowledge
         )
-        again = {
-            view: Repeated.of(repetitions(views[view], question.plan.tasks, question.repeat, _gap(question.plan)),
-                              question.repeat)
-            for view in VIEWS
-        }  # fmt: skip
+        again = {view: _repeated(views[view], question.plan, question.repeat) for view in VIEWS}
     threshold = question.threshold if question.threshold is not None else report.threshold
     uptime = float(settled.clocks.value[0])
-    old = legacy_tasks(robot, question.plan, uptime, question.repeat) if question.legacy else {}
+    old = legacy_tasks(robot, question.plan.joined, uptime, question.repeat) if question.legacy else {}
     if as_json:
         more = {"repetitions": _json(again, threshold)} if again else {}
         more |= {"legacy": {unit: asdict(one) for unit, one in old.items()}} if old else {}
@@ -173,12 +174,6 @@ def _of_list(robot: Robot, ledger: Ledger | None, question: Question, *, as_json
         if old:
             _print_legacy(report, old)
     return report.breached
-
-
-def legacy_tasks(robot: Robot, plan: Plan, uptime: float, repetitions: int) -> dict[UnitMode, LegacyTask]:
-    """What the 2020 tool says of all tasks of a list, in both of its unit modes; ``uptime`` in hours."""
-    legs = [(leg.distance, leg.duration * 3600) for task in plan.tasks for leg in task.legs]
-    return {unit: legacy_task(robot, legs, uptime, repetitions, unit) for unit in UNIT_MODES}
 
 
 def _print_legacy(report: TaskReport, old: Mapping[UnitMode, LegacyTask]) -> None:
@@ -192,62 +187,57 @@ def _print_legacy(report: TaskReport, old: Mapping[UnitMode, LegacyTask]) -> Non
     print_table(console(), table(title, columns, rows, figures=(1, 2, 3)))
 
 
-@dataclass(frozen=True)
-class Repeated:
-    """Probability and failure of one repetition after the other, as far as they were asked for and can be told."""
-
-    probability: npt.NDArray[np.float64]
-    failure: npt.NDArray[np.float64]
-    interrupted: bool
-    cut_short: bool
-    """Fewer than were asked for."""
-
-    @classmethod
-    def of(cls, chunks: Iterator[npt.NDArray[np.float64]], count: int) -> Repeated:
-        """All of them, or those before the user's interrupt."""
-        found, interrupted = [np.empty((2, 0))], False
-        with counted(progress_console(), "repetitions") as advance:
-            try:
-                for chunk in chunks:
-                    found.append(chunk)
-                    advance(sum(one.shape[1] for one in found), count)
-            except KeyboardInterrupt:
-                interrupted = True
-        probability, failure = np.concatenate(found, axis=1)
-        return cls(probability, failure, interrupted, len(probability) < count)
-
-    def until(self, threshold: float) -> int | None:
-        """The first repetition, from 1, that is less likely than that; None where none is."""
-        below = np.flatnonzero(self.probability < threshold)
-        return int(below[0]) + 1 if len(below) else None
-
-    @property
-    def together(self) -> Completion:
-        """Of all of them."""
-        with np.errstate(divide="ignore"):
-            hazard = -np.sum(np.where(self.failure < 0.5, np.log1p(-self.failure), np.log(self.probability)))
-        return Completion(float(np.exp(-hazard)), float(-np.expm1(-hazard)))
+def _repeated(outlook: Outlook, plan: Plan, count: int) -> tuple[RepeatedTasks, bool]:
+    """All repetitions, or those before the user's interrupt; and whether there was one."""
+    found, interrupted = [], False
+    with counted(progress_console(), "repetitions") as advance:
+        try:
+            for chunk in repetitions(outlook, plan.tasks, count, plan.gap):
+                found.append(chunk)
+                advance(sum(one.shape[1] for one in found), count)
+        except KeyboardInterrupt:
+            interrupted = True
+    return RepeatedTasks.of(found, count), interrupted
 
 
-def _gap(plan: Plan) -> float:
-    takes = sum(task.duration for task in plan.tasks)
-    return max(plan.every - takes, 0.0) if plan.every is not None else 0.0
-
-
-def _json(again: dict[View, Repeated], threshold: float | None) -> dict[str, Any]:
+def _json(again: Mapping[View, tuple[RepeatedTasks, bool]], threshold: float | None) -> dict[str, Any]:
     return {
         view: {
             "probability": one.probability.tolist(),
             "failure": one.failure.tolist(),
             "cut_short": one.cut_short,
-            "below_threshold_at": one.until(threshold) if threshold is not None else None,
+            "below_threshold_at": one.first_below(threshold) if threshold is not None else None,
         }
-        for view, one in again.items()
+        for view, (one, _) in again.items()
     } | {"threshold": threshold}
 
 
-def _print(report: TaskReport, again: dict[View, Repeated], threshold: float | None, question: Question) -> None:
+def _print(
+    report: TaskReport, again: Mapping[View, tuple[RepeatedTasks, bool]], threshold: float | None, question: Question
+) -> None:
     out = console()
+    _print_tasks(out, report)
+    if_never = f", {report.unknown.if_never}" if report.unknown else ""
+    if report.unknown:
+        out.print(report.unknown.of_tasks, style="yellow", markup=False, soft_wrap=True)
+    known = question.plan.knowledge
+    for what, units in (("have failed", known.failed), ("work", known.working)):
+        if units:
+            some = ", ".join(sorted(units)[:MOST_NAMED]) + (" …" if len(units) > MOST_NAMED else "")
+            out.print(f"Known to {what}: {len(units)} part{'s' * (len(units) != 1)} ({some})", markup=False)
+    _print_uncertainty(out, report, if_never, drawn=question.draws > 0)
+    shares = [
+        f"{one.path} {percent_text(one.share)}" for one in report.deciding[:MOST_NAMED] if one.share > LEAST_NAMED
+    ]
+    if shares:
+        out.print(f"Decided by (share of the failures that would vanish): {', '.join(shares)}{if_never}", markup=False)
+    for view, (one, interrupted) in again.items():
+        _print_repeated(out, view, one, threshold, if_never, interrupted=interrupted)
+    if report.breached:
+        out.print(f"threshold breached: a task is below {percent_text(report.threshold or 0)}", style="bold red")
+
+
+def _print_tasks(out: Console, report: TaskReport) -> None:
     mark = marks(report.unknown)[2]
 
     def row(name: str, task: Task, nominal: Completion, lived: Completion) -> list[str]:
@@ -255,7 +245,7 @@ def _print(report: TaskReport, again: dict[View, Repeated], threshold: float | N
         way = [f"{number_text(task.distance)} m"] if driven else []
         return [name, *way, duration_text(task.duration), str(len(task.legs)), *figures]
 
-    whole = Task(tuple(chain.from_iterable(one.task.legs for one in report.tasks)))
+    whole = Task.joined(one.task for one in report.tasks)
     driven = whole.distance > 0
     failure = np.array([one.sensor_based.failure for one in report.tasks])
     listed = np.sort(np.argsort(-failure, kind="stable")[:MOST_LISTED])
@@ -270,47 +260,33 @@ def _print(report: TaskReport, again: dict[View, Repeated], threshold: float | N
         out.print(
             f"Listed are the {len(shown)} likeliest to fail of {len(report.tasks):,} tasks; --json has all of them"
         )
-    if_never = f", {report.unknown.if_never}" if report.unknown else ""
-    if report.unknown:
-        out.print(report.unknown.of_tasks, style="yellow", markup=False, soft_wrap=True)
-    known = question.plan.knowledge
-    for what, units in (("have failed", known.failed), ("work", known.working)):
-        if units:
-            some = ", ".join(sorted(units)[:MOST_NAMED]) + (" …" if len(units) > MOST_NAMED else "")
-            out.print(f"Known to {what}: {len(units)} part{'s' * (len(units) != 1)} ({some})", markup=False)
+
+
+def _print_uncertainty(out: Console, report: TaskReport, if_never: str, *, drawn: bool) -> None:
     exact = f"{'Known rates' if report.unknown else 'Rates'} and load are taken as exact"
-    if sure := report.uncertainty:
-        drawn = sure.failure_if_load_known != sure.failure
-        sources = [*(["rates"] if sure.failure_if_rates_known != sure.failure else []), *(["load"] if drawn else [])]
-        past = ", the load drawn from its past" if drawn else ""
-        out.print(f"All of it fails with 90 % {_between(sure.failure, 'between ')}{past}{if_never}", markup=False)
-        if len(sources) > 1:
-            out.print(f"  if rates were known exactly: {_between(sure.failure_if_rates_known)}{if_never}", markup=False)
-            out.print(
-                f"  if the load went on as of late: {_between(sure.failure_if_load_known)}{if_never}", markup=False
-            )
-    elif not question.draws:
-        out.print(f"{exact} (--draws 0).")
-    else:
-        out.print(f"{exact} (no `uncertainty` in the design, too short a past).")
-    shares = [f"{one.path} {percent_text(one.share)}" for one in report.deciding[:MOST_NAMED] if one.share > 0.005]
-    if shares:
-        out.print(f"Decided by (share of the failures that would vanish): {', '.join(shares)}{if_never}", markup=False)
-    for view, one in again.items():
-        _print_repeated(out, view, one, threshold, if_never)
-    if report.breached:
-        out.print(f"threshold breached: a task is below {percent_text(report.threshold or 0)}", style="bold red")
+    sure = report.uncertainty
+    if sure is None:
+        why = "no `uncertainty` in the design, too short a past" if drawn else "--draws 0"
+        out.print(f"{exact} ({why}).")
+        return
+    past = ", the load drawn from its past" if sure.of_load else ""
+    out.print(f"All of it fails with 90 % {_between(sure.failure, 'between ')}{past}{if_never}", markup=False)
+    if sure.of_rates and sure.of_load:
+        out.print(f"  if rates were known exactly: {_between(sure.failure_if_rates_known)}{if_never}", markup=False)
+        out.print(f"  if the load went on as of late: {_between(sure.failure_if_load_known)}{if_never}", markup=False)
 
 
 def _between(interval: Interval, between: str = "") -> str:
-    low, high = (odds_text(q).removeprefix("fails ") or percent_text(q) for q in (interval.low, interval.high))
+    low, high = (failure_text(failure) for failure in (interval.low, interval.high))
     return (between and "about ") + low if low == high else f"{between}{low} and {high}"
 
 
-def _print_repeated(out: Console, view: View, one: Repeated, threshold: float | None, if_never: str) -> None:
+def _print_repeated(
+    out: Console, view: View, one: RepeatedTasks, threshold: float | None, if_never: str, *, interrupted: bool
+) -> None:
     count = len(one.probability)
     name = view.replace("_", "-")
-    if one.interrupted:
+    if interrupted:
         warn(f"{name}: interrupted after {count:,} repetitions")
     elif one.cut_short:
         warn(f"{name}: ends after {count:,} repetitions; that so many succeed is less likely than 1 in 10^290")
@@ -320,6 +296,6 @@ def _print_repeated(out: Console, view: View, one: Repeated, threshold: float | 
     whole = percent_text(one.together.probability, one.together.failure)
     text = f"{count:,} times, {name}: the first {first}, the last {last}, all {whole}"
     if threshold is not None:
-        at = one.until(threshold)
+        at = one.first_below(threshold)
         text += f"; below {percent_text(threshold)} " + (f"at repetition {at:,}" if at else "never")
     out.print(text + if_never, markup=False)

@@ -21,7 +21,7 @@ from robophm.cli import BREACHED
 from robophm.cli.shared.live_table import LiveTable
 from robophm.cli.shared.options import Design, GrowingStore, Json, Ros, Unit
 from robophm.cli.shared.output import console, may_write, print_json, print_report, warn
-from robophm.cli.shared.task_words import known_functions, stated_speed
+from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
 from robophm.design.file import load
 from robophm.health.report import HealthReport, plain
@@ -34,7 +34,7 @@ from robophm.transports.health_topics import HealthTopics, Outlet
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.running_ros import open_live
 from robophm.transports.signals.sink import JudgedTask, ReportSink
-from robophm.transports.tasks.listener import known_topics, topics_of
+from robophm.transports.tasks.listener import topics_to_hear
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,8 @@ def run(design: Path, asked: Watched) -> bool:
     _only(asked)
     may_write(asked.journal, design, *([asked.store] if asked.store else []))
     robot = load(design)
-    known_functions(robot, asked.functions)
+    for name in asked.functions:
+        robot.diagram_of(name)  # which must be there
     speed = stated_speed(asked.speed)
     for warning in robot.warnings:
         warn(warning)
@@ -146,7 +147,8 @@ def run(design: Path, asked: Watched) -> bool:
             gc.freeze()  # what is there now stays: not to be looked through again and again while the robot runs
             monitor = watch(
                 robot, source, store=kept, journal=written, period=asked.period, sinks=[*sinks, shown],
-                task_topics=_task_topics(asked), speed=speed, functions=asked.functions, on_clock=warn,
+                task_topics=topics_to_hear(asked.tasks, asked.namespace), speed=speed, functions=asked.functions,
+                on_clock=warn,
             )  # fmt: skip
         health = monitor.report()
         if asked.as_json:
@@ -205,10 +207,3 @@ def _task_text(task: JudgedTask) -> str:
     if left_out := task.unknown:
         said = f"{left_out.said_ahead(said)} ({left_out.left_out})"
     return f"task {what} on {task.topic}: {length}, completed with {said}"
-
-
-def _task_topics(asked: Watched) -> list[str]:
-    """As named; else those that are known by their names, in the namespace and outside it."""
-    if asked.tasks:
-        return topics_of(asked.tasks)
-    return known_topics(*dict.fromkeys(("", asked.namespace.rstrip("/"))))

@@ -110,10 +110,10 @@ def _meant(name: str, names: list[str]) -> list[str]:
     whole = {other: form for form, other in reversed(folded.items())}
     steps = {other: _last_step(other) for other in whole}
     for forms, its in ((whole, said), (steps, said), (steps, _last_step(name))):
-        slips = {other: count for other, form in forms.items() if (count := _slips(its, form)) is not None}
-        if slips:
-            fewest = min(slips.values())
-            meant = [other for other, count in slips.items() if count == fewest]
+        found = {other: count for other, form in forms.items() if (count := slips(its, form)) is not None}
+        if found:
+            fewest = min(found.values())
+            meant = [other for other, count in found.items() if count == fewest]
             return sorted(meant) if len(meant) <= MOST_MEANT else []
     begun = [other for other, form in whole.items() if _begins(said, form) or _begins(form, said)]
     return begun if len(begun) == 1 else []
@@ -131,7 +131,7 @@ def _begins(one: str, other: str) -> bool:
     return len(one) > 5 and other.startswith(one)
 
 
-def _slips(one: str, other: str) -> int | None:
+def slips(one: str, other: str) -> int | None:
     """How many letters are wrong, missing, too many or exchanged with the next; None where these are two words.
 
     A letter doubled or a last s is always a slip, and numbers that differ never. Of a short word one letter makes

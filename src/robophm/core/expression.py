@@ -92,19 +92,43 @@ def read(text: str, names: Iterable[str]) -> Expression:
     return _Reader(text, names).expression()
 
 
-class _Reader:
-    """A place in the text that only moves forward; what was read comes out operands first."""
+class _Words:
+    """The words of a text, one at a time: a place that only moves forward."""
 
-    def __init__(self, text: str, names: Iterable[str]) -> None:
+    def __init__(self, text: str) -> None:
         if len(text) > LONGEST_EXPRESSION:
             raise ModelError(f"formula is {len(text)} characters long; expected at most {LONGEST_EXPRESSION}")
         self.text = text
+        self.at = 0
+        self.kind, self.word, self.begins = "", "", 0
+        """Of the present word; no kind at the end."""
+        self.advance()
+
+    def advance(self) -> None:
+        match = _TOKEN.match(self.text, self.at)
+        if match is None:
+            self.begins = self.at + len(self.text[self.at :]) - len(self.text[self.at :].lstrip(" \t\r\n"))
+            if self.begins < len(self.text):
+                raise self.error("a number, a name or one of + - * / ** ( ) ,")
+            self.kind, self.word = "", ""
+            return
+        self.kind = str(match.lastgroup)
+        self.word, self.begins, self.at = match[self.kind], match.start(self.kind), match.end()
+
+    def error(self, expected: str) -> ModelError:
+        found = repr(self.text[self.begins : self.begins + 20]) if self.begins < len(self.text) else "the end"
+        return ModelError(f"formula, character {self.begins + 1}: expected {expected}; found {found}")
+
+
+class _Reader(_Words):
+    """How words bind; what was read comes out operands first."""
+
+    def __init__(self, text: str, names: Iterable[str]) -> None:
         self.known = frozenset(names)
         self.used: dict[str, None] = {}
         self.steps: list[float | str | tuple[Callable[..., Any], int]] = []
-        self.at = self.depth = 0
-        self.kind, self.word, self.begins = "", "", 0
-        self.advance()
+        self.depth = 0
+        super().__init__(text)
 
     def expression(self) -> Expression:
         self.sum()
@@ -209,18 +233,3 @@ class _Reader:
         self.steps.append(step)
         if len(self.steps) > MOST_STEPS:
             raise self.error(f"at most {MOST_STEPS} numbers, names and operators")
-
-    def advance(self) -> None:
-        match = _TOKEN.match(self.text, self.at)
-        if match is None:
-            self.begins = self.at + len(self.text[self.at :]) - len(self.text[self.at :].lstrip(" \t\r\n"))
-            if self.begins < len(self.text):
-                raise self.error("a number, a name or one of + - * / ** ( ) ,")
-            self.kind, self.word = "", ""
-            return
-        self.kind = str(match.lastgroup)
-        self.word, self.begins, self.at = match[self.kind], match.start(self.kind), match.end()
-
-    def error(self, expected: str) -> ModelError:
-        found = repr(self.text[self.begins : self.begins + 20]) if self.begins < len(self.text) else "the end"
-        return ModelError(f"formula, character {self.begins + 1}: expected {expected}; found {found}")

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 from robophm.blocks import diagram as blocks
@@ -20,9 +21,14 @@ from robophm.design.fault import Fault, Path
 from robophm.design.robot import Component, Limits, MeasuredClock, Module, Robot, Thresholds, Usage
 from robophm.design.scope import Scope
 from robophm.design.wiring import Wiring, told_apart
+from robophm.parts import FIGURES
+from robophm.parts import part as library_part
 
 MOST_PARTS = 1000
 """Equal parts of a component that can be told apart; n equal parts in series may be many more."""
+
+
+_OF_ONE_MODE = {*FIGURES, "hazard", "life", "clock", "scaling", "initial_exposure", "learned", "wear"}
 
 
 MOST_DRAWN = 1_000_000
@@ -62,41 +68,11 @@ class _Builder:
                 groups.add(level, name, place, group, expand.parts(level, group.of, (*place, "of")))
         functions = {name: expand.block((), diagram, ("functions", name)) for name, diagram in design.functions.items()}
         whole = expand.module(root)
-        for diagram in (whole.diagram, *functions.values()):
-            if blocks.drawn(diagram) > MOST_DRAWN:
-                raise Fault((), f"its diagrams unfold to more than {MOST_DRAWN:,} parts")
-        used = set(blocks.units(whole.diagram)).union(*(blocks.units(diagram) for diagram in functions.values()))
-        expand.check_groups(used)
-        members_of = {
-            unit: name for name, group in expand.groups.items() for member in group.members for unit in member
-        }
-        for unit, name in members_of.items():
-            if self.components[path := unit.partition("[")[0]].unknown:
-                raise Fault(
-                    (*self.places[path], "rate"),
-                    f"{path} is of unknown rate, and {name} depends on how long it lives; expected a rate",
-                )
-        used.update(members_of)
-        drawn = {name.partition("[")[0] for name in used}
+        used = self._used(expand, (whole.diagram, *functions.values()))
         clocks: dict[str, MeasuredClock] = {
             name: self.modes.measured_clock(name, ("clocks", name), b) for name, b in design.clocks.items()
         }
-        warnings = [f"{path}: used in no diagram" for path in self.components if path not in drawn]
-        members = (unit for part in self.components.values() if part.path in drawn for unit in part.units)
-        warnings += [f"{unit}: used in no diagram" for unit in members if unit not in used]
-        warnings += [
-            f"{'/'.join(place)}: has no range: whatever a broken sensor says would count"
-            for place in self.driving.used
-            if place[-2] == "signals" and self._binding(place).range is None
-        ]
-        warnings += [
-            f"{'/'.join(place)}: no part below takes this input"
-            for place in self._signal_places((), design)
-            if place not in self.driving.used
-        ]
-        rises = list(assumed(self.covered))
-        warnings += [text for known, text in rises if not known]
-        notes = [*(text for known, text in rises if known), *undriven(self.covered, self.driving.used)]
+        warnings, notes = self._remarks(used)
         content = json.dumps(design.model_dump(mode="json"), sort_keys=True, ensure_ascii=False)
         robot = Robot(
             **{key: getattr(whole, key) for key in ("modules", "components", "wiring", "diagram", "description")},
@@ -111,10 +87,48 @@ class _Builder:
             max_gap=round(design.max_gap * SECOND),
             thresholds=_thresholds(design.thresholds),
             warnings=tuple(warnings),
-            notes=tuple(notes),
+            notes=(*self.modes.notes, *notes),
             design_hash=hashlib.sha256(content.encode()).hexdigest(),
         )
         return replace(robot, task=build_task(design.task, robot, ("task",))) if design.task else robot
+
+    def _used(self, expand: Wiring, diagrams: Sequence[blocks.Block]) -> set[str]:
+        """The units that the diagrams draw, groups and their members among them. Raises Fault for what none can be."""
+        for diagram in diagrams:
+            if blocks.drawn(diagram) > MOST_DRAWN:
+                raise Fault((), f"its diagrams unfold to more than {MOST_DRAWN:,} parts")
+        used = set(chain.from_iterable(map(blocks.units, diagrams)))
+        expand.check_groups(used)
+        members_of = {
+            unit: name for name, group in expand.groups.items() for member in group.members for unit in member
+        }
+        for unit, name in members_of.items():
+            if self.components[path := unit.partition("[")[0]].unknown:
+                raise Fault(
+                    (*self.places[path], "rate"),
+                    f"{path} is of unknown rate, and {name} depends on how long it lives; expected a rate",
+                )
+        return used.union(members_of)
+
+    def _remarks(self, used: set[str]) -> tuple[list[str], list[str]]:
+        """What in the design is odd, and what was assumed."""
+        drawn = {name.partition("[")[0] for name in used}
+        warnings = [f"{path}: used in no diagram" for path in self.components if path not in drawn]
+        members = (unit for part in self.components.values() if part.path in drawn for unit in part.units)
+        warnings += [f"{unit}: used in no diagram" for unit in members if unit not in used]
+        warnings += [
+            f"{'/'.join(place)}: has no range: whatever a broken sensor says would count"
+            for place in self.driving.used
+            if place[-2] == "signals" and self._binding(place).range is None
+        ]
+        warnings += [
+            f"{'/'.join(place)}: no part below takes this input"
+            for place in self._signal_places((), self.design)
+            if place not in self.driving.used
+        ]
+        rises = list(assumed(self.covered))
+        warnings += [text for known, text in rises if not known]
+        return warnings, [*(text for known, text in rises if known), *undriven(self.covered, self.driving.used)]
 
     def _module(self, path: Path, place: Path, level: schema._Group, above: Scope) -> Module:
         scope = above.within(place, level)
@@ -142,6 +156,8 @@ class _Builder:
     def _component(self, path: Path, place: Path, part: schema.Component, above: Scope) -> Component:
         own_acceleration = part.acceleration
         scope = replace(above.within(place, part), acceleration=above.acceleration)
+        if part.part and scope.environment is None:  # that of the library is only where the robot states none
+            scope = replace(scope, environment=library_part(part.part).part.get("environment"))
         required = part.quantity if part.required is None else part.required
         if required > part.quantity:
             raise Fault(
@@ -149,16 +165,7 @@ class _Builder:
                 f"required {required} of quantity {part.quantity}; expected at most that",
             )
         if part.failure_modes:
-            inline = part.model_fields_set & {
-                "rate",
-                "hazard",
-                "life",
-                "clock",
-                "scaling",
-                "initial_exposure",
-                "learned",
-                "wear",
-            }
+            inline = part.model_fields_set & _OF_ONE_MODE
             if inline or own_acceleration is not None:
                 raise Fault(
                     place,

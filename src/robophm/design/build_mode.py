@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Literal
 
-from robophm.core.errors import ModelError, PlugError, RobophmError, UnitError, nearest
+from robophm.core.errors import ModelError, RobophmError, UnitError
 from robophm.core.signal import SECOND, signal_name
 from robophm.core.units import conversion
 from robophm.design import schema
+from robophm.design.build_life import ABOVE_ZERO, TENTHS, build_life, figure_of, key_of_figure, plug
 from robophm.design.build_wear import build_wear
 from robophm.design.driving import Driving, drivers
 from robophm.design.fault import Fault, Path, written
@@ -20,9 +21,7 @@ from robophm.hazard.acceleration import PER_CYCLE, acceleration_model, stress_in
 from robophm.hazard.formula import formula_model
 from robophm.hazard.handbooks import handbook_model
 from robophm.hazard.model import Model, Range
-from robophm.life import life_distribution
 from robophm.life._never import Never
-from robophm.life.distribution import LifeDistribution
 
 
 class ModeBuilder:
@@ -32,14 +31,14 @@ class ModeBuilder:
         self.usage = usage
         self.driving = driving
         self.stresses: dict[str, Stress] = {}
+        self.notes: list[str] = []
 
     def mode(
         self, path: Path, place: Path, mode: schema.FailureMode, part: schema.Component, scope: Scope
     ) -> FailureMode:
         """Of a part in a scope. Raises Fault where what is said of it contradicts itself."""
         clock_unit = CLOCK_UNITS[mode.clock]
-        if mode.rate is not None and mode.hazard is not None:
-            raise Fault((*place, "rate"), "both 'rate' and 'hazard' are given; expected one of the two")
+        key = key_of_figure(place, mode)
         if mode.rate == UNKNOWN:
             return self._unknown_mode(path, place, mode)
         hazard = self._hazard(place, mode.hazard, part, scope, clock_unit) if mode.hazard else None
@@ -48,18 +47,15 @@ class ModeBuilder:
                 place,
                 f"{hazard.model.name} gives {hazard.model.unit}, but its clock '{mode.clock}' counts {clock_unit}",
             )
-        rate: float | None = None
-        if mode.rate is not None:
-            rate = written((*place, "rate"), mode.rate, f"1/{clock_unit}")
-        elif hazard:
-            rate = hazard.reference
-        if rate is not None and not math.isfinite(rate):
-            raise Fault((*place, "hazard"), f"hazard rate {rate:g}; expected a number: the formula has none here")
-        if rate is not None and not rate > 0:
-            at, said = ("hazard", f"{rate:g}") if hazard else ("rate", mode.rate)
-            raise Fault((*place, at), f"hazard rate {said}; expected above zero: a part that never fails is no part")
+        figure: tuple[str, float] | None = None
+        if hazard:
+            figure = "hazard", self._rate_of(place, hazard)
+        elif key:
+            figure = key, figure_of(place, mode, key, clock_unit)
         factor = mode.learned.factor if mode.learned else 1.0
-        life, rate = self._life((*place, "life"), mode.life, rate, clock_unit, place, factor)
+        life, rate = build_life(place, mode.life, figure, clock_unit, factor)
+        if key in TENTHS and "life" not in mode.model_fields_set:
+            self.notes.append(f"{'/'.join(path)}: its {key} is by an exponential life, as none is stated")
         if hazard and "b10" in hazard.design and getattr(life, "shape", 1.0) != hazard.design["shape"]:
             raise Fault(
                 (*place, "life"),
@@ -90,6 +86,15 @@ class ModeBuilder:
             evidence=Evidence(factor, stated) if mode.learned else None,
             wear=build_wear((*place, "wear"), mode.wear, part.quantity) if mode.wear else None,
         )  # fmt: skip
+
+    @staticmethod
+    def _rate_of(place: Path, hazard: Stress) -> float:
+        rate = hazard.reference
+        if not math.isfinite(rate):
+            raise Fault((*place, "hazard"), f"hazard rate {rate:g}; expected a number: the formula has none here")
+        if not rate > 0:
+            raise Fault((*place, "hazard"), f"hazard rate {rate:g}; {ABOVE_ZERO}")
+        return rate
 
     @staticmethod
     def _unknown_mode(path: Path, place: Path, mode: schema.FailureMode) -> FailureMode:
@@ -128,7 +133,7 @@ class ModeBuilder:
             model = self._formula(place, hazard, clock_unit)
             values = {name: variable.value for name, variable in hazard.variables.items()}
             return self._stress((*place, "variables"), model, values, part, scope)
-        model = _plug((*place, "model"), handbook_model, str(hazard.model))
+        model = plug((*place, "model"), handbook_model, str(hazard.model))
         inputs: dict[str, object] = dict(hazard.inputs)
         if "environment" in model.inputs and scope.environment and "environment" not in inputs:
             inputs["environment"] = scope.environment
@@ -174,7 +179,7 @@ class ModeBuilder:
         stresses: list[Stress] = []
         for said in chosen if isinstance(chosen, list) else [chosen]:
             at = (*place, "acceleration")
-            model = _plug((*at, "model"), acceleration_model, said.model)
+            model = plug((*at, "model"), acceleration_model, said.model)
             parameters = dict(said.model_extra or {})
             if model.name in PER_CYCLE and mode.clock not in ("cycles", "starts"):
                 raise Fault(
@@ -244,50 +249,6 @@ class ModeBuilder:
         except RobophmError as error:
             raise Fault(place, str(error)) from None
         return MeasuredClock(clock, kind, signals, written, scale, binding.threshold, round(binding.max_age * SECOND))
-
-    def _life(
-        self, place: Path, life: schema.Life, rate: float | None, unit: str, mode_place: Path, factor: float
-    ) -> tuple[LifeDistribution, float]:
-        distribution: type[LifeDistribution] = _plug((*place, "distribution"), life_distribution, life.distribution)
-        parameters: dict[str, Any] = {}
-        for name, value in (life.model_extra or {}).items():
-            if name not in distribution.dimensions:
-                raise Fault(
-                    (*place, name),
-                    f"{life.distribution} has no parameter '{name}'{nearest(name, distribution.dimensions)}",
-                )
-            power = distribution.dimensions[name]
-            inside = {1: unit, 0: "", -1: f"1/{unit}"}[power]
-            listed = isinstance(value, list)
-            numbers = [written((*place, name), one, inside) for one in (value if listed else [value])]
-            parameters[name] = numbers if listed else numbers[0]
-        try:
-            if rate is None:
-                if not parameters:
-                    raise Fault(
-                        mode_place,
-                        "has no rate; expected rate, hazard, failure_modes, or a life with its scale",
-                    )
-                whole = distribution(**parameters)
-                if factor == 1:
-                    return whole, 1 / whole.mean()
-                parameters.pop(str(distribution.scale_parameter), None)
-                rate = 1 / whole.mean()
-            elif distribution.scale_parameter in parameters:
-                raise Fault(
-                    (*place, str(distribution.scale_parameter)),
-                    f"a rate and the life's own {distribution.scale_parameter} are given; expected one of the two",
-                )
-            return distribution.with_rate(rate * factor, **parameters), rate * factor
-        except (ModelError, TypeError) as error:
-            raise Fault(place, str(error)) from None
-
-
-def _plug(place: Path, find: Any, name: str) -> Any:
-    try:
-        return find(name)
-    except PlugError as error:
-        raise Fault(place, str(error)) from None
 
 
 def _default(model: Model, name: str) -> str | None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 from robophm.core.errors import nearest
 from robophm.design import schema_task
@@ -75,6 +77,18 @@ def build_knowledge(said: schema_task.Knowledge, robot: Robot, place: Path = ())
     if says := contradiction(knowledge, robot):
         raise Fault((*place, "working"), says)
     return knowledge
+
+
+def with_knowledge(plan: Plan, robot: Robot, failed: Sequence[str] = (), working: Sequence[str] = ()) -> Plan:
+    """The plan, with more that is known of parts, by their paths, before its first task.
+
+    Raises Fault where a part is unknown, or what is known contradicts itself or what the plan knows.
+    """
+    more = build_knowledge(schema_task.Knowledge(failed=list(failed), working=list(working)), robot)
+    known = Knowledge(plan.knowledge.failed | more.failed, plan.knowledge.working | more.working)
+    if says := contradiction(known, robot):
+        raise Fault(("knowledge",), says)
+    return replace(plan, knowledge=known)
 
 
 def _units_of(path: str, robot: Robot, kind: str, place: Path) -> set[str]:

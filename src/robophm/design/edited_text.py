@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from robophm.core.errors import DesignError
-from robophm.design.nodes import compose
+from robophm.core.yaml_nodes import compose
 
 
 class EditedText:
@@ -30,22 +30,10 @@ class EditedText:
             at = max(at, end)
         return "".join([*pieces, self.text[at:]])
 
-    # -- nodes
-
-    @staticmethod
-    def child(node: Any, key: str) -> tuple[Any, Any] | None:
-        """Key and value of a name in a mapping."""
-        return next(((k, v) for k, v in node.value if k.value == key), None) if node.id == "mapping" else None
-
-    @staticmethod
-    def is_alias(key: Any, node: Any) -> bool:
-        """Whether a value stands elsewhere."""
-        return bool(node.start_mark.index < key.end_mark.index)
-
     def own(self, key: Any, node: Any, what: str) -> None:
         """Only what stands where it is used, line by line, can be edited. Raises DesignError."""
         at = f"{self.label}:{key.start_mark.line + 1}"
-        if self.is_alias(key, node):
+        if is_alias(key, node):
             raise DesignError(f"{at}: '{key.value}' is an alias; expected a {what} of its own to put parts into")
         if node.id == "mapping" and node.flow_style and node.value:
             raise DesignError(f"{at}: '{key.value}' is written in braces; expected a {what} with a line for each key")
@@ -54,7 +42,7 @@ class EditedText:
 
     def replace(self, node: Any, key: str, text: str, own_remark: str) -> None:
         """Another text in the place of a key and its value; the remark behind it stays unless it begins so."""
-        if found := self.child(node, key):
+        if found := child(node, key):
             end = self.end(found[1])
             if self.text.startswith(own_remark, end):
                 end = self.line_end(end) - 1
@@ -62,7 +50,7 @@ class EditedText:
 
     def remarked(self, node: Any, key: str, remark: str) -> bool:
         """Whether the remark behind the value of a key begins so."""
-        found = self.child(node, key)
+        found = child(node, key)
         return found is not None and self.text.startswith(remark, self.end(found[1]))
 
     def delete(self, key: Any, node: Any) -> None:
@@ -96,7 +84,7 @@ class EditedText:
         while node.id != "scalar" and not node.flow_style and node.value and not index:
             last = node.value[-1]
             key, node = last if isinstance(last, tuple) else (None, last)
-            if key is not None and self.is_alias(key, node):
+            if key is not None and is_alias(key, node):
                 index = key.end_mark.index  # the node itself stands elsewhere
                 index += re.match(r"[^\n#]*", self.text[index : index + 1000]).end()  # type: ignore[union-attr]
         index = int(index or node.end_mark.index)
@@ -117,6 +105,16 @@ class EditedText:
         while match := re.compile(rf" {{{column + 1},}}#").match(self.text, index):
             index = self.line_end(match.end())
         return index
+
+
+def child(node: Any, key: str) -> tuple[Any, Any] | None:
+    """The key and the value of a name in a mapping; None where it is no mapping, or has no such name."""
+    return next(((k, v) for k, v in node.value if k.value == key), None) if node.id == "mapping" else None
+
+
+def is_alias(key: Any, node: Any) -> bool:
+    """Whether a value stands elsewhere."""
+    return bool(node.start_mark.index < key.end_mark.index)
 
 
 def plain(node: Any) -> Any:

@@ -4,25 +4,18 @@ from __future__ import annotations
 
 import io
 import os
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from robophm.core.errors import DesignError, nearest
-from robophm.core.files import read_at_most, write_atomically
+from robophm.core.files import read_at_most, shipped, write_atomically
 from robophm.core.given import path as given_path
-from robophm.design.nodes import MAX_DEPTH, MAX_VALUES, compose, uncollected
+from robophm.core.yaml_values import MAX_BYTES, Lines, located, values
 from robophm.design.robot import Robot
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
     from pydantic_core import ErrorDetails
-
-MAX_BYTES = 20_000_000
-"""A larger file is refused before it is parsed; so is one that is larger when its aliases are written out.
-
-Each value then has a line of its own, two spaces in for each level: what is kept of its place takes as much.
-"""
 
 BACKUPS = 10
 """Earlier states of a design file that are kept beside it."""
@@ -30,9 +23,6 @@ BACKUPS = 10
 SCHEMA_VERSION = 1
 """Of design files and task lists; a file that says another number is refused."""
 
-_HALF = re.compile("[\ud800-\udfff]")
-
-Lines = dict[tuple[str, ...], int]
 _Model = TypeVar("_Model", bound="BaseModel")
 
 
@@ -40,6 +30,14 @@ def load(path: str | os.PathLike[str]) -> Robot:
     """Read a robot's design. Raises DesignError, one line with file, line, place, what was expected."""
     where = given_path(path, "design", DesignError)
     return parse(read(where), str(where))
+
+
+def example_design() -> Path:
+    """The design that comes with us, of the robot that ``transports.synthetic`` plays.
+
+    Raises RobophmError where it is not installed.
+    """
+    return shipped("examples/ota/robot.yaml")
 
 
 def parse(text: str, name: str = "design") -> Robot:
@@ -118,6 +116,27 @@ def rewrite(path: Path, text: str) -> Robot:
     return robot
 
 
+def write(path: Path, text: str) -> Robot:
+    """Write a design, whether a file is there or not; of one that was there, what it held is kept as by ``rewrite``.
+
+    Raises DesignError, nothing written, where the text is no valid design or cannot be written.
+    """
+    robot = parse(text, str(path))
+    write_text(path, text)
+    return robot
+
+
+def write_text(path: Path, text: str) -> None:
+    """As ``write``, of a text that has been found valid already. Raises DesignError where it cannot be written."""
+    if path.exists():
+        replace_text(path, text)
+        return
+    try:
+        write_atomically(path, text)
+    except OSError as error:
+        raise DesignError(f"{path}: cannot be written: {error.strerror}") from None
+
+
 def replace_text(path: Path, text: str) -> None:
     """As ``rewrite``, of a text that has been found valid already. Raises DesignError where it cannot be written."""
     try:
@@ -171,99 +190,6 @@ def read(path: Path) -> str:
         raise DesignError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
         raise DesignError(f"{path}: is not UTF-8 text (byte {error.start})") from None
-
-
-def values(text: str, name: str) -> tuple[Any, Lines]:
-    """The plain values of a YAML text, and the line of each."""
-    from ruamel.yaml.error import MarkedYAMLError, YAMLError
-
-    try:
-        root = compose(text)
-    except MarkedYAMLError as error:
-        line = error.problem_mark.line + 1 if error.problem_mark else 1
-        raise DesignError(f"{name}:{line}: is not YAML: {error.problem}") from None
-    except (YAMLError, ValueError) as error:
-        raise DesignError(f"{name}: is not YAML: {str(error).splitlines()[0]}") from None
-    except RecursionError:
-        raise DesignError(f"{name}: is nested too deeply; expected at most {MAX_DEPTH} levels") from None
-    reader = _Reader(name)
-    with uncollected():
-        return (None if root is None else reader.value(root, ())), reader.lines
-
-
-class _Reader:
-    """YAML nodes to plain values: only what JSON has too, no tags, no doubled keys, within bounds."""
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self.lines: Lines = {}
-        self.count = 0
-        self.characters = 0
-
-    def value(self, node: Any, place: tuple[str, ...]) -> Any:
-        line = self.lines[place] = node.start_mark.line + 1
-        self.count += 1
-        if self.count > MAX_VALUES:
-            raise DesignError(f"{self.name}:{line}: unfolds to more than {MAX_VALUES:,} values")
-        self._count(2 * len(place), f"{self.name}:{line}")
-        if len(place) > MAX_DEPTH:
-            raise DesignError(f"{self.name}:{line}: is nested too deeply; expected at most {MAX_DEPTH} levels")
-        kind = str(node.tag).removeprefix("tag:yaml.org,2002:")
-        if kind != {"mapping": "map", "sequence": "seq"}.get(node.id, kind):
-            raise DesignError(f"{self.name}:{line}: {_text(place)}tag '{node.tag}' is not taken; expected plain values")
-        if node.id == "mapping":
-            result: dict[str, Any] = {}
-            for key_node, value_node in node.value:
-                at = f"{self.name}:{key_node.start_mark.line + 1}"
-                if key_node.id != "scalar":
-                    raise DesignError(f"{at}: {_text(place)}a key is a list or mapping; expected a name")
-                self._count(len(str(key_node.value)), at)
-                key = self._text(str(key_node.value), at, place)
-                if key in result:
-                    raise DesignError(f"{at}: {_text(place)}duplicate name '{key}'; names of one level must differ")
-                result[key] = self.value(value_node, (*place, key))
-                self.lines[(*place, key)] = key_node.start_mark.line + 1
-            return result
-        if node.id == "sequence":
-            return [self.value(item, (*place, str(i))) for i, item in enumerate(node.value)]
-        self._count(len(node.value), f"{self.name}:{line}")
-        try:
-            if kind == "null":
-                return None
-            if kind == "bool":
-                return node.value.lower() in ("true", "yes", "on")
-            if kind == "int":
-                return int(node.value.replace("_", ""), 0)
-            if kind == "float":
-                return float(node.value.replace("_", "").lower().replace(".inf", "inf").replace(".nan", "nan"))
-        except ValueError:
-            pass
-        if kind in ("str", "timestamp", "int", "float"):
-            return self._text(node.value, f"{self.name}:{line}", place)
-        raise DesignError(f"{self.name}:{line}: {_text(place)}tag '{node.tag}' is not taken; expected plain values")
-
-    def _count(self, characters: int, at: str) -> None:
-        """Some more are written out; raises DesignError where they are too many."""
-        self.characters += characters
-        if self.characters > MAX_BYTES:
-            raise DesignError(f"{at}: unfolds to more than {MAX_BYTES:,} characters")
-
-    @staticmethod
-    def _text(text: str, at: str, place: tuple[str, ...]) -> str:
-        """The same, where it is text that can be written: an escape can be half a character."""
-        if not text.isascii() and _HALF.search(text):
-            raise DesignError(f"{at}: {_text(place)}{text!r:.60} is no text; expected whole characters")
-        return text
-
-
-def _text(place: tuple[str, ...]) -> str:
-    return "/".join(place) + ": " if place else ""
-
-
-def located(name: str, lines: Lines, place: tuple[str, ...], message: str) -> str:
-    """A fault with the file, the line and the place in it."""
-    known = next((place[:n] for n in range(len(place), -1, -1) if place[:n] in lines), ())
-    return f"{name}:{lines.get(known, 1)}: {_text(place)}{message}"
 
 
 def fault_of(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> tuple[tuple[str, ...], str]:

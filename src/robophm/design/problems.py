@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from robophm.core.errors import DesignError
+from robophm.core.yaml_values import Lines
 from robophm.design.fault import Fault, Path
-from robophm.design.file import Lines, fault_of, mapping
+from robophm.design.file import fault_of, mapping
 from robophm.design.robot import Robot
 
 MOST_PROBLEMS = 500

@@ -6,7 +6,7 @@ Paths name things from the robot down, joined by "/": ``Power/Battery Control Bo
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Literal, NamedTuple
 
@@ -14,7 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
-from robophm.design.task import Task, TaskStress
+from robophm.core.errors import DesignError
+from robophm.core.given import one_of
+from robophm.design.task import Plan, Task, TaskStress
 from robophm.hazard.model import Evaluation, Model
 from robophm.life.distribution import LifeDistribution
 
@@ -252,6 +254,11 @@ class Limits:
     remaining_life: float | None = None
     completion: float | None = None
 
+    @property
+    def stated(self) -> bool:
+        """Whether any is."""
+        return any(getattr(self, limit.name) is not None for limit in fields(Limits))
+
 
 @dataclass(frozen=True)
 class Thresholds(Limits):
@@ -281,6 +288,11 @@ class Module:
     def name(self) -> str:
         """The last step of its path."""
         return self.path.rpartition("/")[2]
+
+    @property
+    def part_count(self) -> int:
+        """How many parts it holds, equal ones counted one by one; a common cause is none."""
+        return sum(part.quantity for part in self.all_components() if not part.members)
 
     def all_components(self) -> Iterator[Component]:
         """The components at this level and below, in design order."""
@@ -346,9 +358,45 @@ class Robot(Module):
         yield from self.causes
 
     @cached_property
+    def levels(self) -> Mapping[str, Module]:
+        """The robot itself under an empty path, then its modules by theirs, outer before inner."""
+        return {"": self, **{module.path: module for module in self.all_modules()}}
+
+    @cached_property
     def modes(self) -> tuple[FailureMode, ...]:
         """Every failure mode, in design order, then those of common causes."""
         return tuple(mode for component in self.all_components() for mode in component.modes)
+
+    @property
+    def limited(self) -> bool:
+        """Whether the design sets any limit at all: without one nothing can be called too low."""
+        levels = (self.thresholds, *(module.thresholds for module in self.all_modules()))
+        return any(one.stated or one.warning.stated for one in levels)
+
+    @property
+    def plan(self) -> Plan:
+        """The design's own task as a list of tasks; an empty one where the design has none."""
+        return Plan((self.task,) if self.task else ())
+
+    def diagram_of(self, function: str | None = None) -> Block:
+        """The diagram of a function by its name, or of the whole robot where none is named.
+
+        Raises DesignError, with the nearest known name, where the robot has no such function.
+        """
+        return self.functions[one_of(function, self.functions, "function", DesignError)] if function else self.diagram
+
+    @cached_property
+    def max_ages(self) -> Mapping[str, int]:
+        """How long [ns] the last value of each bound signal holds; of one that is bound twice, as it is bound last."""
+        found: dict[str, int] = {}
+        for mode in self.modes:
+            for stress in mode.stresses:
+                found |= {channel.signal: channel.max_age for channel in stress.channels.values()}
+            if mode.measured_clock:
+                found |= dict.fromkeys(mode.measured_clock.signals, mode.measured_clock.max_age)
+        for clock in self.clocks.values():
+            found |= dict.fromkeys(clock.signals, clock.max_age)
+        return found
 
     def part_of(self, mode: FailureMode) -> str:
         """Path of the component that a failure mode rests with: its own, or of a common cause's the member."""

@@ -5,13 +5,17 @@ Only the schema files load pydantic; the rest of robophm sees the resolved ``Rob
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import AfterValidator, ConfigDict, Field, WithJsonSchema, model_validator
 
+from robophm.core.errors import RobophmError
 from robophm.design.schema_blocks import DependsOn, Diagram
 from robophm.design.schema_fields import LONGEST, Name, Strict, Written, quantity_in
 from robophm.design.schema_task import AnyTask
+from robophm.parts import completed
+from robophm.parts import part as library_part
 
 Clock = Literal["operating", "calendar", "kilometres", "cycles", "starts"]
 """What a failure mode ages on."""
@@ -195,6 +199,12 @@ class FailureMode(Strict):
     rate: Written | None = Field(
         None, description="e.g. 12 FIT, 0.3 FPMH, 5.8e-6 /h, 2e-5 /km by its clock; or the word unknown"
     )
+    mtbf: Written | None = Field(
+        None, description="in place of a rate: mean life, e.g. 20000 h, or by its clock 5e6 km"
+    )
+    mttf: Written | None = Field(None, description="the same as mtbf")
+    l10: Written | None = Field(None, description="in place of a rate: by when a tenth have failed, by the life below")
+    b10: Written | None = Field(None, description="the same as l10, e.g. 2e6 cycle")
     hazard: Hazard | None = None
     life: Life = Field(default_factory=lambda: Life.model_validate({}))
     clock: Clock = "operating"
@@ -207,12 +217,23 @@ class FailureMode(Strict):
     wear: Wear | None = Field(None, description="a signal that shows it coming")
 
 
+def _in_library(name: str) -> str:
+    try:
+        return library_part(name).name
+    except RobophmError as error:
+        raise ValueError(str(error)) from None
+
+
+PartName = Annotated[str, AfterValidator(_in_library), WithJsonSchema({"type": "string", "examples": ["lidar_2d"]})]
+"""Of an entry of the library of parts."""
+
 Duty = Annotated[float, Field(ge=0, le=1, description="share at which parts age in a leg that does not need them")]
 
 
 class Component(FailureMode):
-    """A part, with its only failure mode written inline or several under failure_modes."""
+    """A part, with its only failure mode written inline, or several under failure_modes, or as the library has it."""
 
+    part: PartName | None = Field(None, description="of the library, e.g. lidar_2d; the component's own keys win")
     description: str | None = None
     quantity: int = Field(1, strict=True, ge=1, le=100_000, description="that many separate parts")
     required: int | None = Field(None, strict=True, ge=1, description="how many of them must work; default all")
@@ -224,6 +245,14 @@ class Component(FailureMode):
     offsets: dict[str, Written] = Field(default_factory=dict, description="added to inherited signals, e.g. 15 K")
     clocks: dict[Clock, ClockBinding] = Field(default_factory=dict)
     failure_modes: dict[Name, FailureMode] = Field(default_factory=dict)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_the_library(cls, said: object) -> object:
+        if isinstance(said, dict) and isinstance(said.get("part"), str):
+            with suppress(RobophmError):  # which the key itself is told of
+                return completed(said)
+        return said
 
 
 class CommonCause(Strict):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 from math import fsum, inf
 from typing import NamedTuple, TypeVar
 
@@ -89,6 +90,11 @@ class Task:
         """A ``distance`` [m] in a ``duration`` [h] by the whole robot."""
         return cls((Leg(duration, distance),))
 
+    @classmethod
+    def joined(cls, tasks: Iterable[Task]) -> Task:
+        """All legs of tasks, one task after the other, as one task."""
+        return cls(tuple(chain.from_iterable(task.legs for task in tasks)))
+
     @cached_property
     def distance(self) -> float:
         """Of all legs [m]."""
@@ -128,6 +134,16 @@ class Plan:
         instance(self.knowledge, Knowledge, "knowledge", "a Knowledge", at("knowledge"))
         if self.every is not None:
             number(self.every, "every", above=True, high=LONGEST_TASK, error=at("every"))
+
+    @property
+    def joined(self) -> Task:
+        """All of the tasks as one."""
+        return Task.joined(self.tasks)
+
+    @property
+    def gap(self) -> float:
+        """Hours of calendar time from the end of the last task until the list begins anew; 0 without ``every``."""
+        return 0.0 if self.every is None else max(self.every - self.joined.duration, 0.0)
 
 
 _Kind = TypeVar("_Kind")

@@ -13,7 +13,8 @@ from typing import Any
 from robophm.core.errors import DesignError, nearest
 from robophm.core.given import instance
 from robophm.core.given import path as given_path
-from robophm.design.file import Lines, located, mapping, read, validated
+from robophm.core.yaml_values import Lines, located
+from robophm.design.file import mapping, read, validated
 from robophm.design.robot import Robot
 from robophm.design.task import Plan
 

@@ -106,11 +106,11 @@ class Chain(Solved):
             return v / np.where(total > 0, total, 1.0)[:, None], log + np.log(total), piece
 
     def log_works(self, s: Array) -> Array:
-        """As of Solved."""
+        """ln P(works at s, and what is known), shape (times,)."""
         return self._states(s)[1]
 
     def log_fails_in(self, s: Array, length: Array) -> Array:
-        """As of Solved."""
+        """ln P(works at s, fails in the stretch after it, and what is known)."""
         v, log, piece = self._states(s)
         _, failed, _ = exponential(self._generators[piece], length)
         with np.errstate(divide="ignore"):
@@ -118,7 +118,7 @@ class Chain(Solved):
         return result
 
     def log_stays(self, s: Array, length: Array, works: Array) -> Array:
-        """As of Solved, with its own digits."""
+        """ln P(works at the end of the stretch | works at s), with all digits of a short stretch."""
         v, _, piece = self._states(s)
         working, _, shift = exponential(self._generators[piece], length)
         with np.errstate(divide="ignore"):
@@ -126,7 +126,7 @@ class Chain(Solved):
         return result
 
     def log_density(self, s: Array) -> Array:
-        """As of Solved."""
+        """ln of the failure density at s, and what is known; per unit of s."""
         v, log, piece = self._states(s)
         with np.errstate(divide="ignore"):
             result: Array = log + np.log(np.einsum("ti,ti->t", v, self._generators[piece][:, :-1, -1]))
@@ -155,7 +155,7 @@ def reachable(group: Standby | LoadSharing, alike: bool, depend: bool = False) -
 
 
 def failures(group: Standby | LoadSharing, failed: int) -> list[tuple[int, int | None, float, float]]:
-    """What may happen in a state: (member, the state that its failure leads to, weights as of a Transition)."""
+    """The failures that are possible in a state: (member, the state that it leads to, weights as of a Transition)."""
     alive = [i for i in range(len(group.members)) if not failed >> i & 1]
     if isinstance(group, LoadSharing):
         factor = group.factors[len(group.members) - len(alive)]

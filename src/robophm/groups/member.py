@@ -16,7 +16,7 @@ from robophm.life.exponential import Exponential
 
 @dataclass(frozen=True)
 class Mode:
-    """One failure mode of a member."""
+    """A failure mode of a member."""
 
     column: int
     """Which of the ages along a path is its own."""
@@ -30,7 +30,7 @@ class Mode:
 
     @property
     def constant_rate(self) -> bool:
-        """Whether its age does not matter."""
+        """Whether the hazard rate is the same at every age."""
         return isinstance(self.life, Exponential) and self.life.location == 0
 
 
@@ -64,7 +64,7 @@ def waiting_hazard(member: Member, path: Path, s: Array, dormancy: float) -> Arr
 
 
 def waiting_more(member: Member, path: Path, s: Array, length: Array, dormancy: float) -> Array:
-    """What it gathers in the stretch after ``s``."""
+    """The cumulative hazard that a waiting member gathers in the stretch after ``s``."""
     total, ages, more = np.zeros(np.broadcast(s, length).shape), path.at(s), path.between(s, length)
     for mode in member:
         if share := _waiting(mode, dormancy):

@@ -33,7 +33,7 @@ _DENSE = 10  # bits that are tossed for all words; then only for those in which 
 
 @dataclass(frozen=True)
 class Wear:
-    """One failure mode of a unit, and how it ages by the hour."""
+    """A failure mode of a unit, and how it ages per hour."""
 
     life: LifeDistribution
     speed: float = 1.0
@@ -46,7 +46,7 @@ class Wear:
 
 @dataclass(frozen=True)
 class Estimate:
-    """How often something happened, and within which its probability lies (Clopper and Pearson 1934)."""
+    """How often something happened, and the interval that its probability lies in (Clopper and Pearson 1934)."""
 
     probability: float
     low: float

@@ -16,7 +16,7 @@ Rows = npt.NDArray[np.intp]
 
 
 class Path:
-    """What failure modes age from a start on, as a function of time s ≥ 0 of any unit; the last piece has no end."""
+    """The ages of failure modes as functions of a time s ≥ 0 of any unit; the last piece has no end."""
 
     def __init__(self, modes: int) -> None:
         self.corners = np.zeros(1)
@@ -29,7 +29,7 @@ class Path:
         """Until when steps have been added."""
 
     def add(self, step: Array) -> tuple[float, float]:
-        """One more step, which ages the modes so, shape (modes,): when it begins and how long it takes."""
+        """Add a step in which the modes age so much, shape (modes,); when it begins and how long it takes."""
         begin, speed = self.end, self.speed[-1]
         if not step.any():
             return begin, 0.0
@@ -46,7 +46,7 @@ class Path:
         return begin, length
 
     def steps(self, steps: Iterable[Array]) -> tuple[Array, Array]:
-        """Several, one after the other."""
+        """Add several steps, one after the other; when they begin and how long they take."""
         begin, length = np.array([self.add(step) for step in steps]).reshape(-1, 2).T
         return begin, length
 
@@ -57,7 +57,7 @@ class Path:
         return np.searchsorted(self.corners, s, side="right") - 1
 
     def at(self, s: Array) -> list[Array]:
-        """What each mode has aged by then; arrays of the shape of ``s``."""
+        """The age that each mode has gained by ``s``; arrays of the shape of ``s``."""
         p = self.piece(s)
         into = s - self.corners[p]
         return [self.gained[p, j] + self.speed[p, j] * into for j in range(self.speed.shape[1])]
@@ -70,7 +70,7 @@ class Path:
             return self.corners[p] + np.where(rest > 0, rest / speed, 0.0)
 
     def between(self, start: Array, length: Array) -> list[Array]:
-        """What each mode ages in a stretch; ``length`` has its own digits."""
+        """The age that each mode gains in a stretch; ``length`` has its own digits."""
         p, end = self.piece(start), start + length
         if len(self.corners) == 1:
             return [self.speed[0, j] * length for j in range(self.speed.shape[1])]

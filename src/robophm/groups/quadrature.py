@@ -41,40 +41,14 @@ def log_integral(
 
     ``lost``: what f of each is off by, relative to itself, beyond what the size of its logarithm says.
     """
-    which, start, end = _between_breaks(low, high, breaks)
+    stretches = _Stretches(log_f, low, high, breaks)
+    which, start, end = stretches.which, stretches.start, stretches.end
     panel = np.repeat(np.arange(len(which)), _PANELS)
     left = np.tile(np.arange(_PANELS) / _PANELS, len(which))
     width = np.full(len(panel), 1 / _PANELS)
 
-    def logs(panel: Rows, left: Array, width: Array) -> tuple[Array, Array]:
-        """Of the integral over each panel, by Gauss's rule, and of what it surely does not exceed."""
-        found, bound = np.empty(len(panel)), np.empty(len(panel))
-        turn = _AT_ONCE // len(_NODES)
-        for i in range(0, len(panel), turn):
-            some = slice(i, i + turn)
-            x = left[some, None] + width[some, None] * _NODES
-            x_rest = np.maximum(1 - left[some, None] - width[some, None] * _NODES, 0.0)
-            a, b, at = start[panel[some], None], end[panel[some], None], which[panel[some], None]
-            length = b - a
-            share, rest = _smooth(x), _smooth(x_rest)
-            place = np.where(share < 0.5, a + length * share, b - length * rest)
-            to_end = length * rest + (high[at] - b)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                steep = np.log(140 * length) + 3 * (np.log(x) + np.log(x_rest))
-                values = log_f(np.broadcast_to(at, place.shape), place, to_end) + steep
-            values = np.where(steep > -np.inf, values, -np.inf)
-            peak = np.max(values, axis=1)
-            safe = np.where(np.isfinite(peak), peak, 0.0)
-            with np.errstate(divide="ignore"):
-                sums = np.log(np.exp(values - safe[:, None] + _WEIGHTS).sum(axis=1))
-            lowest = np.min(values, axis=1, where=values > -np.inf, initial=np.inf)
-            span = np.where(np.isfinite(peak), peak - np.minimum(lowest, safe), 0.0)
-            found[some] = safe + sums + np.log(width[some])
-            bound[some] = peak + _OVERSHOOT * span + np.log(width[some])
-        return found, bound
-
     top, total = np.full(len(low), -np.inf), np.zeros(len(low))
-    whole, bound = logs(panel, left, width)
+    whole, bound = stretches.logs(panel, left, width)
     np.maximum.at(top, which[panel], whole)
     todo = bound > -np.inf
     panel, left, width, whole = panel[todo], left[todo], width[todo], whole[todo]
@@ -83,7 +57,7 @@ def log_integral(
             break
         width = width / 2
         halves = np.concatenate((left, left + width))
-        both, bound = logs(np.tile(panel, 2), halves, np.tile(width, 2))
+        both, bound = stretches.logs(np.tile(panel, 2), halves, np.tile(width, 2))
         (first, second), bound = np.split(both, 2), bound.reshape(2, -1).max(axis=0)
         of = which[panel]
         before = top.copy()
@@ -112,6 +86,48 @@ def log_integral(
     return result
 
 
+class _Stretches:
+    """The stretches of the integrals without a break, and the integrand on panels of them."""
+
+    def __init__(self, log_f: LogFunction, low: Array, high: Array, breaks: Sequence[float]) -> None:
+        self.which, self.start, self.end = _between_breaks(low, high, breaks)
+        self._log_f, self._high = log_f, high
+
+    def logs(self, panel: Rows, left: Array, width: Array) -> tuple[Array, Array]:
+        """Of the integral over each panel, by Gauss's rule, and of what it surely does not exceed; (panels,) each.
+
+        A panel is one of a stretch, from a share of it on; the shares are those of the smooth substitution.
+        """
+        found, bound = np.empty(len(panel)), np.empty(len(panel))
+        turn = _AT_ONCE // len(_NODES)
+        for i in range(0, len(panel), turn):
+            some = slice(i, i + turn)
+            values = self._at_nodes(panel[some], left[some], width[some])
+            peak = np.max(values, axis=1)
+            safe = np.where(np.isfinite(peak), peak, 0.0)
+            with np.errstate(divide="ignore"):
+                sums = np.log(np.exp(values - safe[:, None] + _WEIGHTS).sum(axis=1))
+            lowest = np.min(values, axis=1, where=values > -np.inf, initial=np.inf)
+            span = np.where(np.isfinite(peak), peak - np.minimum(lowest, safe), 0.0)
+            found[some] = safe + sums + np.log(width[some])
+            bound[some] = peak + _OVERSHOOT * span + np.log(width[some])
+        return found, bound
+
+    def _at_nodes(self, panel: Rows, left: Array, width: Array) -> Array:
+        """Logarithms of the integrand after the substitution, at the nodes of each panel; shape (panels, nodes)."""
+        x = left[:, None] + width[:, None] * _NODES
+        x_rest = np.maximum(1 - left[:, None] - width[:, None] * _NODES, 0.0)
+        a, b, at = self.start[panel, None], self.end[panel, None], self.which[panel, None]
+        length = b - a
+        share, rest = _smooth(x), _smooth(x_rest)
+        place = np.where(share < 0.5, a + length * share, b - length * rest)
+        to_end = length * rest + (self._high[at] - b)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            steep = np.log(140 * length) + 3 * (np.log(x) + np.log(x_rest))
+            values = self._log_f(np.broadcast_to(at, place.shape), place, to_end) + steep
+        return np.where(steep > -np.inf, values, -np.inf)
+
+
 def _between_breaks(low: Array, high: Array, breaks: Sequence[float]) -> tuple[Rows, Array, Array]:
     """(which integral, from, to) of the stretches without a break."""
     cuts = np.array(sorted(breaks))
@@ -128,7 +144,7 @@ def _smooth(x: Array) -> Array:
 
 
 def log_sum(*logs: Array) -> Array:
-    """ln Σ exp."""
+    """ln of the sum of exponentials."""
     stacked = np.stack(np.broadcast_arrays(*logs))
     top = np.max(stacked, axis=0)
     top = np.where(np.isfinite(top), top, 0.0)

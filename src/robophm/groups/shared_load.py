@@ -20,7 +20,7 @@ from robophm.groups.state import Solved, log_fails, log_outlives
 
 
 class Sharing(Solved):
-    """Such a group along a path; ``status`` at ``now`` of each member: True works, False has failed, None."""
+    """A load-sharing group along a path; ``status`` at ``now`` of each member: True works, False has failed, None."""
 
     def __init__(
         self, group: LoadSharing, members: Sequence[Member], path: Path, now: float, status: Sequence[bool | None]
@@ -87,7 +87,7 @@ class Sharing(Solved):
         return count + self._log_rate(s, np.zeros_like(s), 0) + log_outlives(n * lived)
 
     def log_works(self, s: Array) -> Array:
-        """As of Solved."""
+        """ln P(works at s, and what is known), shape (times,)."""
 
         def one_failed(which: Rows, since: Array, length: Array) -> Array:
             return self._first(since, s[which]) + log_outlives((self._n - 1) * self._hazard(since, length))
@@ -97,7 +97,7 @@ class Sharing(Solved):
         return log_sum(whole, log_integral(one_failed, np.zeros(len(s)), s, self._breaks))
 
     def log_fails_in(self, s: Array, length: Array) -> Array:
-        """As of Solved."""
+        """ln P(works at s, fails in the stretch after it, and what is known)."""
 
         def later(which: Rows, since: Array, lived: Array) -> Array:
             before = log_outlives((self._n - 1) * self._hazard(since, lived))
@@ -112,7 +112,7 @@ class Sharing(Solved):
         )
 
     def log_density(self, s: Array) -> Array:
-        """As of Solved."""
+        """ln of the failure density at s, and what is known; per unit of s."""
 
         def second(which: Rows, since: Array, length: Array) -> Array:
             lived = log_outlives((self._n - 1) * self._hazard(since, length))

@@ -82,7 +82,7 @@ class InOrder(Solved):
         return float(s[min(int(np.argmax(lived > 1)), len(s) - 1)])
 
     def over(self, s: Array, length: Array) -> npt.NDArray[np.bool_]:
-        """One member works for its share of the stretch: fresh, or having worked for a part of the time before."""
+        """Where a member that works for its share of the stretch, new or used, cannot outlive it."""
         share = length / len(self._members)
         found = np.ones(len(s), dtype=bool)
         for member in self._members:
@@ -127,7 +127,7 @@ class InOrder(Solved):
     # Densities; logarithms, per unit of s.
 
     def fails(self, i: int, s: Array) -> Array:
-        """That member i fails as the active one at s."""
+        """ln of the density with which member i, as the active one, fails at s."""
         if i == 0:
             found = log_density(self._members[0], self._path, np.zeros_like(s), s, s, self._dormancy)
             return found if self._may[0] else np.where(s >= self.now, -np.inf, found)

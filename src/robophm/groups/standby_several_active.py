@@ -28,7 +28,7 @@ from robophm.groups.table import LogTable
 
 
 class Positions(Solved):
-    """Such a group along a path; ``status`` at ``now`` of each member: True works, False has failed, None.
+    """A standby group with several active members along a path; ``status`` at ``now``: True works, False failed, None.
 
     Raises StructureError where spares differ, or something is known of one but the last.
     """
@@ -60,7 +60,7 @@ class Positions(Solved):
         self._breaks = sorted({at for place in kinds.values() for at in place.lives.breaks})
 
     def over(self, s: Array, length: Array) -> npt.NDArray[np.bool_]:
-        """Where a place has had more than all spares outlive."""
+        """Where some place has gathered more than all spares can outlive."""
         found: npt.NDArray[np.bool_] = np.any([place.lives.over(s, length) for place in set(self._places)], axis=0)
         return found
 
@@ -73,7 +73,7 @@ class Positions(Solved):
         return total
 
     def log_works(self, s: Array) -> Array:
-        """As of Solved."""
+        """ln P(works at s, and what is known), shape (times,)."""
         if self._dead:
             return np.full(s.shape, -np.inf)
         return log_sum(*(count + self._calls(k) for k, count in enumerate(self._counts(self._places, s))))
@@ -83,7 +83,7 @@ class Positions(Solved):
         return float(count * self._taken) if count else 0.0
 
     def log_density(self, s: Array) -> Array:
-        """As of Solved."""
+        """ln of the failure density at s, and what is known; per unit of s."""
         found = [np.full(s.shape, -np.inf)]
         for place, times in Counter(self._places).items():
             rest = list(self._places)
@@ -95,7 +95,7 @@ class Positions(Solved):
         return np.full(s.shape, -np.inf) if self._dead else log_sum(*found)
 
     def log_fails_in(self, s: Array, length: Array) -> Array:
-        """As of Solved."""
+        """ln P(works at s, fails in the stretch after it, and what is known)."""
 
         def log_f(which: Rows, place: Array, rest: Array) -> Array:
             return self.log_density(place)

@@ -36,7 +36,7 @@ class Solved(ABC):
         """ln of the failure density at s, and what is known; per unit of s."""
 
     def lived(self, s: Array, length: Array) -> Array:
-        """What a stretch adds to the cumulative hazard of the group, given that it works at its beginning."""
+        """The cumulative hazard that a stretch adds to the group, given that it works when the stretch begins."""
         hazard = np.where(length > 0, np.inf, 0.0)
         todo = (length > 0) & ~self.over(s, length)
         if todo.any():
@@ -44,7 +44,7 @@ class Solved(ABC):
         return hazard
 
     def gathered(self, s: Array, length: Array) -> Array:
-        """The same, though it be far more than can be outlived; infinite beyond FARTHEST."""
+        """The cumulative hazard that a stretch adds, however large; infinite beyond FARTHEST."""
         works = self.log_works(s)
         works = np.where(works < -FARTHEST, -np.inf, works)
         with np.errstate(invalid="ignore"):
@@ -59,11 +59,11 @@ class Solved(ABC):
         return np.maximum(hazard, 0.0)
 
     def over(self, s: Array, length: Array) -> npt.NDArray[np.bool_]:
-        """Where it is plain that no group that works at s outlives the stretch: but one of exp(1000)."""
+        """Where no group that works at s outlives the stretch, but one of exp(1000)."""
         return np.zeros(len(s), dtype=bool)
 
     def rate(self, s: Array) -> Array:
-        """Hazard rate at s, per unit of it."""
+        """The hazard rate at s, per unit of s."""
         works = self.log_works(s)
         with np.errstate(invalid="ignore", over="ignore"):
             rate: Array = np.where(works > -np.inf, np.exp(self.log_density(s) - works), np.inf)

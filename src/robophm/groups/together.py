@@ -13,7 +13,7 @@ from robophm.groups.state import Solved, log_fails, log_outlives
 
 
 class Together(Solved):
-    """Such parts along a path; what bears the load ages ``factor`` times as fast as the path."""
+    """A series of parts along a path; what bears the load ages ``factor`` times as fast as the path."""
 
     def __init__(self, factor: float, members: Sequence[Member], path: Path) -> None:
         self.now, self.told = 0.0, False
@@ -28,17 +28,17 @@ class Together(Solved):
         return working_hazard(self._modes, self._path, np.zeros_like(s), s, 1.0, length)
 
     def log_works(self, s: Array) -> Array:
-        """As of Solved."""
+        """ln P(works at s, and what is known), shape (times,)."""
         return log_outlives(working_hazard(self._modes, self._path, np.zeros_like(s), s, 1.0))
 
     def log_fails_in(self, s: Array, length: Array) -> Array:
-        """As of Solved."""
+        """ln P(works at s, fails in the stretch after it, and what is known)."""
         return self.log_works(s) + log_fails(self._more(s, length))
 
     def log_stays(self, s: Array, length: Array, works: Array) -> Array:
-        """As of Solved."""
+        """ln P(works at the end of the stretch | works at s)."""
         return log_outlives(self._more(s, length))
 
     def log_density(self, s: Array) -> Array:
-        """As of Solved."""
+        """ln of the failure density at s, and what is known; per unit of s."""
         return log_density(self._modes, self._path, np.zeros_like(s), s, s, 1.0)

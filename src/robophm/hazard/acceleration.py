@@ -173,7 +173,7 @@ PER_CYCLE = frozenset({"coffin_manson"})
 
 
 def stress_inputs(model: Model) -> tuple[str, ...]:
-    """What is measured of an acceleration: the inputs that have a reference."""
+    """The inputs of an acceleration that are measured: those that have a reference."""
     return tuple(name for name in model.inputs if f"reference_{name}" in model.inputs)
 
 

@@ -146,21 +146,21 @@ class Range:
 
     @property
     def span(self) -> str:
-        """From where to where, with its unit."""
+        """The range in words, with its unit: ``-55 … 175 degC``."""
         return f"{self.low:.10g} … {self.high:.10g} {self.unit}".rstrip()
 
     def holds(self, number: Array | float) -> npt.NDArray[np.bool_]:
-        """Where a number is of this range; a limit is, however it was rounded on the way."""
+        """Where a number lies in this range; a limit does, however it was rounded on the way."""
         return ~(below(number, self.low) | above(number, self.high))
 
     def written(self, number: float) -> str:
-        """A number of it with its unit."""
+        """A number of this range with its unit."""
         return f"{number:.10g} {self.unit}".rstrip()
 
 
 @dataclass(frozen=True)
 class Assumed:
-    """What counts for an input that was not said."""
+    """The value that is assumed for an input that was not stated, and why."""
 
     value: str | float | None
     """None where it counts as not there."""
@@ -206,6 +206,11 @@ class Model:
     def numbers(self) -> Mapping[str, Range]:
         """The inputs that are numbers, and so can be measured."""
         return {name: entry for name, entry in self.inputs.items() if isinstance(entry, Range)}
+
+    @cached_property
+    def must_be_given(self) -> tuple[str, ...]:
+        """The inputs without which there is no answer."""
+        return tuple(name for name, entry in self.inputs.items() if entry.required and entry.default is None)
 
     def answers_by(self, stress: str) -> bool:
         """Whether it has an input of this name, or one that follows from such a stress."""
@@ -263,7 +268,7 @@ class Model:
         return " ".join(value.split())
 
     def expected(self, name: str) -> str:
-        """What an input takes, in words."""
+        """What an input accepts, in words."""
         entry = self.inputs[name]
         if isinstance(entry, Choice):
             return "one of " + ", ".join(entry.options)
@@ -272,7 +277,7 @@ class Model:
         return f"a whole number of {entry.span}" if entry.whole else entry.span
 
     def assumed(self, given: Collection[str], settled: Mapping[str, Any]) -> dict[str, Assumed]:
-        """What counts for every input that was not given, of settled inputs; what does not count is not there."""
+        """The assumption for every input that was not stated, of settled inputs; what does not matter is left out."""
         found: dict[str, Assumed] = {}
         for name, entry in self.inputs.items():
             if name in given:

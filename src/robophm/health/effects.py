@@ -11,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
-from robophm.core.errors import RobophmError
-from robophm.design.robot import CLOCK_UNITS, Component, FailureMode
+from robophm.core.errors import RobophmError, nearest
+from robophm.core.given import number
+from robophm.design.robot import CLOCK_UNITS, Component, FailureMode, Robot
 from robophm.design.task import Knowledge
 from robophm.health.importance import Drawn
 from robophm.health.plant import Plant
@@ -75,10 +76,12 @@ def effects(
 ) -> list[Effect]:
     """Of every failure mode of every part, the gravest first; within operating hours from a new robot's start.
 
-    ``severities``: by function, by failure mode, or of SEVERITY's kinds.
+    ``severities`` from 1 to 10: by function, by part or failure mode, or of SEVERITY's kinds. Raises RobophmError for
+    any other.
     """
     plant = outlook.plant
     robot = plant.robot
+    check_severities(severities or {}, robot)
     severities = {**SEVERITY, **(severities or {})}
     diagrams = {"": robot.diagram, **robot.functions}
     lost: dict[str, list[str]] = {}
@@ -125,6 +128,16 @@ def effects(
                         detected.get(mode.path, 0.0), severities)
             )  # fmt: skip
     return sorted(found, key=lambda one: (-one.rpn, -math.inf if one.unknown else -one.criticality))
+
+
+def check_severities(severities: Mapping[str, int], robot: Robot) -> None:
+    """Raises RobophmError where a severity is none, or of nothing that the robot has."""
+    known = [*SEVERITY, *robot.functions, *(part.path for part in robot.all_components()),
+             *(mode.path for mode in robot.modes)]  # fmt: skip
+    for name, value in severities.items():
+        if name not in known:
+            raise RobophmError(f"no function or part '{name[:60]}'{nearest(name, known)}")
+        number(value, f"severity of '{name}'", low=1, high=10, whole=True)
 
 
 def _effect(
@@ -221,6 +234,41 @@ def silent_states(outlook: Outlook, diagram: Block, hours: float, most: int = 15
             break
     likely = np.exp(np.array(weights) - max(weights, default=0.0))
     return SilentStates(tuple(silent), tuple(states), likely / likely.sum(), np.array(outcomes), max(1 - listed, 0.0))
+
+
+def mode_shares(outlook: Outlook) -> dict[str, float]:
+    """Of the hazard that a part has gathered by now, the share of each of its failure modes, by path.
+
+    Equal shares where it has gathered none.
+    """
+    found = {}
+    at = {mode.path: i for i, mode in enumerate(outlook.plant.robot.modes)}
+    for part in outlook.plant.robot.all_components():
+        gathered = [float(outlook.cumulative_hazard[at[mode.path]]) for mode in part.modes]
+        total = math.fsum(gathered)
+        for mode, one in zip(part.modes, gathered, strict=True):
+            found[mode.path] = one / total if total > 0 else 1 / len(part.modes)
+    return found
+
+
+def unit_alarms(
+    outlook: Outlook, states: Sequence[frozenset[str]], sensors: Sequence[tuple[Mapping[str, float], float]]
+) -> Array:
+    """P(alarm | state) of sensors, shape (states, sensors), where states say which units have failed by now.
+
+    Of each sensor: with which probability it sees a failure mode, by path, and that of a false alarm. A unit that has
+    failed did so by one of its modes, each as likely as the hazard that it has gathered.
+    """
+    units = {mode.path: part.units for part in outlook.plant.robot.all_components() for mode in part.modes}
+    share = mode_shares(outlook)
+    columns = []
+    for detects, false_alarm in sensors:
+        by_unit: dict[str, float] = {}
+        for mode, p in detects.items():
+            for unit in units[mode]:
+                by_unit[unit] = by_unit.get(unit, 0.0) + share[mode] * p
+        columns.append(alarm_chances(states, by_unit, false_alarm))
+    return np.stack(columns, axis=1)
 
 
 def alarm_chances(states: Sequence[frozenset[str]], detects: Mapping[str, float], false_alarm: float) -> Array:

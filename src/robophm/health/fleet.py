@@ -14,9 +14,10 @@ from robophm.blocks.reliability import State
 from robophm.core.errors import DesignError
 from robophm.core.given import instance, numbers
 from robophm.core.waiting_time import Curve, time_at, times_of_many
+from robophm.health.ageing import steady_pace
 from robophm.health.outlooks import nominal_outlook
 from robophm.health.plant import Plant, System, finite, infinite
-from robophm.health.prognosis import Outlook, steady_pace
+from robophm.health.prognosis import Outlook
 
 Array = npt.NDArray[np.float64]
 _Number = TypeVar("_Number", bound=np.generic)

@@ -84,6 +84,11 @@ class Future:
         )
         return result
 
+    def pace(self, plant: Plant) -> Array:
+        """How far each mode ages in an hour of calendar time, by the clock that its life counts; shape (modes,)."""
+        result: Array = np.where(plant.by_age, self.effective[:, -1], self.advance[:, -1]) / self.hours[-1]
+        return result
+
     @property
     def usage(self) -> Array:
         """How far the clock of each mode goes in an operating hour."""

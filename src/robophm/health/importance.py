@@ -10,13 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
-from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.fussell_vesely import fussell_vesely
 from robophm.blocks.given_it_works import FAINTEST, StructureGivenItWorks, as_decimals, decimals
 from robophm.blocks.given_it_works import chances as of_hazards
 from robophm.blocks.importance import barlow_proschan, importance
 from robophm.blocks.merging import single_points_of_failure
 from robophm.blocks.reliability import Structure
+from robophm.blocks.top_event import TopEvent
 from robophm.core.errors import StructureError
 from robophm.health.plant import Parts, Plant
 from robophm.health.prognosis import Outlook
@@ -27,6 +27,9 @@ Array = npt.NDArray[np.float64]
 
 USUAL = 1000.0
 """Hours of operation."""
+
+LONGEST = 1e9
+"""Hours of operation ahead that may be asked about."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,16 @@ class Importances:
     """Why there are no Fussell–Vesely importances, where there are none."""
     unknown: PartsOfUnknownRate | None = None
     """What parts of unknown rate are left out: theirs say what would be if they never failed."""
+
+    @property
+    def has_failed(self) -> bool:
+        """Whether the system has failed as far as is known: no unit matters more than another."""
+        return math.isnan(self.units[0].birnbaum)
+
+    @property
+    def lifelong(self) -> bool:
+        """Whether there are Barlow–Proschan importances, which are of all time ahead."""
+        return not math.isnan(self.ever)
 
     def ranked(self, by: str = "criticality") -> list[UnitImportance]:
         """The most important first; those of which it is not known last."""
@@ -116,17 +129,18 @@ def importances(outlook: Outlook, drawn: Drawn, hours: float, *, lifelong: bool 
     return replace(found, unknown=unknown(outlook, drawn.diagram))
 
 
-def of_tree(tree: FaultTree, occurred: Array, not_yet: Array, hours: float = math.nan) -> Importances:
-    """Of a coherent fault tree, from the probabilities of its events, shape (events,); ``occurred`` + ``not_yet`` = 1.
+def of_tree(event: TopEvent, hours: float = math.nan) -> Importances:
+    """Of a coherent fault tree, from the probabilities of its events.
 
     Raises StructureError for one with "not" or "xor", where what fails may be for the better.
     """
+    tree = event.tree
     tree.must_be_coherent("has events whose importance would be negative, which is not stated")
     diagram = tree.diagram()
     structure = Structure(diagram)
     place = {name: i for i, name in enumerate(tree.names)}
     order = [place[name] for name in structure.names]
-    failed, works = occurred[order], not_yet[order]
+    failed, works = event.occurred[order], event.not_yet[order]
     failure = float(structure.probability(works, failed)[1])
     nothing = np.full(len(order), math.nan)
     return _stated(diagram, structure, (np.zeros(len(order)), failed, works), nothing, hours, failure, math.nan)

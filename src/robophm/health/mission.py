@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -98,7 +97,7 @@ def following(outlook: Outlook, tasks: Sequence[Task]) -> list[Completion]:
 
     All functions that any of them needs work now, so that the product over the tasks is that all are completed.
     """
-    legs = Task(tuple(chain.from_iterable(task.legs for task in tasks)))
+    legs = Task.joined(tasks)
     hazard = outlook.increments(outlook.plant.everything, *planned(outlook, legs))
     start_with = {(0, function) for leg in legs.legs for function in leg.functions or ("",)}
     found, last = [], dict[str, int]()  # the last leg of each function so far
@@ -141,7 +140,7 @@ def planned(outlook: Outlook, task: Task) -> Steps:
 
 def plan_future(outlook: Outlook, plan: Plan) -> Future:
     """A future of tasks begun anew again and again, the robot off between. DesignError where they take no time."""
-    legs = Task(tuple(chain.from_iterable(task.legs for task in plan.tasks)))
+    legs = plan.joined
     takes = plan.every if plan.every is not None else legs.duration / outlook.plant.robot.usage.operating
     if not takes > 0:
         raise DesignError("tasks that take no time cannot go on for ever; expected a duration, or every")
@@ -159,7 +158,7 @@ def repetitions(outlook: Outlook, tasks: Sequence[Task], count: int, gap: float 
     ``count`` are done; whoever has seen enough stops asking. It ends before where it is too unlikely, e⁻⁶⁶⁷, that all
     before succeeded. ``gap``: hours of calendar time between two. Raises DesignError where there are no legs.
     """
-    task = Task(tuple(chain.from_iterable(one.legs for one in tasks)))
+    task = Task.joined(tasks)
     if not task.legs:
         raise DesignError("tasks: no legs; expected tasks that take time")
     plant = outlook.plant

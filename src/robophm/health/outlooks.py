@@ -90,9 +90,10 @@ def _seen(ledger: Ledger) -> tuple[npt.NDArray[np.bool_], Array]:
     return known, np.array([(0.0, 0.0, 0.0) if one is None else one[1:] for one in seen]).reshape(-1, 3)
 
 
-def as_designed(plant: Plant, knowledge: Knowledge | None = None) -> Outlook:
-    """A new robot, nominal."""
-    return nominal_outlook(plant, plant.initial, knowledge)
+def as_designed(plant: Plant, knowledge: Knowledge | None = None, *, after: float = 0.0) -> Outlook:
+    """A new robot, nominal; or one that has worked so many operating hours at its design's usage, unwatched."""
+    worked = plant.pace * after / plant.robot.usage.operating if after else 0.0
+    return nominal_outlook(plant, plant.initial + worked, knowledge)
 
 
 def nominal_outlook(plant: Plant, age: Array, knowledge: Knowledge | None = None) -> Outlook:

@@ -107,8 +107,8 @@ class Plant:
                      for part in self.components)  # fmt: skip
 
     def diagram(self, function: str) -> Block:
-        """Of a function by name; of the whole robot for ""."""
-        return self.robot.functions[function] if function else self.robot.diagram
+        """The diagram of a function by name; of the whole robot for "". Raises StructureError for an unknown name."""
+        return self.robot.diagram_of(function)
 
     def needed(self, functions: Sequence[str]) -> npt.NDArray[np.bool_]:
         """Of each failure mode, whether its part is drawn in one of the functions; none named is the whole robot."""

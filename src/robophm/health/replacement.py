@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -59,6 +60,45 @@ class Replacements:
     """Components that were not looked at: to first order they change less than any of these."""
     unknown: PartsOfUnknownRate | None = None
     """What parts of unknown rate make of it; what they themselves would gain is not known, and none of ``parts``."""
+
+    @property
+    def changing(self) -> tuple[Replacement, ...]:
+        """Those of which a new one would change anything; none where no part has aged and no redundancy is lost."""
+        return tuple(one for one in self.parts if one.completion or one.median or one.mean)
+
+    @property
+    def losing(self) -> int:
+        """How many would lose by it in all figures: young parts of theirs fail more often than old ones."""
+        return sum(max(one.completion or 0.0, one.median, one.mean) < 0 for one in self.parts)
+
+    def for_their_cost(self, costs: Mapping[str, float]) -> list[Worth]:
+        """Weigh the gains against costs by path of the part: the most mean life per cost first, infinite as if none.
+
+        A part that costs nothing, or is not among the costs, is left out.
+        """
+        found = [Worth.of(one, costs[one.path]) for one in self.parts if costs.get(one.path, 0.0) > 0]
+        return sorted(found, key=lambda one: -one.mean_life_per_cost if math.isfinite(one.mean_life_per_cost) else 0.0)
+
+
+class Worth(NamedTuple):
+    """What a component put in new now would gain for what that costs."""
+
+    part: str
+    cost: float
+    mean_life: float
+    """[h of calendar time]"""
+    mean_life_per_cost: float
+    completion: float | None
+    """How much likelier the task would be completed."""
+    completion_per_cost: float | None
+
+    @classmethod
+    def of(cls, gained: Replacement, cost: float) -> Worth:
+        """Weigh the gain of a component against a cost above 0."""
+        of_task = gained.completion
+        return cls(
+            gained.path, cost, gained.mean, gained.mean / cost, of_task, None if of_task is None else of_task / cost
+        )
 
 
 def replaced(outlook: Outlook, component: int) -> Outlook:

@@ -48,6 +48,12 @@ def find(robot: Robot, path: str) -> tuple[Component, tuple[FailureMode, ...]]:
     raise RobophmError(f"no part '{path}'{nearest(path, known)}")
 
 
+def services_of(robot: Robot, ledger: Ledger, path: str) -> list[Service]:
+    """What was done so far to a component, or to one of its failure modes, by its path. Raises RobophmError."""
+    keys = {mode.key for mode in find(robot, path)[1]}
+    return [service for service in ledger.services if service.mode in keys]
+
+
 def replace(robot: Robot, ledger: Ledger, path: str, *, failed: bool) -> None:
     """Put a component in new; ``failed``: that it, or the failure mode named, had failed. Raises RobophmError."""
     part, modes = find(robot, path)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from robophm.blocks.diagram import Block
 from robophm.core.signal import SECOND
-from robophm.design.robot import Limits
+from robophm.design.robot import Limits, Robot, Thresholds
 from robophm.design.task import Task
 from robophm.health.mission import Completion, completion
 from robophm.health.prognosis import Outlook, RemainingLife
@@ -22,6 +22,25 @@ STALE = "stale "
 
 MOST_NAMED = 4
 """Silent signals of one time, and times, that are named."""
+
+
+class System(NamedTuple):
+    """What a robot's figures are given for, in its design."""
+
+    kind: str
+    """robot, module or function."""
+    path: str
+    diagram: Block
+    thresholds: Thresholds
+
+
+def systems(robot: Robot) -> list[System]:
+    """The robot first, then its modules outer before inner, then its functions."""
+    return [
+        System("robot", robot.name, robot.diagram, robot.thresholds),
+        *(System("module", module.path, module.diagram, module.thresholds) for module in robot.all_modules()),
+        *(System("function", name, diagram, Thresholds()) for name, diagram in robot.functions.items()),
+    ]
 
 
 @dataclass(frozen=True)
@@ -94,12 +113,17 @@ class Subject:
         return (*self.flags, self.silence) if self.silence else self.flags
 
     @property
+    def stale(self) -> tuple[str, ...]:
+        """The silent signals that it hangs on."""
+        return tuple(flag.removeprefix(STALE) for flag in self.flags if flag.startswith(STALE))
+
+    @property
     def state(self) -> State:
         """In one word: stale is one that is not in error, as far as is known, and has a sensor that is silent; what
         leaves parts of unknown rate out is never plainly ok."""
         if self.breaches:
             return "error"
-        if any(flag.startswith(STALE) for flag in self.flags):
+        if self.stale:
             return "stale"
         return "warn" if self.warnings or self.unknown else "ok"
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from itertools import chain
 from typing import Any
 
 from robophm.design.task import Plan, Task
+from robophm.health.draws import affordable
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, Deciding, completion, deciding, following
@@ -74,10 +74,11 @@ def task_report(
     plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, plan: Plan, *,
     future: FutureName = "recent", draws: int = DRAWS, seed: int = 0,
 ) -> TaskReport:  # fmt: skip
-    """What a list of tasks asks of a robot with this past."""
+    """What a list of tasks asks of a robot with this past. Raises RobophmError for ``draws`` that are too many."""
+    draws = affordable(draws, plant.robot)
     views = outlooks(plant, exposure, ledger, future=future, knowledge=plan.knowledge)
     each = {view: following(views[view], plan.tasks) for view in VIEWS}
-    joined = Task(tuple(chain.from_iterable(task.legs for task in plan.tasks)))
+    joined = plan.joined
     lived = views["sensor_based"]
     loads = draw_loads(plant, ledger, SCENARIOS, seed)
     unsure = bool(loads) or any(mode.uncertainty for mode in plant.robot.modes)

@@ -68,6 +68,16 @@ class LifeUncertainty:
     chance_alone: Interval
     """Both known: what no knowledge of rates and load could narrow."""
 
+    @property
+    def of_rates(self) -> bool:
+        """Whether rates are uncertain, so that knowing them would change it."""
+        return self.rates_known != self.all_sources
+
+    @property
+    def of_load(self) -> bool:
+        """The same of the load to come."""
+        return self.load_known != self.all_sources
+
 
 @dataclass(frozen=True)
 class CompletionUncertainty:
@@ -79,6 +89,16 @@ class CompletionUncertainty:
     """Of the probability of failure, over rates and load."""
     failure_if_rates_known: Interval
     failure_if_load_known: Interval
+
+    @property
+    def of_rates(self) -> bool:
+        """Whether rates are uncertain, so that knowing them would change it."""
+        return self.failure_if_rates_known != self.failure
+
+    @property
+    def of_load(self) -> bool:
+        """The same of the load to come."""
+        return self.failure_if_load_known != self.failure
 
 
 def draw_rates(plant: Plant, count: int, seed: int) -> Array:

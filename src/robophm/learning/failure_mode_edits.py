@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from robophm.core.errors import DesignError, nearest
-from robophm.design.edited_text import EditedText
+from robophm.design.edited_text import EditedText, child, is_alias
 from robophm.design.file import parse
 from robophm.design.robot import FailureMode, Robot
+from robophm.parts import FIGURES
 
 
 def edited(text: str, label: str, changes: Mapping[str, Mapping[str, str | None]]) -> str:
@@ -42,9 +43,11 @@ def _mode(design: EditedText, path: str) -> Any:
     while rest:
         steps = _step(node, rest[0])
         if not steps:
-            raise DesignError(f"{design.label}: '{path}' cannot be found in its text; expected a place of its own")
+            raise DesignError(
+                f"{design.label}: '{path}' cannot be found in its text; expected a place of its own{_elsewhere(node)}"
+            )
         for key, value in steps:
-            if EditedText.is_alias(key, value):
+            if is_alias(key, value):
                 raise DesignError(
                     f"{design.label}:{key.start_mark.line + 1}: '{key.value}' is an alias, which several parts share; "
                     f"expected '{path}' written out, to have evidence of its own"
@@ -53,11 +56,17 @@ def _mode(design: EditedText, path: str) -> Any:
     return node
 
 
+def _elsewhere(node: Any) -> str:
+    """Where the failure modes of a part are, where they are not in the design."""
+    named = child(node, "part") if node.id == "mapping" else None
+    return f": failure_modes copied from '{named[1].value}' of the library" if named else ""
+
+
 def _step(node: Any, name: str) -> list[tuple[Any, Any]]:
     """The group in which a name stands, and what stands there; none where it does not."""
     for kind in ("modules", "components", "failure_modes"):
-        group = EditedText.child(node, kind)
-        found = EditedText.child(group[1], name) if group else None
+        group = child(node, kind)
+        found = child(group[1], name) if group else None
         if group and found:
             return [group, found]
     return []
@@ -65,8 +74,9 @@ def _step(node: Any, name: str) -> list[tuple[Any, Any]]:
 
 def _put(design: EditedText, node: Any, changes: Mapping[str, str | None]) -> None:
     """Other values of the keys of a mapping; new ones stand behind the rate, None takes a key out."""
-    anchor = next(filter(None, (EditedText.child(node, key) for key in ("rate", "hazard", "life"))), node.value[-1])
-    new = [f"{key}: {value}" for key, value in changes.items() if value is not None and not EditedText.child(node, key)]
+    stated = (*FIGURES, "hazard", "part", "life")
+    anchor = next(filter(None, (child(node, key) for key in stated)), node.value[-1])
+    new = [f"{key}: {value}" for key, value in changes.items() if value is not None and not child(node, key)]
     kept = 0
     for key, value in node.value:
         if key.value not in changes:

@@ -11,7 +11,6 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from robophm.core.errors import ModelError
 from robophm.life.distribution import Array, LifeDistribution
 
 
@@ -49,11 +48,11 @@ class Curve(LifeDistribution):
         return age
 
     @classmethod
-    def with_mean(cls, mean: float, **shape: float) -> Self:
-        """No such constructor: the rate is λ itself. Raises ModelError; see ``with_rate``."""
-        raise ModelError("Curve: it keeps its rate λ as a parameter, expected a rate and not a mean")
-
-    @classmethod
     def with_rate(cls, rate: float, **shape: float) -> Self:
         """The distribution whose λ is ``rate`` [1/clock] itself; 1/λ is not its mean. Raises ModelError."""
         return cls(rate=rate, **cls._shape(shape))
+
+    @property
+    def nominal_rate(self) -> float:
+        """λ [1/clock], which is not 1/mean."""
+        return self.rate

@@ -38,8 +38,8 @@ class LifeDistribution(ABC):
     """The random age at failure of a part that is not repaired.
 
     ``dimensions`` names the parameters and the power of the clock's unit in each: 1 for a scale or location,
-    0 for a plain number, −1 for a rate. ``scale_parameter`` is the one that ``with_mean`` and ``with_rate``
-    set; what remains is the shape.
+    0 for a plain number, −1 for a rate. ``scale_parameter`` is the one that ``with_mean``, ``with_rate`` and
+    ``with_quantile`` set (of dimension 0: its logarithm); what remains is the shape.
     """
 
     dimensions: ClassVar[Mapping[str, int]]
@@ -117,12 +117,37 @@ class LifeDistribution(ABC):
         """
         return cls.with_mean(1 / cls._positive("rate", rate), **shape)
 
+    @classmethod
+    def with_quantile(cls, probability: float, age: float, **shape: float) -> Self:
+        """The distribution of which that share of lives has ended at ``age`` [clock]; ``shape``: all but the scale.
+
+        ``probability`` is between 0 and 1; of an L10 or a B10 it is 0.1. Raises ModelError, as ``with_mean``.
+        """
+        shape, scale = cls._shape(shape), cls._scale_parameter()
+        age = number(age, "age", low=-math.inf, error=ModelError)
+        if not 0 < number(probability, "probability", error=ModelError) < 1:
+            raise ModelError(f"{cls.__name__}: probability = {probability}, expected between 0 and 1")
+        if cls.lowest == -math.inf:  # the scale moves every life
+            return cls(**shape, **{scale: age - float(cls(**shape, **{scale: 0.0}).quantile(probability))})
+        location = number(shape.get("location", 0.0), "location", low=-math.inf, error=ModelError)
+        life = cls._positive("age − location", age - location)
+        power = cls.dimensions[scale]
+        unit = cls(**{**{key: shape[key] for key in shape if key != "location"}, scale: 1.0 if power else 0.0})
+        ratio = cls._positive(scale, life / max(float(unit.quantile(probability)), 5e-324))
+        return cls(**{**shape, scale: ratio**power if power else math.log(ratio)})
+
     def without_location(self) -> Self:
         """The same life with no time at its beginning in which it cannot end."""
         if getattr(self, "location", 0.0) <= 0:
             return self
         parameters = {name: getattr(self, name) for name in self.dimensions}
         return type(self)(**{**parameters, "location": 0.0})
+
+    @property
+    def nominal_rate(self) -> float:
+        """The rate [1/clock] of which ``with_rate`` makes this life, 1/mean; none where that is not above zero."""
+        mean = self.mean()
+        return 1 / mean if mean else math.inf
 
     @property
     def degree(self) -> float | None:

@@ -21,7 +21,7 @@ class Exponential(LifeDistribution):
 
     @property
     def degree(self) -> float | None:
-        """Of H as a power of age: 1 without a location."""
+        """The degree of H as a power of age: 1 without a location."""
         return None if self.location else 1.0
 
     def _cumulative_hazard(self, x: Array) -> Array:

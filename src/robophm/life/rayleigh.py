@@ -25,7 +25,7 @@ class Rayleigh(LifeDistribution):
 
     @property
     def degree(self) -> float | None:
-        """Of H as a power of age: 2 without a location."""
+        """The degree of H as a power of age: 2 without a location."""
         return None if self.location else 2.0
 
     def _cumulative_hazard(self, x: Array) -> Array:

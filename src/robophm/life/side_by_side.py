@@ -16,7 +16,7 @@ from robophm.life.distribution import Array, LifeDistribution, limits
 
 
 def kind(life: LifeDistribution) -> object:
-    """What those have in common that are asked together."""
+    """A key that distributions share which can be evaluated together."""
     return type(life) if life.closed_form else life
 
 
@@ -57,7 +57,7 @@ class Lives:
         return self._weighed(found)
 
     def hazard(self, age: Array) -> Array:
-        """h(age) [1/clock]."""
+        """The hazard rates h(age) [1/clock], shape (distributions, ...)."""
         found = np.empty(age.shape)
         with limits():
             for rows, life, plain in self._classes(found.ndim):

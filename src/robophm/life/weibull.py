@@ -23,7 +23,7 @@ class Weibull(LifeDistribution):
 
     @property
     def degree(self) -> float | None:
-        """Of H as a power of age: β without a location."""
+        """The degree of H as a power of age: β without a location."""
         return None if self.location else self.shape
 
     def _cumulative_hazard(self, x: Array) -> Array:

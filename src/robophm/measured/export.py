@@ -29,14 +29,14 @@ SUFFIXES = (".csv", ".parquet")
 
 
 class Writer(ABC):
-    """A table of signals being written."""
+    """Writes the samples of signals as a table."""
 
     @abstractmethod
     def rows(self, times: Ints, values: Floats, there: NDArray[np.bool_]) -> None:
         """Write rows: time [ns since the epoch], values and where there is one, shape (rows, signals)."""
 
     def close(self) -> None:  # noqa: B027  a text has nothing to finish
-        """Write what ends the file."""
+        """Write the end of the table and close the file."""
 
 
 def export(
@@ -62,7 +62,7 @@ def export(
 
 @contextmanager
 def writing(path: Path, units: Mapping[str, str | None]) -> Iterator[Writer]:
-    """What writes a table of these signals to a file, by its suffix."""
+    """The writer of a table of these signals, chosen by the file's suffix."""
     make = {".csv": _Csv, ".parquet": _parquet()} if path.suffix == ".parquet" else {".csv": _Csv}
     if path.suffix not in make:
         raise RobophmError(f"{path}: cannot be written; expected a name that ends in {' or '.join(SUFFIXES)}")

@@ -21,7 +21,7 @@ MOST_HITS = 10_000
 
 @dataclass(frozen=True)
 class Condition:
-    """What is looked for; exactly one of its kinds. Levels are in the signal's unit, ``faster`` per second."""
+    """What is looked for, exactly one kind. Levels are in the signal's unit, ``faster`` per second."""
 
     above: float | None = None
     below: float | None = None
@@ -49,7 +49,7 @@ class Condition:
             raise RobophmError("stuck and missing are of some time; expected for how long at least")
 
     def holds(self, here: HeldValues) -> tuple[NDArray[np.bool_], Ints, Floats]:
-        """Of each stretch whether it does, until when, and the value, or the change per second, that says so."""
+        """Whether the condition holds in each stretch, until when, and the value or change per second that shows it."""
         if self.above is not None or self.below is not None:
             true = np.ones(len(here.times), np.bool_)
             if self.above is not None:
@@ -67,7 +67,7 @@ class Condition:
 
 
 class Hit(NamedTuple):
-    """One stretch, as long as it lasts."""
+    """A stretch of time in which the condition holds, in full."""
 
     recording: str
     begin: int
@@ -80,7 +80,7 @@ class Hit(NamedTuple):
 
 @dataclass
 class Found:
-    """What was found."""
+    """The stretches that were found, and how many there were in all."""
 
     hits: list[Hit] = field(default_factory=list)
     """The first MOST_HITS."""
@@ -92,7 +92,7 @@ class Found:
     notes: Counter[str] = field(default_factory=Counter)
 
     def add(self, hit: Hit) -> None:
-        """Take one more."""
+        """Count one more stretch, and keep it if there is room."""
         self.count += 1
         self.length += hit.end - hit.begin
         if len(self.hits) < MOST_HITS:

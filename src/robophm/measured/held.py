@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 
 
 class Samples(NamedTuple):
-    """Of one signal, ascending."""
+    """The samples of one signal, in ascending order of time."""
 
     times: Ints
     """[ns since the epoch]"""
@@ -35,7 +35,7 @@ class Samples(NamedTuple):
 
 
 class HeldValues(NamedTuple):
-    """Some samples of one signal, ascending, and what follows each; shape (samples,)."""
+    """Samples of one signal in ascending order of time, and how long each holds; shape (samples,)."""
 
     times: Ints
     """[ns since the epoch]"""
@@ -68,7 +68,7 @@ class InOrder:
         """No sample before this time is still to come [ns]."""
 
     def feed(self, block: Block) -> dict[str, Samples]:
-        """What is complete with this block, by signal."""
+        """The samples that are complete with this block, by signal."""
         for signal in self._signals:
             if signal.topic in block:
                 columns = block[signal.topic]
@@ -84,7 +84,7 @@ class InOrder:
         return self._ready(self.complete)
 
     def rest(self) -> dict[str, Samples]:
-        """What is left when there are no more blocks."""
+        """The samples that are left when there are no more blocks, by signal."""
         return self._ready(np.iinfo(np.int64).max)
 
     def _ready(self, until: int) -> dict[str, Samples]:

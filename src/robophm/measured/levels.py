@@ -32,7 +32,7 @@ Ints = NDArray[np.int64]
 
 
 class Levels:
-    """How much of something there was in each cell; ``wanted`` steps at most of each of ``signals`` signals."""
+    """How much of something there was in each cell of levels; of each signal at most ``wanted`` steps."""
 
     def __init__(self, signals: int, sums: int, wanted: int) -> None:
         """``sums`` are kept of each cell; the first is the time, or whatever levels are weighted by."""
@@ -52,7 +52,7 @@ class Levels:
 
     @property
     def widths(self) -> Floats:
-        """Of the steps of each signal."""
+        """The widths of the steps of each signal."""
         widths: Floats = np.ldexp(1.0, self._exponent)
         return widths
 
@@ -120,7 +120,7 @@ def _first_of(cell: Ints, ranked: Floats, first: Ints) -> Floats:
 
 
 def marginal(levels: Levels, signal: int) -> tuple[Floats, Floats]:
-    """Of one signal: where each step begins, from first to last without a gap, and how much of the first sum."""
+    """The levels of one signal: where each step begins, first to last without a gap, and its part of the first sum."""
     if not len(levels.keys):
         return np.empty(0), np.empty(0)
     keys = levels.keys[:, signal]

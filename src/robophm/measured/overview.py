@@ -28,7 +28,7 @@ MOST_GAPS = 1000
 
 @dataclass
 class Topic:
-    """One topic of a recording. Times are of receipt [ns since the epoch]."""
+    """A topic of a recording. Times are of receipt [ns since the epoch]."""
 
     name: str
     type: str
@@ -47,18 +47,34 @@ class Topic:
     gap_length: int = 0
     """Of all of them [ns]."""
 
+    @property
+    def span(self) -> tuple[int, int] | None:
+        """The first and the last message; None where there is none."""
+        return None if self.first is None or self.last is None else (self.first, self.last)
+
+    @property
+    def longest_gap(self) -> tuple[int, int] | None:
+        """Its begin and length [ns], the first of several; None where there is none."""
+        return max(self.gaps, key=lambda gap: gap[1], default=None)
+
 
 @dataclass
 class Overview:
-    """One recording."""
+    """A recording at a glance: when it was made, how long it is, its topics and gaps."""
 
     name: str
     topics: list[Topic]
     notes: Counter[str]
 
+    @property
+    def span(self) -> tuple[int, int] | None:
+        """The first and the last message of any topic; None where there is none."""
+        spans = [topic.span for topic in self.topics if topic.span]
+        return (min(first for first, _ in spans), max(last for _, last in spans)) if spans else None
+
 
 def overview(recorded: Recorded, gap: int | None = None) -> Overview:
-    """What a recording holds; a ``gap`` is so long [ns] without a message, or GAP times the topic's median interval."""
+    """An overview of a recording; a ``gap`` [ns] without a message counts, or GAP times the topic's median interval."""
     names: dict[str, dict[str, list[str]]] = {}
     with suppress(SourceError), Recording(*recorded.paths) as recording:  # what is damaged is said below
         names = recording.names()

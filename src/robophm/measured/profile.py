@@ -41,7 +41,7 @@ _FAINT = 1e-12
 
 @dataclass(frozen=True)
 class Input:
-    """What one measured input of some parts was."""
+    """The levels of one measured input of some parts."""
 
     name: str
     unit: str
@@ -59,7 +59,7 @@ class Input:
 
 @dataclass(frozen=True)
 class Profile:
-    """What parts that age alike went through. Levels are as the model has them, offsets included."""
+    """The levels at which parts that age alike have worked, as their model takes them, offsets included."""
 
     parts: tuple[str, ...]
     """Paths of the failure modes."""
@@ -77,19 +77,30 @@ class Profile:
 
     @property
     def share(self) -> Floats:
-        """Of each cell, of all that the clock went."""
+        """The share of each cell in all that the clock advanced."""
         return shares(self.levels.sums[:, 0])
 
     @property
+    def gone(self) -> float:
+        """How far the clock advanced over all levels together."""
+        return float(self.levels.sums[:, 0].sum())
+
+    @property
+    def factors(self) -> Floats:
+        """The mean stress factor in each cell; shape (cells,)."""
+        found: Floats = self.levels.sums[:, 1] / self.levels.sums[:, 0]
+        return found
+
+    @property
     def factor(self) -> float:
-        """Mean stress factor."""
-        whole = float(self.levels.sums[:, 0].sum())
+        """The mean stress factor over the profile."""
+        whole = self.gone
         return float(self.levels.sums[:, 1].sum()) / whole if whole else 1.0
 
 
 @dataclass(frozen=True)
 class Lived:
-    """What a robot went through in some recordings."""
+    """The levels at which a robot's parts worked in some recordings."""
 
     robot: Robot
     profiles: tuple[Profile, ...]
@@ -99,16 +110,16 @@ class Lived:
 
     @property
     def operating(self) -> float:
-        """[h]"""
+        """The operating time [h]."""
         return float(self.ledger.clocks.value[0])
 
     @property
     def calendar(self) -> float:
-        """[h]"""
+        """The calendar time [h]."""
         return float(self.ledger.clocks.value[1])
 
     def counted(self, clock: str) -> float:
-        """How far a clock went: the robot's own, or that of the first part that ages on it; 0 where there is none."""
+        """How far a clock advanced: the robot's own, or of the first part that ages on it; 0 where there is none."""
         if clock in self.ledger.odometers:
             return float(self.ledger.clocks.value[2 + self.ledger.odometers.index(clock)])
         ages = zip(self.robot.modes, self.ledger.age.value.tolist(), strict=True)
@@ -122,7 +133,7 @@ def lived(
     *,
     skip_missing: bool = False,
 ) -> Lived:
-    """What a robot went through in a recording, or in several together, at most ``steps`` levels of each input.
+    """The levels at which a robot worked in one or several recordings, at most ``steps`` levels of each input.
 
     Raises SourceError where a bound signal is missing or measures something else, or nothing that ages is measured.
     """

@@ -28,7 +28,7 @@ class Recorded:
     """Files beside it of which nothing can be read, and why."""
 
     def has(self, signal: Signal) -> bool:
-        """Whether it has the field at all."""
+        """Whether the recording has the field of this signal."""
         fields = self.topics.get(signal.topic, ("", ()))[1]
         return any_element(signal.field) in fields or (named(signal.field) and bool(fields))
 
@@ -46,7 +46,7 @@ class Recorded:
 
 @dataclass(frozen=True)
 class Signal:
-    """A field of a topic."""
+    """A signal: a field of a topic, with its unit."""
 
     name: str
     topic: str
@@ -133,6 +133,7 @@ def _split(name: str, topics: Mapping[str, tuple[str, tuple[str, ...]]]) -> tupl
         raise SourceError(f"{error}; e.g. '{name}.{fields[0]}'") from None
 
 
-def said(notes: Counter[str]) -> list[str]:
-    """Notes of a reading as lines for people."""
-    return [f"{what} ({count:,} times)" if count > 1 else what for what, count in sorted(notes.items())]
+def said(notes: Counter[str], recording: str = "") -> list[str]:
+    """Notes of a reading as lines for people, each with the recording's name where one is given."""
+    of = f"{recording}: " if recording else ""
+    return [f"{of}{what} ({count:,} times)" if count > 1 else of + what for what, count in sorted(notes.items())]

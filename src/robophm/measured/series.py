@@ -54,7 +54,7 @@ class Series:
 
     @property
     def width(self) -> int:
-        """Of a stretch [ns]."""
+        """The width of one stretch of the series [ns]."""
         return 1 << self._shift
 
     def means(self, count: int) -> list[float]:

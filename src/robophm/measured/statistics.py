@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,16 +13,19 @@ from robophm.core.errors import RobophmError
 from robophm.core.signal import HOUR, SECOND
 from robophm.measured.held import Floats, HeldValues, Ints, held
 from robophm.measured.levels import Levels
-from robophm.measured.recordings import Recorded, Signal
+from robophm.measured.recordings import Recorded, Signal, said
 from robophm.measured.series import Series
 
 MOST_WINDOWS = 1_000_000
 """Windows without a sample of their own, in which the value from before still held, in one recording."""
 
+MOST_KEPT = 100_000
+"""Windows that are kept one by one; all are counted, and told of as they are over."""
+
 
 @dataclass(frozen=True)
 class Window:
-    """One signal in one stretch of time, in its unit."""
+    """The statistics of one signal in one stretch of time, in the signal's unit."""
 
     begin: int
     """[ns since the epoch]; without a length of windows, the first sample."""
@@ -119,7 +122,7 @@ def _joined(one: Floats, other: Floats) -> Floats:
 
 @dataclass
 class Look:
-    """What is gathered of one signal besides its windows: all in one, what is drawn, and its time at level [h]."""
+    """All that is gathered of one signal: its statistics, its course to be drawn, and its time at each level [h]."""
 
     whole: Windows
     series: Series
@@ -131,7 +134,7 @@ class Look:
         return cls(Windows(None), Series(), Levels(1, 1, levels))
 
     def add(self, here: HeldValues) -> None:
-        """Take stretches of the signal."""
+        """Add stretches of the signal."""
         self.whole.feed(here)
         self.series.add(here)
         self.levels.add(here.values[:, None], ((here.ends - here.times) / HOUR)[:, None], here.values)
@@ -163,3 +166,66 @@ def statistics(
     for signal in signals:
         for window in windows[signal.name].so_far:
             yield signal, window
+
+
+@dataclass(frozen=True)
+class Seen:
+    """One signal of one recording, all of it together."""
+
+    recording: str
+    signal: Signal
+    look: Look
+
+    @property
+    def whole(self) -> Window:
+        """The figures of the signal over all of the recording."""
+        (window,) = self.look.whole.so_far
+        return window
+
+
+@dataclass
+class Statistics:
+    """The statistics of signals in recordings."""
+
+    seen: list[Seen] = field(default_factory=list)
+    """Recording by recording, of those signals of which there are samples."""
+    windows: list[tuple[str, Signal, Window]] = field(default_factory=list)
+    """The first MOST_KEPT, each with the name of its recording."""
+    count: int = 0
+    """Of all windows."""
+    notes: list[str] = field(default_factory=list)
+    """In words, with the recording's name where there are several."""
+
+
+def statistics_of(
+    found_in: Sequence[Recorded],
+    signals: Sequence[Signal],
+    every: int | None,
+    max_age: int,
+    *,
+    levels: int = 20,
+    on_window: Callable[[str, Signal, Window], None] | None = None,
+    advance: Callable[[int, int], None] = lambda done, total: None,
+) -> Statistics:
+    """Take the figures, the course, the time at so many levels and the windows of each signal in each recording.
+
+    ``on_window`` is told of each window as it is over, ``advance`` how many recordings of how many are done.
+    Raises RobophmError where there would be more windows than MOST_WINDOWS.
+    """
+    found = Statistics()
+    for done, one in enumerate(found_in):
+        advance(done, len(found_in))
+        looks = {sought.name: Look.new(levels) for sought in signals}
+        notes: Counter[str] = Counter()
+        for sought, window in statistics(one, signals, every, max_age, notes, looks):
+            found.count += 1
+            if len(found.windows) < MOST_KEPT:
+                found.windows.append((one.name, sought, window))
+            if on_window:
+                on_window(one.name, sought, window)
+        found.notes += said(notes, one.name if len(found_in) > 1 else "")
+        for sought in signals:
+            looks[sought.name].levels.finish()
+            if looks[sought.name].whole.so_far:
+                found.seen.append(Seen(one.name, sought, looks[sought.name]))
+    return found

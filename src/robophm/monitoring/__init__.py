@@ -2,7 +2,7 @@
 
 ``monitor.py`` takes samples one by one, ``by_block.py`` many at a time, both to the same ledger.
 ``recording_sessions.py`` says what there is to replay and ``replay.py`` replays it; ``live_loop.py`` watches a robot
-that runs, with ``live_tasks.py``, ``look_ahead.py`` and ``clock_steps.py``. ``task_history.py`` and
-``wear_history.py`` say what recordings tell of tasks and of wear; ``task_evaluation.py`` how a task that the robot
-told of is evaluated.
+that runs, with ``live_tasks.py``, ``look_ahead.py`` and ``clock_steps.py``. ``stored_past.py`` finds the past in a
+store. ``task_history.py`` and ``wear_history.py`` say what recordings tell of tasks and of wear, ``rate_history.py``
+what a ledger tells of rates; ``task_evaluation.py`` how a task that the robot told of is evaluated.
 """

@@ -17,7 +17,7 @@ class ClockSteps:
         self._now = ""
 
     def hear(self, time: int, ledger: Ledger) -> str:
-        """What is to be said of a sample of this time [ns] that comes next; "" as a rule."""
+        """The warning that a sample of this time [ns] calls for, which comes next; empty as a rule."""
         step, words = "", ""
         if ledger.integrated_to is not None and time < ledger.integrated_to - BACK:
             hours = (ledger.integrated_to - time) / HOUR

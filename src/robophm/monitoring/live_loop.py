@@ -6,11 +6,12 @@ import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import REORDERED, SECOND
+from robophm.core.signal import REORDERED, SECOND, Sample
 from robophm.design.robot import Robot
-from robophm.health.report import health_now
+from robophm.health.reporting import health_now
 from robophm.monitoring.clock_steps import ClockSteps
 from robophm.monitoring.live_tasks import LiveTasks
 from robophm.monitoring.look_ahead import LookAhead
@@ -46,85 +47,119 @@ def watch(
 
     Raises SourceError as the source does, and where the ledger is ahead of the samples' time.
     """
-    ledger = kept_ledger(robot, store) if store else None
-    course = ReportHistory(REPORT_STEP, ledger)
-    saved = time.monotonic()
-    key = f"journal {journal.path.resolve()}" if journal else ""
+    return _Watch(
+        robot=robot, source=source, store=store, journal=journal, period=period, sinks=sinks, task_topics=task_topics,
+        speed=speed, functions=functions, on_start=on_start, on_tick=on_tick, on_task=on_task, on_clock=on_clock,
+    ).run()  # fmt: skip
 
-    def save() -> None:
-        nonlocal saved
-        if store:
-            if journal:
-                journal.sync()
-            progress = Progress(key, journal.position) if journal else None
-            store.save(robot.name, monitor.ledger.to_json(), progress, course.reports)
-            course.reports.clear()
-            saved = time.monotonic()
 
-    mixed = Counter(ledger.counts if ledger else ())
+@dataclass(kw_only=True)
+class _Watch:
+    """One run of the loop; what it is made of, and of what it tells, as ``watch`` says."""
 
-    def note_orders(monitor: Monitor) -> None:
-        for reason, count in source.notes.copy().items():
-            if reason.startswith(REORDERED):  # it qualifies what is in the ledger
-                monitor.ledger.counts[reason] = mixed[reason] + count
+    robot: Robot
+    source: SignalSource
+    store: Store | None
+    journal: Journal | None
+    period: float
+    sinks: Sequence[ReportSink]
+    task_topics: Collection[str]
+    speed: float | None
+    functions: Sequence[str]
+    on_start: Callable[[Monitor], None] | None
+    on_tick: Callable[[Monitor], None] | None
+    on_task: Callable[[JudgedTask], None] | None
+    on_clock: Callable[[str], None] | None
 
-    def tick(monitor: Monitor) -> None:
-        note_orders(monitor)
-        if ahead.is_alive():
+    def __post_init__(self) -> None:
+        ledger = kept_ledger(self.robot, self.store) if self.store else None
+        self._course = ReportHistory(REPORT_STEP, ledger)
+        self._saved = time.monotonic()
+        self._key = f"journal {self.journal.path.resolve()}" if self.journal else ""
+        self._mixed = Counter(ledger.counts if ledger else ())
+        self._ahead = LookAhead()
+        self._clock = ClockSteps()
+        self._monitor = Monitor(self.robot, ledger, period=self.period, on_tick=self._tick)
+        self._tasks = LiveTasks(self._monitor, speed=self.speed, functions=self.functions)
+        self._behind: int | None = None
+        """To which the ledger had been integrated, until the first sample is known not to be before it."""
+
+    def run(self) -> Monitor:
+        """Take in what an earlier run could not save, then listen until the source is closed."""
+        monitor = self._monitor
+        if self.store and self.journal and (kept_to := self.store.progress(self.robot.name, self._key).position):
+            for sample in self.journal.since(kept_to):
+                monitor.observe(sample)
+        self._save()
+        self._behind = monitor.ledger.integrated_to
+        with ExitStack() as opened:
+            if self.sinks:
+                opened.enter_context(self._ahead)
+            opened.callback(self._save)
+            if self.on_start:
+                self.on_start(monitor)
+            for heard in _listen(self.source, self.robot.signals, self.task_topics):
+                if isinstance(heard, WholeMessage):
+                    self._hear_of_task(heard)
+                elif isinstance(heard, Gap):
+                    if self.journal:
+                        self.journal.gap(heard.topic, heard.why)
+                else:
+                    self._take(heard)
+            self._note_orders()
+        self.source.notes.update(self._tasks.notes)
+        return monitor
+
+    def _take(self, heard: Sample) -> None:
+        if self._behind is not None and heard.time < self._behind:
+            raise SourceError(
+                f"the ledger of {self.robot.name} is {(self._behind - heard.time) / SECOND:,.0f} s ahead of what is "
+                f"heard; expected a clock that is right, or another store; {REPAIR}"
+            )
+        self._behind = None
+        if self.journal:
+            self.journal.write(heard)
+        if (words := self._clock.hear(heard.time, self._monitor.ledger)) and self.on_clock:
+            self.on_clock(words)
+        self._monitor.observe(heard)
+        if time.monotonic() - self._saved > SAVE_EVERY:
+            self._save()
+
+    def _hear_of_task(self, message: WholeMessage) -> None:
+        if judged := self._tasks.hear(message):
+            for sink in self.sinks:
+                sink.judged(judged)
+            if self.on_task:
+                self.on_task(judged)
+
+    def _tick(self, monitor: Monitor) -> None:
+        """Tell what there is to tell after a step of integration."""
+        self._note_orders()
+        if self._ahead.is_alive():
             settled = monitor.exposure.settled(monitor.ledger)
-            report = ahead.beside(health_now(monitor.plant, monitor.exposure, settled))
-            for sink in sinks:
+            report = self._ahead.beside(health_now(monitor.plant, monitor.exposure, settled))
+            for sink in self.sinks:
                 sink.publish(report)
-        if task_topics:
-            tasks.remember()
-        if store:
-            course.follow(monitor)
-        if on_tick:
-            on_tick(monitor)
+        if self.task_topics:
+            self._tasks.remember()
+        if self.store:
+            self._course.follow(monitor)
+        if self.on_tick:
+            self.on_tick(monitor)
 
-    ahead = LookAhead()
-    clock = ClockSteps()
-    monitor = Monitor(robot, ledger, period=period, on_tick=tick)
-    tasks = LiveTasks(monitor, speed=speed, functions=functions)
-    if store and journal and (kept_to := store.progress(robot.name, key).position):
-        for sample in journal.since(kept_to):
-            monitor.observe(sample)
-    save()
-    behind = monitor.ledger.integrated_to
-    with ExitStack() as opened:
-        if sinks:
-            opened.enter_context(ahead)
-        opened.callback(save)
-        if on_start:
-            on_start(monitor)
-        for heard in _listen(source, robot.signals, task_topics):
-            if isinstance(heard, WholeMessage):
-                if judged := tasks.hear(heard):
-                    for sink in sinks:
-                        sink.judged(judged)
-                    if on_task:
-                        on_task(judged)
-                continue
-            if isinstance(heard, Gap):
-                if journal:
-                    journal.gap(heard.topic, heard.why)
-                continue
-            if behind is not None and heard.time < behind:
-                raise SourceError(
-                    f"the ledger of {robot.name} is {(behind - heard.time) / SECOND:,.0f} s ahead of what is heard; "
-                    f"expected a clock that is right, or another store; {REPAIR}"
-                )
-            behind = None
-            if journal:
-                journal.write(heard)
-            if (words := clock.hear(heard.time, monitor.ledger)) and on_clock:
-                on_clock(words)
-            monitor.observe(heard)
-            if time.monotonic() - saved > SAVE_EVERY:
-                save()
-        note_orders(monitor)
-    source.notes.update(tasks.notes)
-    return monitor
+    def _note_orders(self) -> None:
+        for reason, count in self.source.notes.copy().items():
+            if reason.startswith(REORDERED):  # it qualifies what is in the ledger
+                self._monitor.ledger.counts[reason] = self._mixed[reason] + count
+
+    def _save(self) -> None:
+        if self.store:
+            if self.journal:
+                self.journal.sync()
+            progress = Progress(self._key, self.journal.position) if self.journal else None
+            self.store.save(self.robot.name, self._monitor.ledger.to_json(), progress, self._course.reports)
+            self._course.reports.clear()
+            self._saved = time.monotonic()
 
 
 def _listen(source: SignalSource, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:

@@ -6,6 +6,7 @@ import threading
 import time
 
 from robophm.health.report import HealthReport
+from robophm.health.reporting import beside, look_ahead
 
 EVERY = 2.0
 """Seconds between two looks, at least."""
@@ -36,10 +37,10 @@ class LookAhead(threading.Thread):
             raise self.fault
         self._given = now
         self._woken.set()
-        return now.beside(self.latest) if self.latest else now
+        return beside(now, self.latest) if self.latest else now
 
     def run(self) -> None:
-        """Until ``close``."""
+        """Compute until ``close``."""
         while not self._closed.is_set():
             self._woken.wait()
             self._woken.clear()
@@ -47,7 +48,7 @@ class LookAhead(threading.Thread):
                 continue
             self._begun = time.thread_time()
             try:
-                seen = self._given.looking_ahead(parts=self._parts, pause=self._pause)
+                seen = look_ahead(self._given, parts=self._parts, pause=self._pause)
                 _ = seen.failures_to_come  # here, so that whoever shows it does not wait for it
                 self._pause()
                 self.latest = seen

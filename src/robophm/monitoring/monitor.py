@@ -22,7 +22,8 @@ from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.outlooks import FutureName
 from robophm.health.plant import Plant
-from robophm.health.report import HealthReport, health_report
+from robophm.health.report import HealthReport
+from robophm.health.reporting import health_report
 from robophm.health.window import Columns, Window, parted
 
 WINDOW = SECOND
@@ -50,7 +51,7 @@ class ReportOptions(TypedDict, total=False):
 
 
 class Monitor:
-    """One robot under observation."""
+    """The observation of one robot: from its samples to its exposure and its health."""
 
     def __init__(
         self,
@@ -78,7 +79,7 @@ class Monitor:
         self.on_tick = on_tick
 
     def resume(self, begin: int) -> None:
-        """What comes begins at this time [ns]: within ``max_gap`` it goes on with the recording before it.
+        """Say that the next samples begin at this time [ns]: within ``max_gap`` they continue the recording before.
 
         Else the robot was not known to be on when that had ended.
         """
@@ -89,11 +90,11 @@ class Monitor:
         ledger.ended = None
 
     def expect(self, spans: Iterable[tuple[int, int]]) -> None:
-        """What comes are recordings that began and ended then [ns], in any order: each end is known."""
+        """Say when the recordings that follow began and ended [ns], in any order, so that each end is known."""
         self.ledger.ends += [end for _, end in stretches(spans, self.robot.max_gap)][:-1]
 
     def end(self, last: int | None) -> None:
-        """What was heard was a recording that has ended: its last message, of any topic, was at ``last`` [ns].
+        """Say that the recording has ended: its last message, of any topic, was at ``last`` [ns].
 
         Until then time goes on; the robot is on until its last sample + ``max_gap``, if the recording does not end
         before. An end that is as far ahead as a clock jumps is none, and the last that was expected before it holds.

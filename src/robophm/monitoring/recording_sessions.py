@@ -31,7 +31,7 @@ Recorded = SignalSource | str | os.PathLike[str]
 
 @dataclass(frozen=True)
 class RecordingSession:
-    """One session: a source, or files that overlap in time."""
+    """A session of a robot: one source, or files that overlap in time."""
 
     name: str
     key: str
@@ -95,7 +95,7 @@ def living(monitor: Monitor, session: RecordingSession, *, anew: bool = True) ->
 
 
 def bound(robot: Robot, topics: Mapping[str, Kind], *, skip_missing: bool) -> list[str]:
-    """The same of topics that are known by what they hold."""
+    """The bound signals of a design that a source has. Raises SourceError as ``sessions_of``."""
     if not robot.signals:
         raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
     missing = lacking(robot, topics)
@@ -112,7 +112,7 @@ def _refuse(robot: Robot, missing: Mapping[str, str], topics: Mapping[str, Kind]
 
 
 def lacking(robot: Robot, topics: Mapping[str, Kind]) -> dict[str, str]:
-    """What a source lacks, in words, by bound signal. Raises SourceError where messages measure something else."""
+    """Why a source lacks bound signals, by signal. Raises SourceError where its messages measure something else."""
     missing = {}
     for signal, unit in robot.signals.items():
         topic, field = split_signal(signal)

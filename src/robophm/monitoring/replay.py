@@ -107,7 +107,7 @@ def replay_sessions(
     report_every: float | None = None,
     on_tick: Callable[[Monitor], None] | None = None,
 ) -> HealthReport:
-    """The same of sessions that have been looked through. Raises SourceError as ``replay``."""
+    """A robot's health after these sessions, as ``replay``. Raises SourceError as ``replay``."""
     ledger = kept_ledger(robot, store) if store else None
     step = round(report_every * SECOND) if report_every else _report_step(sessions) if store else REPORT_STEP
     decided: Counter[str] = Counter()

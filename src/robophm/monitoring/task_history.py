@@ -14,7 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import SECOND
+from robophm.core.signal import HOUR, SECOND
+from robophm.design.importers.legacy.figures import LegacyTask, UnitMode, legacy_tasks
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Task
 from robophm.health.ledger import Ledger
@@ -50,13 +51,31 @@ class TaskRecord:
     unknown: PartsOfUnknownRate | None = None
     """What parts of unknown rate make of both."""
 
+    @property
+    def time(self) -> int | None:
+        """When it arrived, or where it was never planned, began."""
+        return self.arrived if self.arrived is not None else self.start
+
+    def legacy(self, robot: Robot, begin: int) -> dict[UnitMode, LegacyTask]:
+        """What the 2020 tool says of it, its window opened at ``begin`` [ns]; nothing of one of unknown duration."""
+        planned = self.planned or self.done
+        uptime = max((self.time or begin) - begin, 0) / HOUR
+        return legacy_tasks(robot, planned, uptime, driven=self.done) if planned else {}
+
+
+def too_unlikely(records: Sequence[TaskRecord], robot: Robot) -> bool:
+    """Whether the design wants more than was predicted of one of these tasks, sensor-based."""
+    wanted = robot.thresholds.completion
+    asked = [one.predicted["sensor_based"].probability for one in records if one.predicted]
+    return wanted is not None and any(probability < wanted for probability in asked)
+
 
 def judge_tasks(
     robot: Robot, source: SignalSource, told: Sequence[PlannedTask | DoneTask], *,
     speed: float | None = None, functions: Sequence[str] = (), knowledge: Knowledge | None = None,
     ledger: Ledger | None = None, skip_missing: bool = False, on_tick: Callable[[Monitor], None] | None = None,
 ) -> tuple[list[TaskRecord], Monitor]:  # fmt: skip
-    """What a recording's tasks asked of the robot that made it, and the monitor at the recording's end.
+    """The tasks of a recording as its robot's design judges them, and the monitor at the recording's end.
 
     ``speed`` [m/s] is of planned legs that state none; ``functions`` are what the tasks need. A task done without a
     plan is predicted at its start with the distance and time that it took. Raises SourceError as ``replay``, and where

@@ -12,13 +12,14 @@ from operator import itemgetter
 
 import numpy as np
 
-from robophm.core.errors import DesignError, nearest
+from robophm.core.errors import DataError, DesignError, nearest
 from robophm.core.signal import CLOCK, SECOND
 from robophm.design.robot import FailureMode, Robot
 from robophm.health.ledger import Ledger
 from robophm.health.window import in_time
 from robophm.learning.wear.readings_table import Readings
 from robophm.learning.wear.signal_to_readings import Array, Reducer, Times, on_a_clock
+from robophm.learning.wear.worn_mode import WearOptions, WornMode, worn_mode
 from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.recording_sessions import Recorded, RecordingSession, living, sessions_of
@@ -32,7 +33,7 @@ _TOGETHER = 100_000  # samples of a source without columns that make a block
 
 @dataclass(frozen=True)
 class WearHistory:
-    """What was read."""
+    """Wear readings of a robot's recordings, and the monitor that its robot has lived through them with."""
 
     readings: Mapping[str, Readings]
     """By path of the failure mode that a signal shows; none of one of which the recordings say nothing."""
@@ -60,6 +61,36 @@ def worn_modes(robot: Robot, part: str | None = None) -> list[FailureMode]:
             f"{', '.join(known[:5])}"
         )
     return chosen
+
+
+def worn_in(
+    history: WearHistory, modes: Sequence[FailureMode], options: WearOptions
+) -> tuple[list[WornMode], list[DataError]]:
+    """The wear of each failure mode, and why there is none of those of which the history says too little.
+
+    Raises DataError, the first of these, where there is none of any.
+    """
+    found: list[WornMode] = []
+    missed: list[DataError] = []
+    for mode in modes:
+        try:
+            found.append(_worn(mode, history, options))
+        except DataError as error:
+            missed.append(error)
+    if not found:
+        raise missed[0]
+    return found, missed
+
+
+def _worn(mode: FailureMode, history: WearHistory, options: WearOptions) -> WornMode:
+    said = mode.wear
+    if not said or mode.path not in history.readings:
+        signal = said.gauge.signal if said else ""
+        raise DataError(f"'{mode.path}': no sample of {signal} counts; expected some, as its `wear` says")
+    source = f"{mode.path}, {said.reading} of {said.gauge.signal}"
+    source += f" above {said.ambient.signal}" if said.ambient else ""
+    source += f" at {said.load.signal} {said.load.low:g} … {said.load.high:g}" if said.load else ""
+    return worn_mode(mode, source, history.readings[mode.path], said.threshold, options=options)
 
 
 def wear_history(

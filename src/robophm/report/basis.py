@@ -20,7 +20,7 @@ _PROGRAMS = ("robophm", "numpy", "scipy")
 
 
 def sensors(robot: Robot) -> Iterator[Html]:
-    """Every bound signal: what it drives, of which parts, what of it is believed and for how long; none: nothing."""
+    """A table of every bound signal: what it drives, in which parts, which values count and for how long."""
     bound: dict[tuple[str, str, str, str, str, str], list[str]] = {}
     for path, drives, signal, source in _bindings(robot):
         bound.setdefault((signal, drives, *_terms(source)), []).append(path)

@@ -100,7 +100,7 @@ def _model(model: ModelCalibration) -> Iterable[Html | str]:
 
 
 def _outside(score: TaskScore) -> str:
-    out = sum(not one.band[0] <= one.failed <= one.band[1] for one in score.bins)
+    out = sum(one.outside for one in score.bins)
     return f"{number_text(score.tasks)} tasks; {out} of {len(score.bins)} groups outside their bands"
 
 

@@ -68,23 +68,22 @@ def reliability_svg(bins: Sequence[Bin], *, title: str, standalone: bool = False
     columns = zip(bins, x_at(place(predicted)), y_at(place(observed)), y_at(place(bands)), strict=True)
     words = []
     for one, x, y, (bottom, top) in columns:
-        outside = not one.band[0] <= one.failed <= one.band[1]
-        kind = ("none " if decades and not one.failed else "") + ("outside" if outside else "inside")
+        kind = ("none " if decades and not one.failed else "") + ("outside" if one.outside else "inside")
         drawn.append(element("rect", class_="band", x=x - 5, y=top - 1, width=10, height=bottom - top + 2, rx=2))
         drawn.append(
             element("path", class_=kind, d=f"M{number(x)} {number(y - 6)}l6 6l-6 6l-6 -6Z")
-            if outside
+            if one.outside
             else element("circle", class_=kind, cx=x, cy=y, r=4)
         )
         words.append(
             f"Predicted {number_text(one.expected / one.tasks)}, observed {number_text(one.failed / one.tasks)}"
-            + (", outside its band." if outside else ".")
+            + (", outside its band." if one.outside else ".")
         )
     return _drawing(title, " ".join(words), [*axes, *drawn], standalone)
 
 
 def histogram_svg(score: LifeScore, *, title: str, standalone: bool = False) -> Html:
-    """How often a life ended at each predicted probability: level where the predictions are honest."""
+    """A histogram of the predicted probabilities at which lives ended: level where predictions are honest."""
     heights = np.array(score.histogram, dtype=float)
     top = 1.15 * max(heights.max(), score.band[1])
     y_ticks = ticks(0, top)
@@ -98,9 +97,8 @@ def histogram_svg(score: LifeScore, *, title: str, standalone: bool = False) -> 
     low, high = (float(y_at(k)) for k in score.band)
     drawn = []
     for left, right, count in zip(edges, edges[1:], score.histogram, strict=False):
-        outside = not score.band[0] <= count <= score.band[1]
         y = float(y_at(count))
-        drawn.append(element("rect", class_="bar outside" if outside else "bar", x=left + 1, y=y,
+        drawn.append(element("rect", class_="bar outside" if score.outside(count) else "bar", x=left + 1, y=y,
                              width=right - left - 2, height=float(y_at(0)) - y))  # fmt: skip
     drawn.append(element("rect", class_="band", x=edges[0], y=high, width=edges[-1] - edges[0], height=low - high))
     drawn.append(element("path", class_="honest", d=_line(edges[0], even, edges[-1], even)))

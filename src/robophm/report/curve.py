@@ -65,12 +65,8 @@ def curve_svg(
     data = [_points(line, one_minus, log_y) for line in lines]
     x_range = _range([x for x, _ in data], pad=0)
     y_range = _range([y for _, y in data], pad=0.06, from_zero=not log_y)
-    x_ticks, y_ticks = ticks(*x_range, max(2, int(width // 90))), ticks(*y_range, max(2, int(height // 50)))
-    x_texts, x_power = tick_texts(x_ticks)
-    y_texts, y_power = tick_texts(y_ticks)
-    if log_y:
-        y_ticks, y_texts = log_ticks(*y_range)
-        y_power = ""
+    x_ticks, x_texts, x_power = _axis(x_range, int(width // 90))
+    y_ticks, y_texts, y_power = _axis(y_range, int(height // 50), log=log_y)
 
     left = 12 + max((text_width(says, _SIZE) for says in y_texts), default=0)
     right, top, bottom = width - 14, 48, height - 40
@@ -158,6 +154,14 @@ def log_ticks(low: float, high: float) -> tuple[Array, list[str]]:
         return np.log10(plain), [number_text(float(value)) for value in plain]
     texts = [_ten(d) if m == 1 else f"{m}·{_ten(d)}" for m, d in found]
     return np.array([d + math.log10(m) for m, d in found]), texts
+
+
+def _axis(span: tuple[float, float], about: int, *, log: bool = False) -> tuple[Array, list[str], str]:
+    """Where an axis has its ticks, their texts, and the power of ten taken out of them."""
+    if log:
+        return *log_ticks(*span), ""
+    at = ticks(*span, max(2, about))
+    return at, *tick_texts(at)
 
 
 def _points(line: Line, one_minus: bool, log_y: bool) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable
 
 from robophm.blocks.diagram import Block, units
-from robophm.report.layout import Measures, layout
+from robophm.report.layout import Drawing, Measures, layout
 from robophm.report.outline import Label, More, Spare, names, outline
 from robophm.report.style import MARKS
 
@@ -61,7 +61,11 @@ def diagram_text(
         row_gap=1,
         narrowest=0,
     )
-    drawn = layout(nodes, measures, width)
+    return _drawn(layout(nodes, measures, width), text, ascii_only)
+
+
+def _drawn(drawn: Drawing, text: Callable[[str | More], str], ascii_only: bool) -> str:
+    """Wires, boxes and gates in their places."""
     arms = [[0] * int(drawn.width) for _ in range(int(drawn.height))]
     for wire in drawn.wires:
         steps = list(zip(wire.points, wire.points[1:], strict=False))

@@ -22,7 +22,7 @@ VIEWS = ("nominal", "sensor-based")
 
 
 def horizon_text(found: FailuresToCome) -> str:
-    """How far ahead: "within 2.1 years, the median remaining life"."""
+    """The horizon in words: "within 2.1 years, the median remaining life"."""
     return f"within {duration_text(found.horizon)}" + ("" if found.stated else ", the median remaining life")
 
 
@@ -37,7 +37,7 @@ def shown(found: FailuresToCome, most: int) -> list[Contribution]:
 
 
 def notes(found: FailuresToCome, some: Sequence[Contribution]) -> Iterable[str]:
-    """What is to be said beside them."""
+    """The notes that belong beside the shares."""
     if found.unknown:
         yield f"{found.unknown.of_shares}."
     if any(one.group for one in some):

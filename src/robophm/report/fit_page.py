@@ -18,7 +18,7 @@ MOST_DRAWN = 4
 
 
 def span_text(one: Bounded) -> str:
-    """'607 (432 … 851)'."""
+    """A figure with its interval: "607 (432 … 851)"."""
     if one.low != one.low:
         return number_text(one.value)
     return f"{number_text(one.value)} ({number_text(one.low, 3)} … {number_text(one.high, 3)})"

@@ -18,7 +18,7 @@ COLUMNS = (
 
 
 def effect_text(one: Effect) -> tuple[str, str]:
-    """Local and end effect in words."""
+    """The local effect and the end effect in words."""
     local = f"{one.part} fails"
     if one.effect == "robot":
         others = [name for name in one.lost if name]
@@ -31,7 +31,7 @@ def effect_text(one: Effect) -> tuple[str, str]:
 
 
 def fmeca_rows(found: Sequence[Effect], coverage: Mapping[str, Mapping[str, float]]) -> list[tuple[str, ...]]:
-    """As texts, in the order of COLUMNS."""
+    """The rows of the table as texts, in the order of COLUMNS."""
     rows: list[tuple[str, ...]] = []
     for one in found:
         sees = ", ".join(f"{name} {number_text(100 * p, 3)} %" for name, p in coverage.get(one.mode, {}).items())
@@ -45,7 +45,7 @@ def fmeca_rows(found: Sequence[Effect], coverage: Mapping[str, Mapping[str, floa
 
 
 def unknown_words(found: Sequence[Effect]) -> Iterable[str]:
-    """What is to be said of failure modes of unknown rate, where there are some."""
+    """A note on failure modes of unknown rate; empty where there are none."""
     if count := sum(one.unknown for one in found):
         yield (
             f"{count:,} failure mode{'s' * (count != 1)} of unknown rate: how likely is not stated, occurrence "

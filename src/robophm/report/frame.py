@@ -28,7 +28,7 @@ def frame(
     y_label: str,
     x_label: str,
 ) -> tuple[Place, Place, list[Html]]:
-    """Where values lie in pixels, along and up, and the axes."""
+    """The axes of a plot, and the functions that place values in it [px]."""
     left = 12 + max((text_width(says, SIZE) for says in y_ticks[1]), default=0)
     right, top, bottom = WIDTH - 14, 48.0, HEIGHT - 40
 

@@ -12,7 +12,7 @@ import numpy as np
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.health.report import HealthReport
-from robophm.health.subject import STALE, Figures, Subject
+from robophm.health.subject import Figures, Subject
 from robophm.health.unknown_rates import marked, marks, named
 from robophm.report.basis import made_of, sensors
 from robophm.report.curve import Line, curve_svg
@@ -86,7 +86,7 @@ def _clock(time: int) -> str:
 def _tiles(report: HealthReport) -> Html:
     system = report.system
     both = {VIEWS[view]: getattr(system, view) for view in VIEWS}
-    tone: Tone | None = report.state if report.state != "ok" or report.limited else None
+    tone: Tone | None = report.state if report.state != "ok" or report.design.limited else None
     rate, works, ahead = marks(system.unknown)
     each = [
         tile(
@@ -142,7 +142,7 @@ def _labels(robot: Robot, report: HealthReport) -> Callable[[str], Label]:
     rates = {subject.path: subject.sensor_based.hazard_rate for subject in report.subjects}
     rates |= {component.path: component.sensor_based_hazard_rate for component in report.components}
     return part_labels(
-        robot, rates, stale=[one.path for one in report.subjects if any(flag.startswith(STALE) for flag in one.flags)],
+        robot, rates, stale=[one.path for one in report.subjects if one.stale],
         unknown={one.path: marks(one.unknown)[0] for one in report.subjects},
     )  # fmt: skip
 

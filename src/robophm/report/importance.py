@@ -38,7 +38,7 @@ def matters(robot: Robot, outlooks: Mapping[View, Outlook], median: float) -> It
     many = len(drawn.structure.names) > LIFELONG
     hours = usual_hours(lived, median)
     found = {view: importances(outlooks[view], drawn, hours, lifelong=not many) for view in VIEWS}
-    if math.isnan(found["sensor_based"].units[0].birnbaum):
+    if found["sensor_based"].has_failed:
         yield "As far as is known the robot has failed: no part matters more than another."
         return
     yield from _matters(found, many)
@@ -75,7 +75,7 @@ def replace_first(robot: Robot, outlooks: Mapping[View, Outlook], task: Task | N
     found = {view: replacements(outlooks[view], robot.diagram, task, most) for view in VIEWS}
     lived = found["sensor_based"]
     nominal = {one.path: one for one in found["nominal"].parts}
-    some = [one for one in lived.parts if one.completion or one.median or one.mean]
+    some = lived.changing
     if lived.unknown:
         yield f"{lived.unknown.aside}."
     if not some:

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import takewhile
 
 import numpy as np
 
 from robophm.core.signal import HOUR, SECOND
-from robophm.measured.held import Floats
-from robophm.measured.levels import marginal, shares
+from robophm.measured.levels import Levels, marginal, shares
 from robophm.measured.profile import Lived, Profile
-from robophm.measured.recordings import Signal
 from robophm.measured.series import Series
-from robophm.measured.statistics import Look
+from robophm.measured.statistics import Look, Seen
 from robophm.report.bars import bars_svg
 from robophm.report.curve import Line, curve_svg
 from robophm.report.markup import Html
@@ -24,15 +21,6 @@ from robophm.report.words import duration_text, moment_text, number_text, percen
 
 MOST_NAMED = 8
 """Parts that are named one by one."""
-
-
-@dataclass(frozen=True)
-class Seen:
-    """One signal of one recording."""
-
-    recording: str
-    signal: Signal
-    look: Look
 
 
 def statistics_page(seen: Sequence[Seen], max_age: int, notes: Sequence[str]) -> Html:
@@ -45,8 +33,10 @@ def profile_page(lived: Lived, source: str, notes: Sequence[str]) -> Html:
     return page(f"Stress profile of {lived.robot.name}", _profile(lived, source, notes))
 
 
-def level_rows(begins: Floats, sums: Floats, width: float, unit: str) -> dict[str, float]:
-    """Shares of levels by their names, "20 – 22 degC"."""
+def level_rows(levels: Levels, signal: int, unit: str) -> dict[str, float]:
+    """Shares of the levels of one signal by their names, "20 – 22 degC"."""
+    begins, sums = marginal(levels, signal)
+    width = float(levels.widths[signal])
     names = [f"{number_text(low, 6)} – {number_text(low + width, 6)} {unit}".rstrip() for low in begins.tolist()]
     return dict(zip(names, shares(sums).tolist(), strict=True))
 
@@ -67,6 +57,12 @@ def parts_text(profile: Profile) -> str:
     return ", ".join(profile.parts[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
 
 
+def aged_text(profile: Profile) -> str:
+    """How far the clock of a profile went, and how fast its parts aged on it."""
+    gone = f"{number_text(profile.gone)} {profile.unit} on the {profile.clock} clock"
+    return f"{gone}, mean stress factor {number_text(profile.factor)}"
+
+
 def _statistics(seen: Sequence[Seen], max_age: int, notes: Sequence[str]) -> Iterator[Html | str]:
     yield f"A value holds until the next sample, and for {max_age / SECOND:g} s at most."
     several = len({one.recording for one in seen}) > 1
@@ -74,11 +70,11 @@ def _statistics(seen: Sequence[Seen], max_age: int, notes: Sequence[str]) -> Ite
                "deviation")  # fmt: skip
     rows = []
     for one in seen:
-        for window in one.look.whole.so_far:
-            known = duration_text(window.held / HOUR)
-            figures = (window.lowest, window.mean, window.highest, window.deviation)
-            named = (*([one.recording] if several else []), one.signal.label)
-            rows.append((*named, moment_text(window.begin), known, f"{window.samples:,}", *figures))
+        window = one.whole
+        known = duration_text(window.held / HOUR)
+        figures = (window.lowest, window.mean, window.highest, window.deviation)
+        named = (*([one.recording] if several else []), one.signal.label)
+        rows.append((*named, moment_text(window.begin), known, f"{window.samples:,}", *figures))
     yield section("In figures", table_html(columns, rows, align="l" * (len(columns) - 6) + "r" * 6))
     for one in seen:
         unit = one.signal.unit or ""
@@ -106,8 +102,7 @@ def _course(series: Series, unit: str) -> Html:
 
 
 def _at_level(look: Look, unit: str) -> Html:
-    begins, hours = marginal(look.levels, 0)
-    rows = level_rows(begins, hours, float(look.levels.widths[0]), unit)
+    rows = level_rows(look.levels, 0, unit)
     return figure(bars_svg({name: [share] for name, share in rows.items()}, ["time"], title="Time at level"))
 
 
@@ -122,27 +117,25 @@ def _profile(lived: Lived, source: str, notes: Sequence[str]) -> Iterator[Html |
 def _levels(profile: Profile) -> Iterator[Html | str]:
     if len(profile.parts) > 1:
         yield parts_text(profile)
-    yield f"{_counted(profile)}, mean stress factor {number_text(profile.factor)}."
+    yield f"{aged_text(profile)}."
     drawings = []
     for i, one in enumerate(profile.inputs):
-        begins, sums = marginal(profile.levels, i)
-        bars = level_rows(begins, sums, float(profile.levels.widths[i]), one.unit)
+        bars = level_rows(profile.levels, i, one.unit)
         drawing = bars_svg({name: [share] for name, share in bars.items()}, ["share"], title=one.name)
         drawings.append(figure(drawing, f"From {one.signal}; designed for {number_text(one.designed)} {one.unit}."))
     yield side_by_side(*drawings)
     columns = (*(f"{one.name} [{one.unit or 1}]" for one in profile.inputs), profile.unit, "share", "stress factor")
     rows = [
-        (*typical, gone, percent_text(share), aged / gone)
-        for typical, (gone, aged), share in zip(
-            profile.typical.tolist(), profile.levels.sums.tolist(), profile.share.tolist(), strict=True
+        (*typical, gone, percent_text(share), factor)
+        for typical, gone, share, factor in zip(
+            profile.typical.tolist(),
+            profile.levels.sums[:, 0].tolist(),
+            profile.share.tolist(),
+            profile.factors.tolist(),
+            strict=True,
         )
     ]
     yield table_html(columns, rows, "The values that stand for each level in a load to come", "r" * len(columns))
-
-
-def _counted(profile: Profile) -> str:
-    gone = number_text(float(profile.levels.sums[:, 0].sum()))
-    return f"{gone} {profile.unit} on the {profile.clock} clock"
 
 
 def _notes(notes: Iterable[str]) -> Iterator[Html]:

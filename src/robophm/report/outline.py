@@ -15,7 +15,7 @@ _DEEPEST = 12  # groups inside groups: beyond, a drawing would be all brackets
 
 @dataclass(frozen=True)
 class Label:
-    """What a unit's box says: "Battery A", "4e-8 /h", "×2", and its state."""
+    """The text in a unit's box: "Battery A", "4e-8 /h", "×2", and its state."""
 
     title: str
     detail: str = ""
@@ -52,7 +52,7 @@ class Fork:
 
     @property
     def text(self) -> str:
-        """What stands behind them: "1/2", "1/3 standby", "network"."""
+        """The mark behind the branches: "1/2", "1/3 standby", "network"."""
         return f"{self.k}/{self.n} {self.kind}".rstrip() if self.k else "network"
 
 

@@ -78,7 +78,7 @@ def section(title: str, *body: str) -> Html:
 
 
 def tile(title: str, value: str | Mapping[str, str], note: str = "", tone: Tone | None = "ok") -> Html:
-    """One figure to read at a glance; several beside each other as {"nominal": "…", "sensor-based": "…"}.
+    """A figure to be read at a glance, or several as {"nominal": "…", "sensor-based": "…"}.
 
     Without a tone nothing says what would be too low.
     """
@@ -97,7 +97,7 @@ def tile(title: str, value: str | Mapping[str, str], note: str = "", tone: Tone 
 
 
 def tiles(*each: Html) -> Html:
-    """Tiles in a row that wraps."""
+    """A row of tiles that wraps."""
     return element("div", *_body(each), class_="tiles")
 
 

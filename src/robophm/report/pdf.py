@@ -15,7 +15,7 @@ _VARIABLE = re.compile(r"var\(--([a-z0-9]+)\)")
 
 
 class Printer:
-    """WeasyPrint."""
+    """WeasyPrint, as the printer of pages."""
 
     def __init__(self) -> None:
         """Raises RobophmError where it, or the library of the system that it needs, is missing."""
@@ -33,7 +33,7 @@ class Printer:
         self._document = HTML
 
     def pdf(self, html: str) -> bytes:
-        """The page on A4."""
+        """The page as PDF on A4."""
         made: bytes = self._document(string=_in_plain_colours(html), url_fetcher=_nothing).write_pdf()
         return made
 

@@ -87,7 +87,7 @@ def probability_svg(found: Fit, *, title: str, standalone: bool = False) -> Html
 
 
 def probability_text(found: Fit) -> list[str]:
-    """The same as lines of text: o failures, · the fit."""
+    """The probability plot as lines of text: o failures, · the fit."""
     paper = _Paper(found)
     grid = [[" "] * _WIDE for _ in range(_HIGH)]
 

@@ -12,7 +12,7 @@ Tone = Literal["ok", "warn", "error", "stale"]
 
 @dataclass(frozen=True)
 class Mark:
-    """How a tone is shown without colour: a word, a character, an ASCII character, a path on 10 × 10."""
+    """The mark of a tone without colour: a word, a character, an ASCII character, a path on 10 × 10."""
 
     word: str
     symbol: str

@@ -44,7 +44,7 @@ def count_text(count: int) -> str:
 
 
 def more_text(count: int, what: str) -> str:
-    """What a list leaves out: "1 more is not listed", "3 more are not listed"; ``what`` is "listed"."""
+    """A note on what a list leaves out: "1 more is not listed", "3 more are not listed"."""
     return f"{count_text(count)} more {'is' if count == 1 else 'are'} not {what}"
 
 
@@ -71,6 +71,11 @@ def odds_text(failure: float) -> str:
         return ""
     odds = float(f"{1 / failure:.1e}")
     return f"fails 1 in {f'{odds:,.0f}' if odds < 1e12 else number_text(odds)}"
+
+
+def failure_text(failure: float) -> str:
+    """How often something fails: "1 in 4,700"; in percent above a tenth and at zero."""
+    return odds_text(failure).removeprefix("fails ") or percent_text(failure)
 
 
 def probability_text(p: float, failure: float | None = None) -> str:

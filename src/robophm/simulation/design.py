@@ -55,7 +55,7 @@ class Stress:
 
 @dataclass(frozen=True)
 class Signal:
-    """One number that a sensor reads: the truth plus nothing."""
+    """A number that a sensor reads: the truth, without noise."""
 
     name: str
     input: str
@@ -73,7 +73,7 @@ class Signal:
 
 @dataclass(frozen=True)
 class Mode:
-    """One way in which one part fails."""
+    """A failure mode of a part."""
 
     part: int
     rate: float
@@ -92,7 +92,7 @@ class Mode:
 
 @dataclass(frozen=True)
 class Design:
-    """A robot as the simulator sees it."""
+    """A robot's design as the simulator reads it."""
 
     name: str
     parts: tuple[str, ...]

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from robophm.core.errors import DesignError, nearest
+import numpy as np
+
+from robophm.core.errors import DesignError, RobophmError, nearest
 from robophm.simulation.design import CLOCKS, INPUTS, Design, Mode, Signal, Stress
-from robophm.simulation.lives import LIVES
+from robophm.simulation.lives import LIVES, Life
 from robophm.simulation.structure import Group
 from robophm.simulation.wiring import Wiring
 from robophm.simulation.written import (
+    FIGURES,
     MAX_DEPTH,
     MODE_KEYS,
     Fault,
@@ -44,8 +47,12 @@ _ACCELERATIONS: Mapping[str, tuple[str, str, str, float | None]] = {
 _REFERENCES: Mapping[str, float | None] = {"temperature": 25.0, "load": 1.0, "voltage": None}
 
 
-def read_design(path: Path) -> Design:
-    """A robot's design. Raises DesignError, one line with file and line, for what is wrong or not simulated."""
+Library = Callable[[Mapping[str, Any]], Mapping[str, Any]]
+"""What completes a component that names a part of a library with all that is said of it; it may raise RobophmError."""
+
+
+def read_design(path: Path, library: Library | None = None) -> Design:
+    """Read a robot's design. Raises DesignError, one line with file and line, for what is wrong or not simulated."""
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
@@ -71,7 +78,7 @@ def read_design(path: Path) -> Design:
     if not isinstance(data, dict):
         raise DesignError(f"{path}: holds no design")
     try:
-        return _Reader(data).design()
+        return _Reader(data, library).design()
     except Fault as fault:
         where = "/".join(fault.place) + ": " if fault.place else ""
         raise DesignError(f"{path}:{_line(data, fault.place)}: {where}{fault}") from None
@@ -101,8 +108,9 @@ class _Scope:
 
 
 class _Reader:
-    def __init__(self, data: dict[str, Any]) -> None:
+    def __init__(self, data: dict[str, Any], library: Library | None) -> None:
         self.data = data
+        self.library = library
         self.parts: list[str] = []
         self.modes: list[Mode] = []
         self.levels: dict[str, dict[str, Any]] = {}
@@ -163,6 +171,8 @@ class _Reader:
             self._component((*path, str(name)), (*place, "components", str(name)), component, scope)
 
     def _component(self, path: Place, place: Place, part: dict[str, Any], above: _Scope) -> None:
+        if "part" in read_mapping(place, part):
+            part = self._of_the_library(place, part)
         known_keys(place, part, "component")
         scope = replace(self._scope(path, place, part, above), acceleration=above.acceleration)
         count = read_whole((*place, "quantity"), part.get("quantity", 1), MOST_PARTS)
@@ -196,15 +206,9 @@ class _Reader:
             raise Fault((*place, "clock"), "kilometres are not measured; expected clocks: {kilometres: {speed: …}}")
         if clock in ("cycles", "starts") and clock not in self.usage:
             raise Fault(("usage",), f"says nothing of '{clock}', on which {origin} ages")
-        if "rate" not in mode:
-            raise Fault(place, "has no rate; what has none is not simulated")
-        if mode["rate"] == "unknown":
+        if mode.get("rate") == "unknown":
             raise Fault((*place, "rate"), "is unknown; what has no rate is not simulated")
         unit = CLOCKS[clock]
-        rate = read_quantity((*place, "rate"), mode["rate"], f"1/{unit}", above=0.0)
-        learned = read_mapping((*place, "learned"), mode.get("learned") or {})
-        if learned:
-            rate *= read_quantity((*place, "learned", "factor"), learned.get("factor"), "", above=0.0)
         life = known_keys((*place, "life"), mode.get("life") or {}, "life")
         name = life.get("distribution", "exponential")
         if name not in LIVES:
@@ -216,6 +220,10 @@ class _Reader:
         if parameter:
             inside = unit if parameter == "deviation" else ""
             values = [read_quantity((*place, "life", parameter), life.get(parameter), inside, above=0.0)]
+        rate = self._rate(place, mode, make(*values), unit)
+        learned = read_mapping((*place, "learned"), mode.get("learned") or {})
+        if learned:
+            rate *= read_quantity((*place, "learned", "factor"), learned.get("factor"), "", above=0.0)
         scaling = mode.get("scaling", "age")
         if scaling not in ("age", "hazard"):
             raise Fault((*place, "scaling"), f"'{scaling}'; expected age or hazard")
@@ -235,6 +243,32 @@ class _Reader:
             origin,
             self._uncertainty(place, mode, scope, rate, unit),
         )
+
+    def _of_the_library(self, place: Place, part: dict[str, Any]) -> dict[str, Any]:
+        if self.library is None:
+            raise Fault((*place, "part"), "is of a library, and none is given; expected what it says of the part")
+        try:
+            return dict(self.library(part))
+        except RobophmError as error:
+            raise Fault((*place, "part"), str(error)) from None
+
+    @staticmethod
+    def _rate(place: Place, mode: dict[str, Any], life: Life, unit: str) -> float:
+        """One over the mean life, from whatever says how often a part fails."""
+        stated = [key for key in FIGURES if mode.get(key) is not None]
+        if len(stated) != 1:
+            raise Fault(place, f"has {' and '.join(stated) or 'no rate'}; what has not one rate is not simulated")
+        key = stated[0]
+        at, said = (*place, key), mode[key]
+        if key == "rate":
+            return read_quantity(at, said, f"1/{unit}", above=0.0)
+        age = read_quantity(at, said, unit, above=0.0)
+        if key in ("l10", "b10"):  # by which ln S has fallen to ln 0.9; an age grows with the mean in a straight line
+            none, one = (float(life.age_at(np.log(0.9), np.asarray(mean))) for mean in (0.0, 1.0))
+            age = (age - none) / (one - none)
+            if not age > 0:
+                raise Fault(at, f"{said} is too small for its life")
+        return 1 / age
 
     def _stresses(self, place: Place, chosen: Any, offsets: Any, scope: _Scope) -> tuple[Stress, ...]:
         place = (*place, "acceleration")

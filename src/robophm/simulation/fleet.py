@@ -16,7 +16,7 @@ import numpy.typing as npt
 from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
 from robophm.simulation.design import Design
-from robophm.simulation.design_file import read_design
+from robophm.simulation.design_file import Library, read_design
 from robophm.simulation.plan import MOST_LEGS, MOST_TASKS, Plans, draw_plans, legs_of, plan_text
 from robophm.simulation.robots import END, FAILED, INSPECTED, REPLACED, ROBOT, Lives, live
 
@@ -34,7 +34,7 @@ _EVENTS = {FAILED: "failed", REPLACED: "replaced", INSPECTED: "inspected", END: 
 
 @dataclass(frozen=True)
 class Fleet:
-    """What was simulated and where it lies."""
+    """A simulated fleet and the folder that it lies in."""
 
     output: Path
     seed: int
@@ -58,13 +58,15 @@ def simulate(
     on_robot: Callable[[int], None] | None = None,
     *,
     uncertain_rates: bool = False,
+    library: Library | None = None,
 ) -> Fleet:
     """Simulate robots of one design and write the fleet's folder, whole or not at all.
 
     Each robot does at least so many tasks, to the end of a round of its plan. ``on_robot`` is told how many robots are
     written. ``uncertain_rates``: each robot draws its own true rates from the design's ``uncertainty``; else the stated
-    ones are true. The same seed writes the same bytes. Raises RobophmError where the folder holds anything or cannot
-    be made, and DesignError for what is not simulated.
+    ones are true. ``library`` completes components that name a part of a library: it is given, since nothing of the
+    engine is imported here. The same seed writes the same bytes. Raises RobophmError where the folder holds anything or
+    cannot be made, and DesignError for what is not simulated.
     """
     for what, number, least, most in (("robots", robots, 1, MOST_ROBOTS), ("tasks", tasks, 1, MOST_DONE)):
         if not least <= number <= most:
@@ -73,7 +75,7 @@ def simulate(
         raise RobophmError(f"seed {seed}; expected at least 0")
     if output.exists() and (not output.is_dir() or any(output.iterdir())):
         raise RobophmError(f"{output}: exists and is not empty; expected a folder of its own")
-    robot = read_design(design)
+    robot = read_design(design, library)
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
         made = Path(tempfile.mkdtemp(prefix=f".{output.name}.", dir=output.parent))

@@ -47,7 +47,7 @@ class Piece:
 
 @dataclass
 class Lives:
-    """What became of some robots."""
+    """The lives of some robots: when each part and each robot failed."""
 
     pieces: list[Piece] = field(default_factory=list)
     """When they were on, in order of time; some may be empty."""

@@ -32,7 +32,7 @@ class Route:
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """What in it may fail."""
+        """The blocks of the network that may fail."""
         return (*self.nodes.values(), *(block for _, _, block in self.links if block is not None))
 
 

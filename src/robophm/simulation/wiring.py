@@ -15,7 +15,7 @@ MOST_BLOCKS = 1_000_000
 
 
 class Wiring:
-    """Every level's diagram, as blocks; each module is expanded once."""
+    """The diagrams of all levels as blocks; each module is expanded once."""
 
     def __init__(self, levels: Mapping[str, dict[str, Any]], components: Mapping[str, Group]) -> None:
         self.levels = levels

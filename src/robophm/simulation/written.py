@@ -17,7 +17,10 @@ MAX_DEPTH = 50
 """Levels of a robot, and blocks of a diagram in each other."""
 
 _GROUP = {"modules", "components", "diagram", "signals", "clocks", "acceleration", "duty", "uncertainty"}
-MODE_KEYS = {"rate", "life", "clock", "scaling", "acceleration", "initial_exposure", "uncertainty", "learned"}
+FIGURES = ("rate", "mtbf", "mttf", "l10", "b10")
+"""What says how often a part fails: a rate, a mean life, or the age by which a tenth have failed."""
+
+MODE_KEYS = {*FIGURES, "life", "clock", "scaling", "acceleration", "initial_exposure", "uncertainty", "learned"}
 """What a failure mode may say, or a component of its only one."""
 
 _SILENT = {"description", "environment", "source"}
@@ -26,7 +29,7 @@ _KEYS: Mapping[str, set[str]] = {
     "robot": _GROUP | {"schema_version", "name", "functions", "usage", "powered", "max_gap", "task", "thresholds"},
     "module": _GROUP | {"thresholds"},
     "component": MODE_KEYS
-    | {"quantity", "required", "monitored", "signals", "clocks", "offsets", "duty", "failure_modes"},
+    | {"part", "quantity", "required", "monitored", "signals", "clocks", "offsets", "duty", "failure_modes"},
     "mode": MODE_KEYS,
     "binding": {"topic", "field", "unit", "range", "offset", "max_age", "stale"},
     "clock": {"topic", "speed", "unit", "max_age"},
@@ -40,7 +43,7 @@ _KEYS: Mapping[str, set[str]] = {
 
 
 class Fault(Exception):  # noqa: N818
-    """What is wrong with a design file, and the keys that lead there."""
+    """A fault in a design file, with the keys that lead to it."""
 
     def __init__(self, place: Place, message: str) -> None:
         super().__init__(message)
@@ -77,7 +80,7 @@ def read_quantity(place: Place, value: Any, unit: str, *, above: float = -math.i
 
 
 def read_difference(place: Place, value: Any, name: str) -> float:
-    """What is added to an input, in the input's unit; to a temperature [K]. Raises Fault."""
+    """A difference that is added to an input, in the input's unit; of a temperature [K]. Raises Fault."""
     return read_quantity(place, value, "delta_degC" if name == "temperature" else INPUTS[name])
 
 

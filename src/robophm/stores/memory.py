@@ -38,7 +38,7 @@ class MemoryStore(Store):
         progress: Progress | None = None,
         reports: Sequence[Mapping[str, Any]] = (),
     ) -> None:
-        """Keep all of it."""
+        """Keep the robot's ledger, the progress of its recordings, and its reports."""
         texts = json.dumps(ledger), {int(report["time"]): json.dumps(report) for report in reports}
         self._ledgers[robot] = texts[0]
         self._reports.setdefault(robot, {}).update(texts[1])

@@ -30,7 +30,7 @@ CREATE TABLE report (
 
 
 class SqliteStore(Store):
-    """Keeps robots' pasts in a file."""
+    """A store of robots' pasts in one SQLite file."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         """Open a file, or make it. Raises StoreError where it is not a store of this version."""
@@ -128,7 +128,7 @@ class SqliteStore(Store):
                 raise
 
     def close(self) -> None:
-        """Close the file."""
+        """Close the file; closing twice does no harm."""
         self._base.close()
 
     @contextmanager

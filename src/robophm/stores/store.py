@@ -20,7 +20,7 @@ class Progress(NamedTuple):
 
 
 class Store(ABC):
-    """The past of robots, by name."""
+    """The pasts of robots, kept by their names."""
 
     @abstractmethod
     def ledger(self, robot: str) -> Mapping[str, Any] | None:
@@ -48,7 +48,7 @@ class Store(ABC):
         """
 
     def close(self) -> None:  # noqa: B027  a store in memory holds nothing open
-        """Let go of what is open."""
+        """Close what is open; closing twice does no harm."""
 
     def __enter__(self) -> Self:
         return self

@@ -58,11 +58,11 @@ def _why_not(error: Exception) -> str:
 
 
 class Node(DdsNode):
-    """A node of ROS 2 in rclpy; otherwise as that of ``ros2_dds``."""
+    """A node of ROS 2 through rclpy; otherwise as that of ``ros2_dds``."""
 
     @staticmethod
     def join(domain: int | None) -> Any:
-        """What nodes of a domain share in this process."""
+        """The graph that nodes of a domain share in this process."""
         with _LOCK:
             where = place(domain)
             graph = _OPEN.get(where.domain) or _OPEN.setdefault(where.domain, RclpyGraph(where.domain))
@@ -71,13 +71,13 @@ class Node(DdsNode):
 
 
 class Ros2Rclpy(Ros2):
-    """Through rclpy."""
+    """The live source of ROS 2 through rclpy."""
 
     _node = Node
 
 
 class RclpyGraph:
-    """A context of rclpy with its executor's thread, in the words of ``ros2_dds``."""
+    """A context of rclpy with its executor's thread; it has the methods of ``ros2_dds.graph.Graph``."""
 
     def __init__(self, domain: int) -> None:
         self.place = place(domain)
@@ -101,7 +101,7 @@ class RclpyGraph:
             self._executor.spin_once(timeout_sec=LOOK_SECONDS)
 
     def leave(self) -> None:
-        """Once for every ``join``; the last ends the context."""
+        """Leave the domain: to be called once for every ``join``; the last call ends the context."""
         with _LOCK:
             self.users -= 1
             if self.users:
@@ -115,11 +115,11 @@ class RclpyGraph:
         self._rclpy.shutdown(context=self._context)
 
     def settle(self) -> None:
-        """Wait until those who were there before us can be known."""
+        """Wait until nodes that were there before this one can be known."""
         time.sleep(max(0.0, self._born + DISCOVERY_SECONDS - time.monotonic()))
 
     def add(self, name: str) -> None:
-        """A node. Raises SourceError where there is one of this name here."""
+        """Add a node of this name. Raises SourceError where this process has one already."""
         if name in self._nodes:
             raise SourceError(f"this process has a node {name} already")
         namespace, _, last = name.rpartition("/")
@@ -128,35 +128,35 @@ class RclpyGraph:
         self._executor.add_node(node)
 
     def remove(self, name: str) -> None:
-        """It is no more."""
+        """Take a node out of the graph."""
         if node := self._nodes.pop(name, None):
             self._executor.remove_node(node)
             node.destroy_node()
 
     def reads(self, name: str, gids: Iterable[bytes]) -> None:
-        """Known to rclpy."""
+        """Do nothing: rclpy tells the graph of a node's readers itself."""
 
     def writes(self, name: str, gids: Iterable[bytes]) -> None:
-        """Known to rclpy."""
+        """Do nothing: rclpy tells the graph of a node's writers itself."""
 
     def reader(self, node: str, topic: str, definition: Definition, *, reliable: bool, latched: bool) -> RclpyReader:
-        """For a node; the topic is as DDS spells it."""
+        """A reader of a topic, spelled as in DDS, for a node."""
         return RclpyReader(self._rclpy, self._nodes[node], topic.removeprefix("rt"), definition, reliable, latched)
 
     def writer(self, node: str, topic: str, definition: Definition, *, latched: bool) -> RclpyWriter:
-        """For a node; the topic is as DDS spells it."""
+        """A writer of a topic, spelled as in DDS, for a node."""
         return RclpyWriter(self._rclpy, self._nodes[node], topic.removeprefix("rt"), definition, latched)
 
     def discovery(self) -> RclpyDiscovery:
-        """Of publishers."""
+        """A new discovery of publishers in this domain."""
         return RclpyDiscovery(self._rclpy, self._eye)
 
     def waiting(self) -> RclpyWaiting:
-        """For readers and discovery."""
+        """A new wait set for readers and discoveries."""
         return RclpyWaiting()
 
     def refused(self) -> Counter[str]:
-        """rclpy tells of none."""
+        """Always empty: rclpy does not tell of messages that are not of their type."""
         return Counter()
 
 
@@ -185,7 +185,7 @@ def _quality(package: Any, *, reliable: bool, latched: bool, depth: int) -> Any:
 
 
 class RclpyWriter:
-    """Writes one topic."""
+    """A writer of one topic through rclpy."""
 
     gid = b""
 
@@ -195,13 +195,13 @@ class RclpyWriter:
         self._publisher = node.create_publisher(_message_class(definition), topic, qos)
 
     def write(self, raw: bytes) -> bool:
-        """Send a message."""
+        """Send a serialised message."""
         self._publisher.publish(raw)
         return True
 
     @property
     def readers(self) -> int:
-        """How many are connected."""
+        """How many readers are connected now."""
         return int(self._publisher.get_subscription_count())
 
     def close(self) -> None:
@@ -210,7 +210,7 @@ class RclpyWriter:
 
 
 class RclpyReader:
-    """Reads one topic; what comes waits here until it is taken."""
+    """A reader of one topic through rclpy; messages wait here until they are taken."""
 
     gid = b""
 
@@ -245,7 +245,7 @@ class RclpyReader:
         self._counts[what] += number
 
     def take(self) -> list[Message]:
-        """What has come; an empty list where there is no more."""
+        """The messages that have come; an empty list where there are none."""
         return [self._waiting.popleft() for _ in range(len(self._waiting))]
 
     def lost(self) -> int:
@@ -253,7 +253,7 @@ class RclpyReader:
         return self._counts.pop("lost", 0)
 
     def overrun(self) -> int:
-        """What came too fast is counted as lost."""
+        """Always 0: what came too fast is counted as lost."""
         return 0
 
     def refused(self) -> int:
@@ -261,12 +261,12 @@ class RclpyReader:
         return self._counts.pop("refused", 0)
 
     def close(self) -> None:
-        """Read no more; twice does no harm."""
+        """Stop reading; closing twice does no harm."""
         self._node.destroy_subscription(self._subscription)
 
 
 class RclpyDiscovery:
-    """Tells who publishes."""
+    """Finds out who publishes in the domain."""
 
     def __init__(self, package: Any, node: Any) -> None:
         self.entity = self
@@ -303,7 +303,7 @@ class RclpyDiscovery:
         )
 
     def close(self) -> None:
-        """Look no more."""
+        """Stop looking for publishers."""
 
 
 class RclpyWaiting:
@@ -313,21 +313,21 @@ class RclpyWaiting:
         self._woken = threading.Event()
 
     def add(self, entity: RclpyReader | RclpyDiscovery) -> None:
-        """Wait for this too."""
+        """Wait for this reader too."""
         entity.woken = self._woken.set
 
     def remove(self, entity: RclpyReader | RclpyDiscovery) -> None:
-        """No longer."""
+        """Wait for this reader no longer."""
         entity.woken = lambda: None
 
     def wait(self, seconds: float) -> None:
-        """At most so long."""
+        """Wait until something has come, at most so many seconds."""
         self._woken.wait(seconds)
         self._woken.clear()
 
     def wake(self) -> None:
-        """End waiting; from any thread."""
+        """End the waiting; from any thread."""
         self._woken.set()
 
     def close(self) -> None:
-        """Let go."""
+        """Release what was waited for."""

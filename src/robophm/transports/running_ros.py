@@ -20,7 +20,7 @@ ROS1_DISTRIBUTIONS = ("noetic", "melodic", "kinetic")
 
 @dataclass(frozen=True)
 class Live:
-    """A live transport that was opened."""
+    """A live transport that has been opened, and how it was chosen."""
 
     source: LiveSource
     generation: Literal[1, 2]
@@ -35,7 +35,7 @@ class Live:
 
     @property
     def said(self) -> str:
-        """What was taken and why, for people."""
+        """One line for people: which transport was chosen and why."""
         return f"listening to ROS {self.generation} ({self.transport}): {self.reason}"
 
 

@@ -54,7 +54,7 @@ class Guard:
             raise ValueError("an address that others reach needs a token")
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Refuse, or pass on."""
+        """Refuse a request from elsewhere, or pass it on."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return

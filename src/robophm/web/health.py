@@ -8,6 +8,7 @@ from typing import Literal
 from robophm.core.signal import SECOND
 from robophm.health.prognosis import RemainingLife
 from robophm.health.report import HealthReport
+from robophm.health.reporting import beside
 from robophm.health.subject import Figures, Subject
 from robophm.report.failures_to_come import FEW, notes, shown
 from robophm.web.monitoring import Run
@@ -36,7 +37,7 @@ class ViewFigures(Shape):
 
 
 class SubjectHealth(Shape):
-    """Of the robot (empty path), a module or a function."""
+    """The health of the robot (empty path), a module or a function."""
 
     kind: str
     path: str
@@ -48,7 +49,7 @@ class SubjectHealth(Shape):
 
 
 class Contributor(Shape):
-    """What a part has in the failures to come."""
+    """The share that a part has in the failures to come."""
 
     path: str
     """Of a component, or of a group of parts that depend on each other its name."""
@@ -88,14 +89,14 @@ class Freshness(Shape):
 
 
 class TaskWords(Shape):
-    """A task in short."""
+    """A task in short: its distance [m] and duration [h]."""
 
     distance: float
     duration: float
 
 
 class Health(Shape):
-    """What is known of the robot now."""
+    """The health of the robot as it is known now."""
 
     monitoring: Literal["idle", "running", "ended", "failed"]
     source: str
@@ -126,7 +127,7 @@ def health_of(
 ) -> Health:  # fmt: skip
     """All that is known. ``lives`` may be an older report that has remaining lives."""
     latest = {subject.path: subject for subject in lives.subjects} if lives else {}
-    seen = report if lives is None or lives is report else report.beside(lives)
+    seen = report if lives is None or lives is report else beside(report, lives)
     told = [*([run.error] if run and run.error else []), *seen.breaches]
     state: Literal["ok", "warn", "error", "stale", "idle"] = "error" if told else seen.state
     if state == "ok" and run is None:
@@ -144,7 +145,7 @@ def health_of(
         clocks=dict(report.clocks),
         subjects=[_subject(one, latest.get(one.path)) for one in report.subjects],
         to_come=_to_come(lives, horizon) if lives else None,
-        limits_set=report.limited,
+        limits_set=report.design.limited,
         sensors=sensors,
         notes=list(report.notes),
         task=TaskWords(distance=report.task.distance, duration=report.task.duration) if report.task else None,
@@ -176,7 +177,7 @@ def _figures(now: Figures, latest: Figures | None) -> ViewFigures:
 
 
 def life_of(life: RemainingLife) -> Life:
-    """As JSON can say it."""
+    """A remaining life in the form that JSON can express."""
     return Life(mean=finite(life.mean), median=finite(life.median), early=finite(life.early), late=finite(life.late))
 
 

@@ -20,12 +20,12 @@ AT_ONCE = 2
 
 
 class CancelledError(Exception):
-    """Nobody wants the answer any more."""
+    """The job was cancelled: its answer is no longer wanted."""
 
 
 @dataclass
 class Job:
-    """One piece of work."""
+    """A piece of work that goes on while its caller waits."""
 
     number: int
     kind: str
@@ -44,7 +44,7 @@ class Job:
 
 
 class Jobs:
-    """Does AT_ONCE at a time, in the order of asking."""
+    """Runs jobs, AT_ONCE at a time, in the order in which they were asked for."""
 
     def __init__(self) -> None:
         self._pool = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="job")
@@ -66,7 +66,7 @@ class Jobs:
         return job
 
     def get(self, number: int) -> Job | None:
-        """A job that is remembered."""
+        """The job of this number, if it is still remembered."""
         return self._jobs.get(number)
 
     def cancel(self, number: int) -> Job | None:
@@ -79,7 +79,7 @@ class Jobs:
         return job
 
     def close(self) -> None:
-        """Want nothing any more."""
+        """Cancel all jobs."""
         for job in list(self._jobs.values()):
             job.unwanted.set()
         self._pool.shutdown(wait=False, cancel_futures=True)

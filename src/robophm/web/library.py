@@ -7,12 +7,11 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from pydantic import Field
 
-from robophm.core.errors import ModelError
 from robophm.core.table import Table
 from robophm.hazard.acceleration import ACCELERATIONS
+from robophm.hazard.answer import answer as answer_of
 from robophm.hazard.formula import formula_model
 from robophm.hazard.handbooks import handbook_model, handbook_models
 from robophm.hazard.model import Choice, Model, Note, Range
@@ -20,7 +19,7 @@ from robophm.web.shapes import Shape
 
 
 class FormInput(Shape):
-    """One input of a model."""
+    """An input of a model, as a form asks for it."""
 
     name: str
     kind: Literal["number", "choice", "words"]
@@ -42,7 +41,7 @@ class FormInput(Shape):
 
 
 class Form(Shape):
-    """A model."""
+    """A model, as a form asks for its inputs."""
 
     name: str
     handbook: str
@@ -54,7 +53,7 @@ class Form(Shape):
 
 
 class ModelName(Shape):
-    """A model in the list."""
+    """A model as the list of all models shows it."""
 
     name: str
     handbook: str
@@ -63,7 +62,7 @@ class ModelName(Shape):
 
 
 class Library(Shape):
-    """All models."""
+    """All models and accelerations."""
 
     models: list[ModelName]
     accelerations: list[Form]
@@ -85,7 +84,7 @@ class FormulaAsked(Shape):
 
 
 class FactorValue(Shape):
-    """One factor of an answer."""
+    """A factor of a model's formula with its value."""
 
     symbol: str
     value: float | None
@@ -115,7 +114,7 @@ def library() -> Library:
 
 
 def form(name: str) -> Form:
-    """What a model asks for. Raises PlugError."""
+    """The form of a model. Raises PlugError where there is no such model."""
     return _form(handbook_model(name))
 
 
@@ -157,28 +156,21 @@ def _input(name: str, entry: Choice | Range | Note) -> FormInput:
 
 def answer(model: str, given: Mapping[str, str | float]) -> RateAnswer:
     """The hazard rate for inputs as written. Raises ModelError, UnitError, PlugError."""
-    chosen = handbook_model(model)
-    return _answer(chosen, chosen.settle({name: said for name, said in given.items() if said != ""}))
+    return _answer(handbook_model(model), {name: said for name, said in given.items() if said != ""})
 
 
 def formula_answer(formula: str, unit: str, variables: Mapping[str, float]) -> RateAnswer:
     """The value of a user's own formula. Raises ModelError, UnitError."""
     ranges = {name: Range(-math.inf, math.inf, "", default=value) for name, value in variables.items()}
-    return _answer(formula_model(formula, unit, ranges, "own formula"), dict(variables))
+    return _answer(formula_model(formula, unit, ranges, "own formula"), variables)
 
 
-def _answer(model: Model, settled: Mapping[str, str | float]) -> RateAnswer:
-    with np.errstate(all="ignore"):
-        result = model.explain(settled)
-        value = float(np.asarray(result.value))
-    if not math.isfinite(value):
-        raise ModelError(f"{model.name} has no number for these inputs")
-    factors = [
-        FactorValue(symbol=f.symbol, value=_number(float(np.asarray(f.value))), note=f.note) for f in result.leaves()
-    ]
+def _answer(model: Model, given: Mapping[str, str | float]) -> RateAnswer:
+    found = answer_of(model, given)
+    factors = [FactorValue(symbol=one.symbol, value=_number(one.value), note=one.note) for one in found.factors]
     return RateAnswer(
-        hazard_rate=value, unit=model.unit, formula=model.formula, source=str(model.source), inputs=dict(settled),
-        factors=factors,
+        hazard_rate=found.value, unit=model.unit, formula=model.formula, source=str(model.source),
+        inputs=dict(found.inputs), factors=factors,
     )  # fmt: skip
 
 

@@ -16,7 +16,8 @@ from robophm.core.errors import RobophmError, SourceError
 from robophm.core.signal import CLOCK, Sample
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
-from robophm.health.report import HealthReport, health_report
+from robophm.health.report import HealthReport
+from robophm.health.reporting import health_report
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import kept_ledger
@@ -49,7 +50,7 @@ State = Literal["idle", "running", "ended", "failed"]
 
 @dataclass
 class Run:
-    """One time that the robot was watched."""
+    """A period during which the robot was watched."""
 
     robot: Robot
     source: str
@@ -115,7 +116,7 @@ class Monitoring:
 
     @property
     def state(self) -> State:
-        """Whether it watches now."""
+        """Whether the robot is watched now, and how it ended if not."""
         return self.run.state if self.run else "idle"
 
     def start(self, robot: Robot, choice: Choice, speed: float, design_state: int) -> None:
@@ -148,7 +149,7 @@ class Monitoring:
             thread.join(timeout=30)
 
     def last_ledger(self, robot: Robot) -> Ledger:
-        """What a robot has lived as far as is known: from the latest run, else from the store, else nothing.
+        """A robot's ledger as far as is known: of the latest run, else of the store, else an empty one.
 
         Raises StoreError where the past that is kept is not of this robot.
         """

@@ -16,13 +16,14 @@ from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
+from robophm.health.when_new import hazard_rates
 from robophm.web.shapes import LevelFigures, UnknownRates
 
 _KEPT = 4
 
 
 class Prepared:
-    """One robot."""
+    """A robot prepared for questions: what does not change while its design does not."""
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
@@ -30,24 +31,22 @@ class Prepared:
 
     @cached_property
     def new(self) -> Outlook:
-        """As designed, nothing lived yet."""
+        """The outlook of the new robot, as designed."""
         return as_designed(self.plant)
 
     @cached_property
     def modules(self) -> Mapping[str, Module]:
         """The robot under an empty path, then its modules by path."""
-        return {"": self.robot, **{module.path: module for module in self.robot.all_modules()}}
+        return self.robot.levels
 
     @cached_property
     def rates(self) -> dict[str, float]:
         """Nominal hazard rate when new of each level and part, by path; all equal parts of one together [1/h]."""
-        found = {path: self.new.hazard_rate(module.diagram) for path, module in self.modules.items()}
-        parts = zip(self.robot.all_components(), self.new.component_hazard_rates(), strict=True)
-        return found | {part.path: float(rate) for part, rate in parts}
+        return hazard_rates(self.new)
 
     @cached_property
     def unknown(self) -> dict[str, PartsOfUnknownRate]:
-        """What parts of unknown rate make of each level and part that has some, by path."""
+        """The effect of parts of unknown rate on each level and part that has some, by path."""
         found = {path: unknown(self.new, module.diagram) for path, module in self.modules.items()}
         for part, alone in zip(self.plant.components, self.plant.alone, strict=True):
             if part.unknown:
@@ -62,7 +61,7 @@ class Prepared:
 
     @cached_property
     def levels(self) -> dict[str, LevelFigures]:
-        """What each level and part promises when new."""
+        """The figures of each level and part when new, by path."""
         found = {
             path: LevelFigures(
                 kind="module" if path else "robot",
@@ -85,12 +84,12 @@ Says = Literal["sentence", "of_tasks", "aside"]
 
 
 def unknown_of(found: PartsOfUnknownRate | None, says: Says = "sentence") -> UnknownRates | None:
-    """As it goes over the wire."""
+    """The effect of parts of unknown rate as a response; None where there are none."""
     return rates_of(found, says) if found else None
 
 
 def rates_of(found: PartsOfUnknownRate, says: Says = "sentence") -> UnknownRates:
-    """The same of what is there."""
+    """The effect of parts of unknown rate as a response."""
     return UnknownRates(**asdict(found), failing=found.failing, sentence=getattr(found, says))
 
 
@@ -107,7 +106,7 @@ class Shelf:
         self._found: OrderedDict[int, Prepared] = OrderedDict()
 
     def of(self, robot: Robot) -> Prepared:
-        """The robot, prepared."""
+        """The prepared robot, made now or remembered."""
         with self._lock:
             one = self._found.get(id(robot))
             if one is None or one.robot is not robot:

@@ -36,13 +36,13 @@ class Series:
         """Of all points that ever came."""
 
     def add(self, time: float, value: float) -> None:
-        """The next point."""
+        """Add a point; beyond KEPT points the oldest makes room."""
         at = self.count % len(self.times)
         self.times[at], self.values[at] = time, value
         self.count += 1
 
     def since(self, count: int, last: int | None = None) -> Points:
-        """What came after so many points, up to the ``last``; of what has made room, what is left."""
+        """The points that came after the first ``count``, up to the ``last``, as far as they are still kept."""
         kept = len(self.times)
         last = self.count if last is None else last
         first = max(count, last - kept + kept // 16)  # what a writer may be at just now is left out
@@ -53,14 +53,14 @@ class Series:
         return Points(self.times[rows], self.values[rows])
 
     def between(self, start: float, end: float, pixels: int) -> Points:
-        """What lies in a span of time, lowest and highest of each pixel's share where there is more than that."""
+        """The points in a span of time; where there are many, the lowest and highest in the width of each pixel."""
         times, values = self.since(0)
         inside = (times >= start) & (times <= end)
         return decimated(Points(times[inside], values[inside]), pixels)
 
 
 def decimated(points: Points, pixels: int) -> Points:
-    """Of each of so many equal spans of time the lowest and the highest point, in the order they came."""
+    """The lowest and the highest point of each of so many equal spans of time, in the order they came."""
     times, values = points
     if len(times) <= 2 * pixels or times[-1] <= times[0]:
         return points
@@ -86,7 +86,7 @@ class Board:
         self.refused = 0
 
     def add(self, name: str, time: int, value: float) -> None:
-        """A point at a time [ns]."""
+        """Add a point at a time [ns] to the series of this name."""
         series = self._series.get(name)
         if series is None:
             with self._lock:
@@ -97,7 +97,7 @@ class Board:
         series.add(time / SECOND, value)
 
     def add_all(self, time: int, values: Mapping[str, float]) -> None:
-        """Several points of one time."""
+        """Add one point each to several series, all at one time."""
         for name, value in values.items():
             self.add(name, time, value)
 
@@ -106,7 +106,7 @@ class Board:
         return self._series.get(name)
 
     def names(self) -> list[str]:
-        """Of all series."""
+        """The names of all series, in order."""
         with self._lock:
             return sorted(self._series)
 

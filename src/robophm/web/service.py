@@ -20,7 +20,7 @@ from robophm.web.jobs import Jobs
 from robophm.web.monitoring import Monitoring
 from robophm.web.prepared import Prepared, Shelf, rates_of
 from robophm.web.shapes import DesignState, Problem
-from robophm.web.sources import Choice, choices
+from robophm.web.sources import Choice, choices, chosen
 from robophm.web.workspace import Draft, Workspace
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Settings:
-    """How the service was started."""
+    """The settings that the service was started with."""
 
     design: Path
     store: Path | None = None
@@ -42,7 +42,7 @@ class Settings:
 
 
 class Service:
-    """One robot served."""
+    """The service of one robot: its design, its monitoring and its jobs."""
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
@@ -65,20 +65,29 @@ class Service:
 
     def prepared_text(self, text: str | None) -> Prepared:
         """The robot of a text, None for the design now. Raises DesignError."""
-        checked = self.workspace.check(text)
+        checked = self.workspace.checked.of(self.workspace.draft().text if text is None else text)
         if checked.robot is None:
             first = checked.problems[0]
             raise DesignError(f"{'/'.join(first.place) or 'the design'}: {first.message}")
         return self._shelf.of(checked.robot)
 
+    def watch(self, source: str, speed: float) -> None:
+        """Begin to watch the robot of the design now, from a source by its name, until it is stopped.
+
+        ``speed``: of a recording, as a multiple of its own. Raises RobophmError.
+        """
+        choice = chosen(dict(self.sources), source)
+        state = self.workspace.draft().state
+        self.monitoring.start(self.prepared().robot, choice, speed, state)
+
     def past(self, prepared: Prepared) -> tuple[ExposureIntegrator, Ledger]:
-        """What the robot has lived, as far as is known. Raises StoreError."""
+        """The robot's ledger as far as is known. Raises StoreError."""
         return ExposureIntegrator(prepared.robot), self.monitoring.last_ledger(prepared.robot)
 
     def design_state(self, draft: Draft | None = None) -> DesignState:
         """The design now, with all that is to be said of it."""
         draft = draft or self.workspace.draft()
-        checked = self.workspace.check(draft.text)
+        checked = self.workspace.checked.of(draft.text)
         name = checked.document.get("name")
         prepared = self._shelf.of(checked.robot) if checked.robot else None
         return DesignState(

@@ -28,7 +28,7 @@ class Trouble(Shape):
 
 
 class Problem(Shape):
-    """What is wrong or odd in the design."""
+    """An error or a warning about the design."""
 
     level: Literal["error", "warning"]
     place: list[str]
@@ -37,7 +37,7 @@ class Problem(Shape):
 
 
 class DesignState(Shape):
-    """The design now."""
+    """The state of the design now."""
 
     revision: int
     state: int
@@ -57,7 +57,7 @@ class DesignState(Shape):
 
 
 class UnknownRates(Shape):
-    """What parts of unknown rate, left out of the figures of what they are in, make of them."""
+    """The effect of parts of unknown rate, which are left out of figures, on these figures."""
 
     parts: int
     hazard_rate: Literal["at least", "if they never fail"]
@@ -71,7 +71,7 @@ class UnknownRates(Shape):
 
 
 class LevelFigures(Shape):
-    """Nominal, when new."""
+    """The nominal figures of a level or part when new."""
 
     kind: Literal["robot", "module", "component"]
     hazard_rate: float | None
@@ -114,7 +114,7 @@ class PutText(Shape):
 
 
 class Delete(Shape):
-    """Take away what is at a place."""
+    """Delete what is at a place."""
 
     op: Literal["delete"]
     path: Place
@@ -195,21 +195,21 @@ class OfRevision(Shape):
 
 
 class SaveAsked(OfRevision):
-    """Write the file."""
+    """A wish to save the design to its file."""
 
     over: Annotated[str, Field(max_length=64)] | None = None
     """Digest of a file that was changed by hand, and is to be written over; what it holds is kept beside it."""
 
 
 class WholeText(OfRevision):
-    """A design as its file would be."""
+    """The text of a whole design, to replace the present one."""
 
     text: Annotated[str, Field(max_length=20_000_000)]
     what: Annotated[str, Field(max_length=200)] = "replace the design"
 
 
 class DesignText(Shape):
-    """The design as its file would be."""
+    """The text of the design, as its file would be."""
 
     revision: int
     text: str
@@ -222,14 +222,14 @@ class DesignStates(Shape):
 
 
 class PastState(Shape):
-    """One of them."""
+    """A state that the design was in."""
 
     state: int
     what: str
 
 
 class Imported(Shape):
-    """What a file would make of the design; nothing is changed yet."""
+    """The design that a file would make, to be looked at; nothing is changed yet."""
 
     text: str
     """Of the design then."""
@@ -262,7 +262,7 @@ class Box(Shape):
 
 
 class Gate(Shape):
-    """What stands behind branches: "1/2"."""
+    """The mark behind parallel branches: "1/2"."""
 
     x: float
     y: float
@@ -273,14 +273,14 @@ class Gate(Shape):
 
 
 class Line(Shape):
-    """A wire."""
+    """A line that joins boxes in a drawing."""
 
     points: list[tuple[float, float]]
     dashed: bool
 
 
 class Drawing(Shape):
-    """A level's diagram laid out [px]."""
+    """The laid-out diagram of a level [px]."""
 
     path: str
     width: float

@@ -31,7 +31,7 @@ class Choice:
 
 
 def choices(recordings: Iterable[Path], *, seed: int | None = None, live: bool = True) -> dict[str, Choice]:
-    """By name: "recordings" where there are any, "synthetic" with a seed, "ros1" and "ros2"."""
+    """The labels of sources by name: "recordings" where there are any, "synthetic" with a seed, "ros1" and "ros2"."""
     found = []
     if files := [*recordings]:
         label = files[0].name if len(files) == 1 else f"{len(files)} recordings"

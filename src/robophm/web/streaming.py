@@ -31,7 +31,7 @@ MOST_HISTORIES = 50
 
 
 class Viewer:
-    """One WebSocket's side of it."""
+    """The service's side of one WebSocket."""
 
     def __init__(self, service: Service) -> None:
         self._service = service
@@ -103,7 +103,7 @@ class Viewer:
 
 
 def encode(header: Mapping[str, Any], series: Mapping[str, Points]) -> bytes:
-    """A frame."""
+    """One frame of the stream: a header and the points of its series."""
     names: Sequence[Any] = [[name, len(points.times)] for name, points in series.items()]
     text = json.dumps({**header, "series": names}, separators=(",", ":")).encode()
     text += b" " * (-(len(text) + 4) % 8)

@@ -15,24 +15,23 @@ import threading
 import time
 import weakref
 import zlib
-from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from robophm.core.errors import DesignError, StoreError
+from robophm.core.yaml_values import MAX_BYTES
 from robophm.design.fault import Fault
-from robophm.design.file import MAX_BYTES, read, replace_text
+from robophm.design.file import read, write_text
 from robophm.design.naming import design_name, quoted
-from robophm.design.problems import Checked, Problem, check
-from robophm.health.refusal import refusal
+from robophm.design.problems import check
+from robophm.web.checked import CheckedTexts
 
 VERSION = 1
 """Of the tables; kept in the file's user_version."""
 
 _SETTLED = 2_000_000_000  # nanoseconds: the coarsest stamps of files are of two seconds
-_KEPT = 6  # checked texts that are kept in memory
 _TABLES = """
 CREATE TABLE state (id INTEGER PRIMARY KEY, parent INTEGER, text BLOB NOT NULL, what TEXT NOT NULL) STRICT;
 CREATE TABLE here (only INTEGER PRIMARY KEY CHECK (only = 1), state INTEGER NOT NULL, revision INTEGER NOT NULL,
@@ -60,7 +59,7 @@ MOST_LINES = 400
 
 @dataclass(frozen=True)
 class Draft:
-    """The design now."""
+    """The design in one state on the way of its edits."""
 
     revision: int
     """Goes up with every change, an undo among them."""
@@ -77,13 +76,14 @@ class Draft:
 
 
 class Workspace:
-    """One design file, its states, and the way through them; for any number of threads."""
+    """One design file with the states that edits have brought it through; for any number of threads."""
 
     def __init__(self, path: Path) -> None:
         """Open a design, or begin one where there is no file. Raises DesignError, StoreError."""
         self.path = path
         self._lock = threading.RLock()
-        self._checked: OrderedDict[str, Checked] = OrderedDict()
+        self.checked = CheckedTexts()
+        """What can be said of a text, such as that of the design now."""
         self._document: tuple[int, Any] | None = None  # of which state, as ruamel keeps it
         self._revision = 0
         self._stamp: tuple[tuple[int, ...], bool] | None = None  # of the file when it was last looked at
@@ -130,11 +130,11 @@ class Workspace:
 
     @property
     def revision(self) -> int:
-        """Of the design now; never waits for an edit that is under way."""
+        """The revision of the design now; never waits for an edit that is under way."""
         return self._revision
 
     def draft(self) -> Draft:
-        """The design now."""
+        """The present state of the design."""
         with self._lock:
             state, revision, saved = self._here()
             parent, what = self._origin(state)
@@ -146,7 +146,7 @@ class Workspace:
             return Draft(revision, state, text, same, what, again[0] if again else None, parent is not None)
 
     def text(self, state: int) -> str:
-        """Of any state. Raises DesignError where there is none of that number."""
+        """The text of any state. Raises DesignError where there is none of that number."""
         with self._lock:
             row = self._base.execute("SELECT 1 FROM state WHERE id = ?", (state,)).fetchone()
             if not row:
@@ -163,17 +163,6 @@ class Workspace:
                 found.append((state, what))
                 state = parent
             return found
-
-    def check(self, text: str | None = None) -> Checked:
-        """All that can be said of a text, or of the design now; the latest few are kept."""
-        with self._lock:
-            text = self.draft().text if text is None else text
-            if text not in self._checked:
-                self._checked[text] = _checked(text)
-                while len(self._checked) > _KEPT:
-                    self._checked.popitem(last=False)
-            self._checked.move_to_end(text)
-            return self._checked[text]
 
     def edit(self, revision: int, change: Callable[[Any], None], what: str) -> Draft:
         """Change the document, comments kept. Raises StaleError, and Fault where it cannot be done."""
@@ -228,17 +217,17 @@ class Workspace:
             self._current(revision)
             draft = self.draft()
             self._not_over(draft, over)
-            checked = self.check(draft.text)
+            checked = self.checked.of(draft.text)
             if checked.robot is None:
                 first = checked.problems[0]
                 raise DesignError(f"not saved: {'/'.join(first.place) or 'the design'}: {first.message}")
-            self._write(draft.text)
+            write_text(self.path, draft.text)
             with self._base:
                 self._base.execute("UPDATE here SET saved = ?", (draft.state,))
             return self.draft()
 
     def take(self, revision: int) -> Draft:
-        """What the file holds in place of the design; that is undone as any edit. Raises StaleError, DesignError."""
+        """Take what the file holds in place of the design, to be undone as any edit. Raises StaleError, DesignError."""
         with self._lock:
             self._current(revision)
             text = read(self.path)
@@ -284,17 +273,6 @@ class Workspace:
         self._stamp = (stamp, touched) if settled else None
         return touched
 
-    def _write(self, text: str) -> None:
-        if self.path.exists():
-            replace_text(self.path, text)
-            return
-        from robophm.core.files import write_atomically
-
-        try:
-            write_atomically(self.path, text)
-        except OSError as error:
-            raise DesignError(f"{self.path}: cannot be saved: {error.strerror}") from None
-
     def close(self) -> None:
         """Let go of the file of edits."""
         with self._lock:
@@ -337,14 +315,6 @@ class Workspace:
             with self._base:
                 self._base.execute("UPDATE here SET state = ?, revision = revision + 1", (state,))
         return self.draft()  # which takes note of the revision
-
-
-def _checked(text: str) -> Checked:
-    """What is wrong or odd in a text, and why no figures can be given for the robot that it describes."""
-    found = check(text)
-    if found.robot is None or (says := refusal(found.robot)) is None:
-        return found
-    return replace(found, problems=(Problem("error", (), says, None), *found.problems))
 
 
 def new_design(path: Path) -> str:

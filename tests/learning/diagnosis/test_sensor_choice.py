@@ -10,7 +10,8 @@ from robophm.design.file import parse
 from robophm.health.effects import alarm_chances, silent_states
 from robophm.health.outlooks import nominal_outlook
 from robophm.health.plant import Plant
-from robophm.learning.diagnosis.sensor_choice import choose, explained, greedily
+from robophm.learning.diagnosis.fault_isolation import Sensor
+from robophm.learning.diagnosis.sensor_choice import choose, explained, greedily, parted
 
 
 def by_patterns(weights, outcome, alarms, chosen):
@@ -40,6 +41,22 @@ def test_variance_explained_by_hand():
     perfect = np.eye(12)[:, :11]
     everything = float(weights @ (outcome - weights @ outcome) ** 2)
     assert explained(weights, outcome, perfect, range(11)) == pytest.approx(everything)
+
+
+def test_doubt_and_what_is_fitted_by_hand():
+    """It works in one of two states that are as likely: doubt 1/4. A fitted sensor that knows leaves none to others."""
+    weights, outcome = np.array([0.5, 0.5]), np.array([1.0, 0.0])
+    alarms = np.array([[0.0, 0.1], [1.0, 0.9]])
+    alone = choose(weights, outcome, alarms, 1, base=[], candidates=[1])
+    assert (alone.before, alone.variance) == (0.0, 0.25)
+    assert alone.share(alone.value) == pytest.approx(0.8**2)  # (0.9 − 0.1)²: of each pattern's mean from 1/2
+    beside = choose(weights, outcome, alarms, 1, base=[0])
+    assert beside.share(beside.before) == 1.0
+    assert beside.share(beside.value) == 0.0
+    sensors = [Sensor("a", {}, fitted=True), Sensor("b", {}, fitted=False)]
+    assert parted(sensors) == ([0], [1])
+    with pytest.raises(DataError, match="every sensor is fitted already"):
+        parted(sensors[:1])
 
 
 def test_the_choice_is_the_exhaustive_optimum():

@@ -2,15 +2,31 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from robophm.core.errors import DataError
-from robophm.learning.life_data.distribution_fitting import FAMILIES, fit, fit_all, goodness
+from robophm.core.errors import DataError, DesignError
+from robophm.design.file import load, parse
+from robophm.learning.life_data.distribution_fitting import (
+    FAMILIES,
+    as_good_as_best,
+    can_be_corrected,
+    fit,
+    fit_all,
+    goodness,
+)
+from robophm.learning.life_data.fit_in_design import edited_design
 from robophm.learning.life_data.observed_lives import LifeData, life_data, read_life_data
-from robophm.learning.life_data.repairable_systems import fit_grouped, fit_power_law, mean_time_between, systems
+from robophm.learning.life_data.repairable_systems import (
+    fit_grouped,
+    fit_power_law,
+    mean_time_between,
+    power_laws,
+    systems,
+)
 
 ANSWERS = json.loads((Path(__file__).parents[2] / "data/life_cases.json").read_text())
 CASES = {case["name"]: case for case in ANSWERS["cases"]}
@@ -151,8 +167,11 @@ def test_the_right_distribution_wins():
     for name, times in lives.items():
         fits, refused = fit_all(life_data(times))
         assert not refused
-        near = [one.name for one in fits if one.aic_corrected < fits[0].aic_corrected + 2]
-        assert name in near
+        near = as_good_as_best(fits)
+        assert name in [one.name for one in (fits[0], *near)]
+        far = [one for one in fits[1:] if one not in near]
+        assert all(one.aic_corrected >= fits[0].aic_corrected + 2 for one in far)
+        assert far
         assert {one.name for one in fits} == set(FAMILIES) - {"weibull3"}
     assert fits[-1].below_zero > 0.01 or fits[-1].name in ("normal", "gumbel")
 
@@ -161,14 +180,16 @@ def test_three_parts_are_ranked_without_the_correction():
     fits, _ = fit_all(life_data([100.0, 100.0001, 100.0002]))
     assert math.isinf(next(one for one in fits if one.name == "weibull").aic_corrected)
     assert fits[-1].name == "exponential"
+    assert not can_be_corrected(fits)
+    assert all(one.aic < fits[0].aic + 2 for one in as_good_as_best(fits))
 
 
 def test_goodness_of_fit():
     rng = np.random.default_rng(4)
     good = fit(life_data(rng.exponential(100, 40)), "exponential")
-    assert goodness(good, 30, 1)[1] > 0.05
+    assert not goodness(good, 30, 1).doubtful
     bad = fit(life_data(100 + rng.normal(0, 1, 40)), "exponential")
-    assert goodness(bad, 30, 1)[1] < 0.05
+    assert goodness(bad, 30, 1).doubtful
 
 
 @pytest.mark.parametrize(("shape", "samples"), [(2.5, 15), pytest.param(0.9, 400, marks=pytest.mark.full)])
@@ -216,6 +237,70 @@ def test_systems_watched_for_different_times():
     n, T = 36, np.array(list(ends.values()))
     logs = sum(np.log(t).sum() for t in times.values())
     assert n / beta + logs == pytest.approx(n * (T**beta @ np.log(T)) / np.sum(T**beta), abs=1e-4)
+
+
+def lifts(tmp_path, text):
+    (tmp_path / "lift.csv").write_text("item,time [h],censored\n" + text)
+    return read_life_data(tmp_path / "lift.csv")
+
+
+def test_repaired_systems_by_both_estimates(tmp_path):
+    """NIST's (apr452), and MIL-HDBK-189's n / Σ ln(T/t) by hand."""
+    times = [5, 40, 43, 175, 389, 712, 747, 795, 1299, 1478]
+    both = power_laws(lifts(tmp_path, "".join(f"a,{t},\n" for t in times) + "a,1500,yes\n"), level=0.8)
+    assert list(both) == ["unbiased", "maximum likelihood"]
+    unbiased, likeliest = both.values()
+    assert unbiased.trend == likeliest.trend == "improving"
+    assert unbiased.shape.value == pytest.approx(0.483506, rel=1e-5)
+    assert unbiased.mean_time == pytest.approx((310.2, 158, 549), rel=3e-3)
+    by_hand = len(times) / sum(math.log(1500 / t) for t in times)
+    assert likeliest.shape.value == pytest.approx(by_hand, rel=1e-12)
+    assert likeliest.scale == pytest.approx(len(times) / 1500**by_hand, rel=1e-12)
+    assert likeliest.mean_time.value == pytest.approx(1500 / (len(times) * by_hand), rel=1e-12)
+    for bound in ("low", "high"):  # what is known is the same by both
+        assert getattr(unbiased.shape, bound) == pytest.approx(getattr(likeliest.shape, bound), rel=1e-12)
+
+
+def test_a_trend_is_told_where_there_is_one(tmp_path):
+    """The mirror image of failures that come ever later come ever faster; evenly spread ones do neither."""
+    late = [1500 - t for t in (5, 40, 43, 175, 389, 712, 747, 795, 1299, 1478)]
+    faster = power_laws(lifts(tmp_path, "".join(f"a,{t},\n" for t in sorted(late)) + "a,1500,yes\n"))
+    assert faster["unbiased"].trend in (None, "wearing")
+    worn = [1500 * (i / 20) ** (1 / 4) for i in range(1, 20)]
+    assert (
+        power_laws(lifts(tmp_path, "".join(f"a,{t},\n" for t in worn) + "a,1500,yes\n"))["unbiased"].trend == "wearing"
+    )
+    even = [75 * i for i in range(1, 20)]
+    assert power_laws(lifts(tmp_path, "".join(f"a,{t},\n" for t in even) + "a,1500,yes\n"))["unbiased"].trend is None
+
+
+def test_systems_watched_unequally_have_no_unbiased_estimate(tmp_path):
+    text = "a,5,\na,40,\na,90,yes\nb,20,\nb,30,\nb,60,yes\n"
+    assert list(power_laws(lifts(tmp_path, text))) == ["maximum likelihood"]
+    with pytest.raises(DataError, match=r"lift.csv: 1 failures of repaired systems"):
+        power_laws(lifts(tmp_path, "a,5,\na,9,yes\n"))
+
+
+def test_lives_of_items_that_are_repaired_are_no_lives(tmp_path):
+    data = lifts(tmp_path, "a,5,\na,40,\nb,20,\n")
+    assert data.items_repeat
+    for asked in (fit, fit_all):
+        with pytest.raises(DataError, match="items have several rows; expected --repairable"):
+            asked(data)
+    assert not lifts(tmp_path, "a,5,\nb,40,\n").items_repeat
+
+
+def test_a_fitted_life_in_a_design(tmp_path):
+    """Exponential: n failures in all that was lived."""
+    (tmp_path / "robot.yaml").write_text("schema_version: 1\nname: R\ncomponents:\n  pump: {rate: 5 FPMH}  # old\n")
+    found = fit(replace(life_data([100.0, 300.0], [400.0]), unit="h", source="lives.csv"), "exponential")
+    text = edited_design(found, tmp_path / "robot.yaml", "pump")
+    (mode,) = parse(text).modes
+    assert mode.rate == pytest.approx(2 / 800, rel=1e-5)
+    assert "# old" in text
+    assert load(tmp_path / "robot.yaml").modes[0].rate == pytest.approx(5e-6)  # nothing is written
+    with pytest.raises(DesignError, match="no part 'pmp'; did you mean 'pump'"):
+        edited_design(found, tmp_path / "robot.yaml", "pmp")
 
 
 @pytest.mark.parametrize(

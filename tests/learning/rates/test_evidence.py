@@ -30,6 +30,11 @@ components:
     rate: 2 FPMH
     life: {distribution: weibull, shape: 2}
   own: {life: {distribution: weibull, scale: 1000 h, shape: 1}}
+  fan:
+    l10: 20000 h  # by the sheet
+    life: {distribution: weibull, shape: 1.5}
+    quantity: 2
+  laser: {part: lidar_2d}
   gear:
     failure_modes:
       tooth: {rate: 1 FPMH, }
@@ -106,3 +111,17 @@ def test_an_alias_cannot_have_evidence_of_its_own():
 def test_a_result_that_is_no_design_is_refused(text):
     with pytest.raises(DesignError, match="learned"):
         edited(text, "R", {"bearing": {"learned": "{factor: -1, shape: 1, failures: 1, expected: 1}"}})
+
+
+def test_failure_modes_of_the_library_are_to_be_copied():
+    text = "schema_version: 1\nname: R\nusage: {cycles: 1 cycle/h}\ncomponents:\n  B: {part: battery_lipo}\n"
+    mode = parse(text).modes[0]
+    with pytest.raises(DesignError, match="place of its own: failure_modes copied from 'battery_lipo' of the library"):
+        edited(text, "R", {mode.path: {"learned": "{factor: 2, shape: 1, failures: 1, expected: 1}"}})
+
+
+def test_a_fitted_rate_takes_the_place_of_a_mean_life():
+    text = "schema_version: 1\nname: R\ncomponents:\n  fan:\n    mtbf: 9000 h  # guess\n    quantity: 2\n"
+    said = edited(text, "R", {"fan": {"rate": "1e-5 /h", "mtbf": None}})
+    assert said.splitlines()[3:] == ["  fan:", "    rate: 1e-5 /h", "    quantity: 2"]
+    assert parse(said).modes[0].rate == 1e-5

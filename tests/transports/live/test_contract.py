@@ -21,6 +21,7 @@ import pytest
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
+from robophm.transports.live.listening import listen_for
 from robophm.transports.signals.source import LiveSource, WholeMessage
 
 from ...conftest import NO_RCLPY
@@ -181,6 +182,28 @@ def test_whole_messages_come_between_samples(source: LiveSource, publish: Callab
     told = next(one for one in listened if isinstance(one, WholeMessage))
     assert (told.topic, told.message.data) == ("/c/text", "grüße")
     assert abs(told.time - time.time_ns()) < 10 * SECOND
+
+
+def test_what_is_said_in_a_while(source: LiveSource, publish: Callable[..., Any]) -> None:
+    """The last value of each number, of an array its first element under its name, and nothing of what is silent."""
+    warm, joints = (
+        publish("/c/while", "sensor_msgs/Temperature", latched=True),
+        publish("/c/arm", "sensor_msgs/JointState", latched=True),
+    )
+    publish("/c/mute", "std_msgs/Float64")
+    none = np.empty(0)
+    warm.publish(temperature(warm, time.time_ns(), 21.5))
+    kind = joints.types["sensor_msgs/msg/JointState"]
+    joints.publish(kind(header(joints, time.time_ns()), ["elbow"], np.array([0.25]), none, none))
+    within(8, lambda: {"/c/while", "/c/arm", "/c/mute"} <= {info.topic for info in source.topics()})
+    heard = {one.info.topic: one for one in listen_for(source, 2.0)}
+    assert heard["/c/while"].values == {"temperature": 21.5, "variance": 0.5}
+    assert heard["/c/arm"].values["position[0]"] == 0.25
+    assert heard["/c/arm"].names["position[]"] == ["elbow"]
+    assert not [
+        field for one in heard.values() for field in one.fields if field.startswith(("header.stamp", "header.seq"))
+    ]
+    assert (heard["/c/mute"].fields, heard["/c/mute"].values) == (["data"], {})
 
 
 def test_what_is_not_there_is_said_at_once(

@@ -1,3 +1,5 @@
+"""Recordings of every format read alike: split, compressed, foreign; and what cannot be read."""
+
 from __future__ import annotations
 
 import math
@@ -18,79 +20,12 @@ from robophm.transports.recordings.recording import Recording
 from robophm.transports.synthetic import SyntheticOta
 
 from ..conftest import SIGNALS
-from .made import ros1_in_mcap
-
-TEMPERATURE = "sensor_msgs/msg/Temperature"
-JOINTS = "sensor_msgs/msg/JointState"
-T0 = 1_699_963_200 * SECOND  # noon
+from .made import JOINTS, T0, TEMPERATURE, joints, rewrite, rewrite_mcap, ros1_in_mcap, temperature
 
 
 def read(*paths: Path, signals: tuple[str, ...] = SIGNALS) -> list[Sample]:
     with Recording(*paths) as recording:
         return list(recording.samples(signals))
-
-
-def temperature(stamp: int, value: float = 20.0) -> Callable[[Any], object]:
-    def make(types: Any) -> object:
-        time = types["builtin_interfaces/msg/Time"](stamp // SECOND, stamp % SECOND)
-        return types[TEMPERATURE](types["std_msgs/msg/Header"](time, "x"), value, 0.0)
-
-    return make
-
-
-def joints(*effort: float) -> Callable[[Any], object]:
-    def make(types: Any) -> object:
-        time = types["builtin_interfaces/msg/Time"](T0 // SECOND, 0)
-        header = types["std_msgs/msg/Header"](time, "")
-        return types[JOINTS](header, [], np.empty(0), np.empty(0), np.array(effort))
-
-    return make
-
-
-def rewrite(source: Path, target: Path, compression: str) -> Path:
-    """Copy a recording with rosbags, compressed."""
-    from rosbags.highlevel import AnyReader
-    from rosbags.rosbag1 import Writer as Writer1
-    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
-    from rosbags.rosbag2 import Writer as Writer2
-
-    writer: Any
-    if source.suffix == ".bag":
-        writer = Writer1(target)
-        writer.set_compression(Writer1.CompressionFormat[compression])
-    else:
-        writer = Writer2(target, version=9, storage_plugin=StoragePlugin[target.suffix[1:].upper()])
-        writer.set_compression(CompressionMode[compression], CompressionFormat.ZSTD)
-    with AnyReader([source]) as reader, writer:
-        new = {
-            connection.id: writer.add_connection(connection.topic, connection.msgtype, typestore=reader.typestore)
-            for connection in reader.connections
-        }
-        for connection, time, raw in reader.messages():
-            writer.write(new[connection.id], time, raw)
-    return target
-
-
-def rewrite_mcap(source: Path, target: Path, profile: str = "ros2", **options: Any) -> Path:
-    """Copy an MCAP file with mcap."""
-    from mcap.reader import make_reader
-    from mcap.writer import Writer
-
-    with source.open("rb") as old, target.open("wb") as new:
-        writer = Writer(new, **options)
-        writer.start(profile=profile)
-        channels: dict[int, int] = {}
-        for schema, channel, message in make_reader(old).iter_messages():
-            assert schema
-            if channel.id not in channels:
-                id_ = writer.register_schema(schema.name, schema.encoding, schema.data)
-                channels[channel.id] = writer.register_channel(channel.topic, channel.message_encoding, id_)
-            writer.add_message(channels[channel.id], message.log_time, message.data, message.publish_time)
-        writer.finish()
-    return target
-
-
-# What the shared recordings hold
 
 
 def test_turtlesim_path_length(shared: Path) -> None:

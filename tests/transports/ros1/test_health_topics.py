@@ -15,7 +15,8 @@ import pytest
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.health.mission import Completion
-from robophm.health.report import HealthReport, health_now
+from robophm.health.report import HealthReport
+from robophm.health.reporting import health_now, look_ahead
 from robophm.monitoring.monitor import Monitor
 from robophm.transports.health_topics import HealthTopics, Outlet
 from robophm.transports.health_topics.definitions import PACKAGE, definition
@@ -95,7 +96,7 @@ def report() -> HealthReport:
     monitor.observe(Sample(T0 + 5, "clock", math.nan))
     monitor.observe(Sample(T0 + 3 * SECOND, "clock", math.nan))
     now = health_now(monitor.plant, monitor.exposure, monitor.exposure.settled(monitor.ledger))
-    return now.looking_ahead(parts=True)
+    return look_ahead(now, parts=True)
 
 
 def read(ros: System, python_path: Path, code: str) -> list[Any]:

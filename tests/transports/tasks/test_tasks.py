@@ -9,19 +9,15 @@ import subprocess
 import sys
 import time as clock
 from collections import Counter
-from collections.abc import Callable, Iterable
-from itertools import pairwise
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import HOUR, SECOND
-from robophm.transports import open_source
+from robophm.core.signal import SECOND
 from robophm.transports.recordings.recording import Recording
-from robophm.transports.synthetic import SyntheticOta
 from robophm.transports.tasks import (
     LONGEST_MESSAGE,
     DoneLeg,
@@ -30,77 +26,13 @@ from robophm.transports.tasks import (
     PlannedTask,
     TaskListener,
     TaskTopics,
-    driven_task,
     tasks_of,
+    told_by,
 )
+from robophm.transports.tasks.listener import topics_to_hear
 from robophm.transports.tasks.recorded import told_in
 
-T0 = 1_700_000_000 * SECOND
-TEXT, PATH, ODOMETRY, POSE = (
-    "std_msgs/msg/String",
-    "nav_msgs/msg/Path",
-    "nav_msgs/msg/Odometry",
-    "geometry_msgs/msg/PoseStamped",
-)
-Content = str | list[tuple[float, float]] | tuple[float, float]
-Message = tuple[str, float, Content]
-
-
-def record(path: Path, messages: Iterable[Message], odometry: str = ODOMETRY) -> Path:
-    """Topic, receipt [s after T0] and text, places of a path or place of a pose, with rosbags' writers."""
-    from rosbags.rosbag1 import Writer as Writer1
-    from rosbags.rosbag2 import StoragePlugin
-    from rosbags.rosbag2 import Writer as Writer2
-    from rosbags.typesys import Stores, get_typestore
-
-    ros1 = path.suffix == ".bag"
-    store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_JAZZY)
-    types = store.types
-
-    def header(at: int) -> Any:
-        stamp = types["builtin_interfaces/msg/Time"](at // SECOND, at % SECOND)
-        return types["std_msgs/msg/Header"](stamp=stamp, frame_id="map", **({"seq": 0} if ros1 else {}))
-
-    def pose(x: float, y: float) -> Any:
-        quaternion = types["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.0, 1.0)
-        return types["geometry_msgs/msg/Pose"](types["geometry_msgs/msg/Point"](x, y, 5.0), quaternion)
-
-    def made(at: int, content: Content) -> Any:
-        if isinstance(content, str):
-            return types[TEXT](content)
-        if isinstance(content, list):
-            return types[PATH](header(at), [types[POSE](header(at), pose(x, y)) for x, y in content])
-        if odometry == POSE:
-            return types[POSE](header(at), pose(*content))
-        zero = types["geometry_msgs/msg/Vector3"](0.0, 0.0, 0.0)
-        twist = types["geometry_msgs/msg/TwistWithCovariance"](
-            types["geometry_msgs/msg/Twist"](zero, zero), np.zeros(36)
-        )
-        return types[ODOMETRY](
-            header(at), "base", types["geometry_msgs/msg/PoseWithCovariance"](pose(*content), np.zeros(36)), twist
-        )
-
-    writer: Any
-    if ros1:
-        writer = Writer1(path)
-    else:
-        plugin = StoragePlugin.MCAP if path.suffix == ".mcap" else StoragePlugin.SQLITE3
-        writer = Writer2(path.with_suffix(""), version=9, storage_plugin=plugin)
-    with writer:
-        connections: dict[str, Any] = {}
-        for topic, after, content in messages:
-            message = made(T0 + round(after * SECOND), content)
-            type_ = message.__msgtype__
-            if topic not in connections:
-                connections[topic] = writer.add_connection(topic, type_, typestore=store)
-            raw = store.serialize_ros1(message, type_) if ros1 else store.serialize_cdr(message, type_)
-            writer.write(connections[topic], T0 + round(after * SECOND), raw)
-    return path if ros1 else path.with_suffix("")
-
-
-def read(path: Path, topics: list[str] | None = None) -> tuple[list[PlannedTask | DoneTask], Counter[str]]:
-    with Recording(path) as recording:
-        return list(tasks_of(recording, topics)), Counter(recording.notes)
+from .told import ODOMETRY, T0, TEXT, Message, read, record
 
 
 def heard(*messages: Message) -> tuple[list[PlannedTask | DoneTask], Counter[str]]:
@@ -109,12 +41,6 @@ def heard(*messages: Message) -> tuple[list[PlannedTask | DoneTask], Counter[str
     found = [listener.hear(T0 + round(after * SECOND), topic, text) for topic, after, text in messages]  # type: ignore[arg-type]
     listener.end()
     return [task for task in found if task], listener.notes
-
-
-@pytest.fixture(params=[".bag", ".mcap", ".db3"])
-def new(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
-    """The name of a recording that is not there yet, in each of the formats."""
-    return tmp_path / f"new{request.param}"
 
 
 DAY: list[Message] = [
@@ -386,88 +312,55 @@ def test_topics_that_tell_of_no_tasks(new: Path) -> None:
                 tasks_of(recording, [topic])
 
 
-# All that was driven, as one task
-
-
-@pytest.mark.parametrize("turtle", ["/turtle1/pose", "/turtle2/pose"])
-def test_what_the_turtles_drove(turtle: str, shared: Path) -> None:
-    from rosbags.highlevel import AnyReader
-
-    path = shared / "recordings" / "turtlesim.bag"
-    with AnyReader([path]) as reader:
-        wanted = [connection for connection in reader.connections if connection.topic == turtle]
-        poses = [(time, reader.deserialize(raw, c.msgtype)) for c, time, raw in reader.messages(wanted)]
-    times = np.array([time for time, _ in poses])
-    places = np.array([(pose.x, pose.y) for _, pose in poses], dtype=float)
-    with Recording(path) as recording:
-        for start, end in (
-            (None, None),
-            (int(times[200]), int(times[900])),
-            (int(times[200]) - 1, int(times[900]) + 1),
-        ):
-            used = slice(200, 901) if start else slice(None)
-            task = driven_task(recording, turtle, start, end)
-            assert (task.start, task.end) == (times[used][0], times[used][-1])
-            (leg,) = task.legs
-            assert leg.duration == pytest.approx((times[used][-1] - times[used][0]) / HOUR, rel=1e-12)
-            length = np.linalg.norm(np.diff(places[used], axis=0), axis=1).sum()
-            assert leg.distance == pytest.approx(length, rel=1e-12)
-        assert list(tasks_of(recording)) == []
-    if turtle == "/turtle1/pose":  # 28.3520 m over 21.489 s: summed pose to pose by an independent reader
-        with Recording(path) as recording:
-            (leg,) = driven_task(recording, turtle).legs
-        assert leg.distance == pytest.approx(28.3520, abs=5e-5)
-        assert leg.duration * 3600 == pytest.approx(21.489, abs=5e-4)
-
-
-@pytest.mark.parametrize("type_", [ODOMETRY, POSE])
-def test_poses_of_every_format(type_: str, new: Path) -> None:
-    square: list[Message] = [
-        ("/where", float(n), place) for n, place in enumerate([(0.0, 0.0), (0.0, 3.0), (4.0, 3.0)])
-    ]
-    with Recording(record(new, square, type_)) as recording:
-        assert driven_task(recording, "/where") == DoneTask(T0, T0 + 2 * SECOND, "/where", (DoneLeg(7.0, 2 / 3600),))
-        assert driven_task(recording, "/where", T0 + 1).legs == (DoneLeg(4.0, 1 / 3600),)
-        assert driven_task(recording, "/where", end=T0 + SECOND).legs == (DoneLeg(3.0, 1 / 3600),)
-        for start, end, poses in ((T0 + 1, T0 + SECOND, 1), (T0 + 9 * SECOND, None, 0), (None, T0 - 1, 0)):
-            with pytest.raises(SourceError, match=f"'/where' has {poses} poses in that time; expected at least two"):
-                driven_task(recording, "/where", start, end)
-
-
-def test_poses_that_are_left_out(tmp_path: Path) -> None:
-    places = [(0, 0.0), (1, 1.0), (2, math.nan), (3, 2.0), (100, 50.0), (101, 51.0)]
-    path = record(tmp_path / "new.bag", [("/odom", at, (x, 0.0)) for at, x in places])
-    with Recording(path) as recording:
-        task = driven_task(recording, "/odom")
-        assert task.legs == (DoneLeg(3.0, 101 / 3600),)  # 0 → 1 → 2, and 50 → 51
-        assert recording.notes == {"position on /odom is not finite": 1, "no pose for more than 60 s on /odom": 1}
-
-
-def test_poses_of_a_table(tmp_path: Path) -> None:
-    (tmp_path / "drive.csv").write_text("time,/r/pose.x,/r/pose.y\n0,0,0\n1,3,4\n2,5,\n3,,6\n4,3,5\n")
-    with open_source(tmp_path / "drive.csv") as source:  # a row without both says not where the robot is
-        assert driven_task(source, "/r/pose").legs == (DoneLeg(6.0, 4 / 3600),)
-
-
-def test_the_synthetic_drive(drive: SyntheticOta) -> None:
-    task = driven_task(drive, "/ota/odom")
-    assert (task.start, task.end) == (drive.times[0], drive.times[-1])
-    length = sum(math.dist(one, other) for one, other in pairwise(zip(drive.x, drive.y, strict=True)))
-    assert task.legs[0].distance == pytest.approx(length, rel=1e-12)
-
-
-def test_topics_that_do_not_say_where_the_robot_is(drive: SyntheticOta) -> None:
-    with pytest.raises(
-        SourceError, match=r"'/ota/battery' \(sensor_msgs/msg/BatteryState\) does not say where the robot"
-    ):
-        driven_task(drive, "/ota/battery")
-    with pytest.raises(SourceError, match=r"no topic '/ota/odm'; did you mean '/ota/odom'"):
-        driven_task(drive, "/ota/odm")
-
-
 def test_the_guide_prints_what_it_says(tmp_path: Path) -> None:
     guide = Path(__file__).parents[3] / "docs" / "guides" / "tasks-from-recordings.md"
     code, printed = (block[1] for block in re.finditer(r"```(?:python|text)\n(.*?)```", guide.read_text("utf-8"), re.S))
     command = [sys.executable, "-W", "error", "-c", code]
     run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
     assert run.stdout == printed
+
+
+def test_all_that_a_recording_tells_by_the_time_of_it(tmp_path: Path) -> None:
+    """What was driven stands where it ended, between a plan that came before and one that came after."""
+    messages: list[Message] = [("/odom", second, (float(second), 0.0)) for second in range(3)]
+    for second in (1, 5):
+        messages.append(("/robot_task_list", second, f"[[0, 0, 1], [{second}, 0, 1]]"))
+    messages.append(("/robot_task_list", 6, "nonsense"))
+    with Recording(record(tmp_path / "drive.mcap", sorted(messages, key=lambda one: one[1]))) as recording:
+        told, unread = told_by(recording, ["/odom", "/robot_task_list"])
+        assert [type(one) for one in told] == [PlannedTask, DoneTask, PlannedTask]
+        assert isinstance(told[1], DoneTask)
+        assert told[1].legs == (DoneLeg(2.0, 2 / 3600),)
+        assert sum(unread.values()) == 1
+        assert told_by(recording)[0] == [one for one in told if isinstance(one, PlannedTask)]
+        assert told_by(recording, ["/odom"])[0] == [told[1]]
+
+
+def test_a_recording_that_tells_nothing_is_refused(tmp_path: Path) -> None:
+    path = record(tmp_path / "drive.mcap", [("/odom", second, (float(second), 0.0)) for second in range(3)])
+    with Recording(path) as recording, pytest.raises(SourceError, match="tells of no task; expected topics named"):
+        told_by(recording)
+    path = record(tmp_path / "bad.mcap", [("/robot_task_list", 1, "nonsense")])
+    with (
+        Recording(path) as recording,
+        pytest.raises(SourceError, match="tells of no task that can be read: no task in"),
+    ):
+        told_by(recording)
+
+
+@pytest.mark.parametrize(
+    ("named", "namespace", "some", "count"),
+    [
+        ((), "", "/robot_task_list", 4 + 4 * 7),
+        ((), "/", "/robot_task_list", 4 + 4 * 7),
+        ((), "/r1/", "/r1/robot_task_list", 2 * (4 + 4 * 7)),
+        (["/my_list"], "/r1", "/my_list/goal", 7),
+    ],
+)
+def test_topics_to_hear_are_the_named_or_the_known_ones(
+    named: Collection[str], namespace: str, some: str, count: int
+) -> None:
+    """Four topics of the 2020 tool, four actions, each under its own name or as one of its six topics."""
+    found = topics_to_hear(named, namespace)
+    assert some in found
+    assert len(found) == len(set(found)) == count

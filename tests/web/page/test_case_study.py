@@ -26,8 +26,23 @@ def test_from_nothing_to_a_running_analysis(empty, visit):
     look = visit(empty, accept_downloads=True)
     page = look.open()
     page.get_by_role("button", name="Start a new robot").click()
+    designed(look, page)
+    configured(page)
+    bound(look, page)
+    page.keyboard.press("Control+s")
+    page.get_by_text("OTA.yaml, saved").wait_for()
+    robot = load(empty.design)
+    assert {part.path for part in robot.all_components()} == {
+        *(f"{module}/{row.partition(chr(9))[0]}" for module, rows in TABLE_17.items() for row in rows.split("\n")),
+        "E-stop",
+    }
+    assert robot.warnings == ()
+    analysed(look, page, empty)
+    predicted(look, page)
 
-    # 5.1.1 design: modules, then their parts, pasted from the paper's table
+
+def designed(look, page):
+    """5.1.1 design: modules, then their parts, pasted from the paper's table; one part by a handbook model."""
     for module in TABLE_17:
         page.get_by_role("treeitem", name="OTA").click()
         page.get_by_role("button", name="Add module").click()
@@ -42,7 +57,6 @@ def test_from_nothing_to_a_running_analysis(empty, visit):
         page.get_by_role("button", name=f"Add {rows.count(chr(10)) + 1} parts").click()
         page.get_by_role("button", name=f"{module}/{rows.partition(chr(9))[0]}", exact=True).wait_for()
 
-    # one part by a handbook model, its factors shown
     page.get_by_role("tab", name="Library of models").click()
     page.get_by_label("Find a model").fill("mtbf")
     page.get_by_label("Models", exact=True).select_option("general.mtbf")
@@ -53,7 +67,9 @@ def test_from_nothing_to_a_running_analysis(empty, visit):
     page.get_by_label("Name", exact=True).fill("E-stop")
     page.get_by_role("dialog").get_by_role("button", name="Add", exact=True).click()
 
-    # 5.1.2 configuration: the laser and the camera stand in for each other
+
+def configured(page):
+    """5.1.2 configuration: the laser and the camera stand in for each other; acceleration (ALT) of the robot."""
     page.get_by_role("treeitem", name="E-stop").wait_for()
     page.get_by_role("treeitem", name="Sensing").dblclick()
     page.get_by_role("treeitem", name="SICK Laser Sensor").click()
@@ -61,11 +77,13 @@ def test_from_nothing_to_a_running_analysis(empty, visit):
     page.get_by_role("button", name="Group…").click()
     page.get_by_role("button", name="Group", exact=True).click()
     page.locator(".gate", has_text="1/2").wait_for()
-
-    # acceleration (ALT) of the robot, and the sensors of two modules
     page.get_by_role("treeitem", name="OTA").click()
     page.get_by_label("Acceleration model of the constant-rate parts below").select_option("q10")
     expect(page.get_by_label("Reference temperature")).to_have_value("25 degC")
+
+
+def bound(look, page):
+    """The sensors of two modules."""
     look.open("sensors")
     for module in TABLE_17:
         page.get_by_label("Find a topic").fill(f"/ota/{module.lower()}/temperature")
@@ -75,16 +93,10 @@ def test_from_nothing_to_a_running_analysis(empty, visit):
         page.get_by_label("Highest that is believed").fill("125")
         page.get_by_role("button", name="Bind", exact=True).click()
         page.get_by_role("button", name=f"Unbind temperature of {module}").wait_for()
-    page.keyboard.press("Control+s")
-    page.get_by_text("OTA.yaml, saved").wait_for()
-    robot = load(empty.design)
-    assert {part.path for part in robot.all_components()} == {
-        *(f"{module}/{row.partition(chr(9))[0]}" for module, rows in TABLE_17.items() for row in rows.split("\n")),
-        "E-stop",
-    }
-    assert robot.warnings == ()
 
-    # 5.2: start the analysis; nominal and sensor-based side by side
+
+def analysed(look, page, empty):
+    """5.2: start the analysis; nominal and sensor-based side by side."""
     look.open("live")
     page.get_by_label("Source of sensor data").select_option("synthetic")
     page.get_by_label("Speed").select_option("200")
@@ -105,7 +117,9 @@ def test_from_nothing_to_a_running_analysis(empty, visit):
         page.get_by_role("button", name="Hazard rate as CSV, the visible range").click()
     assert download.value.path().read_text().startswith('"time of the samples, UTC",nominal,sensor-based\n')
 
-    # tasks: predicted, and again and again
+
+def predicted(look, page):
+    """Tasks: predicted, and again and again."""
     look.open("tasks")
     page.get_by_role("button", name="Add to the list").first.click()
     page.get_by_role("button", name="Predict").click()

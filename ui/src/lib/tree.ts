@@ -45,6 +45,17 @@ export function treeOf(design: DesignState): Part {
   return tree;
 }
 
+/** What says how often a part fails: one of these, or an entry of the library of parts. */
+export const FIGURES = ["rate", "mtbf", "mttf", "l10", "b10", "hazard"];
+
+/** By what its rate is, where it states none itself: "l10 20000 h", "lidar_2d of the library". */
+export function insteadOfRate(values: Values): string {
+  const key = FIGURES.find((one) => values[one] !== undefined);
+  if (key === "hazard" && isValues(values.hazard)) return values.hazard.model ? String(values.hazard.model) : "a formula";
+  if (key) return key === "rate" ? "" : `${key} ${String(values[key])}`;
+  return values.part === undefined ? "" : `${String(values.part)} of the library`;
+}
+
 export function* everyPart(part: Part): Generator<Part> {
   yield part;
   for (const one of part.parts) yield* everyPart(one);

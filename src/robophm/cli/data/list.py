@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from robophm.cli.shared.measured import Bags, max_age, named, warn_of
+from robophm.cli.shared.measured import Bags, max_age, warn_of
 from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json, print_table, progress_console, table
 from robophm.cli.shared.progress import counted
@@ -39,23 +39,22 @@ def command(
     out = console()
     for seen in shown:
         _print_overview(out, seen)
-    warn_of([note for seen in shown for note in named(seen.name, seen.notes, several=len(shown) > 1)])
+    warn_of([note for seen in shown for note in said(seen.notes, seen.name if len(shown) > 1 else "")])
 
 
 def _print_overview(out: Console, one: Overview) -> None:
-    spans = [(topic.first, topic.last) for topic in one.topics if topic.first is not None and topic.last is not None]
-    begin, end = min((a for a, _ in spans), default=0), max((b for _, b in spans), default=0)
-    span = f"{moment_text(begin)}, {duration_text((end - begin) / HOUR)}" if spans else "no messages"
+    begin, end = one.span or (0, 0)
+    span = f"{moment_text(begin)}, {duration_text((end - begin) / HOUR)}" if one.span else "no messages"
     rows = []
     for topic in one.topics:
-        rate, first, last = per_second(topic), topic.first, topic.last
-        heard = ["–", "–"]
-        if first is not None and last is not None:
+        rate, heard = per_second(topic), ["–", "–"]
+        if topic.span:
+            first, last = topic.span
             heard = [duration_text(round((since - other) / 1e6) * 1e6 / HOUR)
                      for since, other in ((first, begin), (last, first))]  # fmt: skip
         gaps = "–"
-        if topic.gap_count:
-            at, length = max(topic.gaps, key=lambda gap: gap[1])
+        if topic.longest_gap:
+            at, length = topic.longest_gap
             gaps = f"{topic.gap_count:,}; {duration_text(length / HOUR)} from {moment_text(at)[5:19]}"
         per = "–" if rate is None else number_text(rate, 3)
         rows.append((topic.name, f"{topic.messages:,}", per, *heard, gaps))

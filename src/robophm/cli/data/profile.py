@@ -14,10 +14,9 @@ from robophm.cli.shared.output import console, may_make, print_json, progress_co
 from robophm.cli.shared.progress import counted
 from robophm.cli.shared.unused import refuse_unused
 from robophm.design.file import load
-from robophm.measured.levels import marginal
 from robophm.measured.profile import Lived, Profile, lived, task_text
 from robophm.measured.recordings import recordings, said
-from robophm.report.measured_page import level_rows, parts_text, profile_page, where
+from robophm.report.measured_page import aged_text, level_rows, parts_text, profile_page, where
 from robophm.report.words import duration_text, number_text
 
 
@@ -53,19 +52,13 @@ def command(
     on, whole = duration_text(found.operating), duration_text(found.calendar)
     out.print(f"{robot.name} in {source}: on for {on} of {whole}", markup=False)
     for profile in found.profiles:
-        gone = number_text(float(profile.levels.sums[:, 0].sum()))
         out.print(f"\n{where(profile)}", style="bold", markup=False)
         if len(profile.parts) > 1:
             out.print(parts_text(profile), markup=False)
-        out.print(
-            f"{gone} {profile.unit} on the {profile.clock} clock, mean stress factor {number_text(profile.factor)}",
-            markup=False,
-        )
+        out.print(aged_text(profile), markup=False)
         for i, one in enumerate(profile.inputs):
-            begins, sums = marginal(profile.levels, i)
-            rows = level_rows(begins, sums, float(profile.levels.widths[i]), one.unit)
             designed = f"designed for {number_text(one.designed)} {one.unit}".rstrip()
-            print_levels(out, f"{one.name} ({one.signal}), {designed}", rows)
+            print_levels(out, f"{one.name} ({one.signal}), {designed}", level_rows(profile.levels, i, one.unit))
     for written in filter(None, (to, report)):
         out.print(f"Written: {written}", markup=False)
     if to:
@@ -91,9 +84,9 @@ def _profile_json(one: Profile) -> dict[str, Any]:
     ]
     begins = one.levels.keys * one.levels.widths
     cells = [
-        {"begin": begin, "clock": clock, "factor": aged / clock, "typical": typical}
-        for begin, (clock, aged), typical in zip(
-            begins.tolist(), one.levels.sums.tolist(), one.typical.tolist(), strict=True
+        {"begin": begin, "clock": clock, "factor": factor, "typical": typical}
+        for begin, clock, factor, typical in zip(
+            begins.tolist(), one.levels.sums[:, 0].tolist(), one.factors.tolist(), one.typical.tolist(), strict=True
         )
     ]
     return {"parts": list(one.parts), "clock": one.clock, "unit": one.unit, "factor": one.factor,

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import asdict
 from pathlib import Path
-from typing import IO, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -23,7 +21,6 @@ from robophm.cli.shared.measured import (
     SignalNames,
     Together,
     max_age,
-    named,
     nanoseconds,
     print_levels,
     warn_of,
@@ -33,17 +30,14 @@ from robophm.cli.shared.output import console, may_make, print_json, print_table
 from robophm.cli.shared.progress import counted
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
-from robophm.core.files import replacing
-from robophm.core.signal import HOUR, SECOND
+from robophm.core.signal import HOUR
 from robophm.measured.levels import marginal
 from robophm.measured.recordings import Signal, recordings, signal_of
-from robophm.measured.statistics import Look, Window, statistics
+from robophm.measured.statistics import Seen, Window, statistics_of
+from robophm.measured.window_table import writing_windows
 from robophm.report.curve import sparkline
-from robophm.report.measured_page import Seen, level_rows, statistics_page
+from robophm.report.measured_page import level_rows, statistics_page
 from robophm.report.words import duration_text, moment_text, number_text
-
-MOST_KEPT = 100_000
-"""Windows that ``--json`` has at most; ``--to`` writes all."""
 
 
 def command(
@@ -71,50 +65,24 @@ def command(
         raise RobophmError(f"--every {every}: expected a time above zero")
     each = recordings(bags, together=together)
     signals = [signal_of(name, each) for name in dict.fromkeys(signal)]
-    seen: list[Seen] = []
-    kept: list[tuple[str, Signal, Window]] = []
-    count, notes = 0, list[str]()
-    with counted(progress_console(), "reading") as advance, _rows(to) as rows:
-        for done, one in enumerate(each):
-            advance(done, len(each))
-            looks = {sought.name: Look.new(bins) for sought in signals}
-            said_of: Counter[str] = Counter()
-            for sought, window in statistics(one, signals, step, age, said_of, looks):
-                count += 1
-                if len(kept) < MOST_KEPT:
-                    kept.append((one.name, sought, window))
-                if rows:
-                    rows.write(_csv_row(one.name, sought, window))
-            notes += named(one.name, said_of, several=len(each) > 1)
-            for sought in signals:
-                looks[sought.name].levels.finish()
-                if looks[sought.name].whole.so_far:
-                    seen.append(Seen(one.name, sought, looks[sought.name]))
+    with counted(progress_console(), "reading") as advance, writing_windows(to) if to else nullcontext() as row:
+        found = statistics_of(each, signals, step, age, levels=bins, on_window=row, advance=advance)
     if report:
-        write(report, statistics_page(seen, age, notes))
+        write(report, statistics_page(found.seen, age, found.notes))
     if as_json:
         print_json({
-            "gap": age, "every": step, "count": count, "notes": notes,
-            "signals": [_seen_json(one) for one in seen],
-            "windows": [_window_json(*one) for one in kept] if step else [],
+            "gap": age, "every": step, "count": found.count, "notes": found.notes,
+            "signals": [_seen_json(one) for one in found.seen],
+            "windows": [_window_json(*one) for one in found.windows] if step else [],
         })  # fmt: skip
         return
     out = console()
-    _print_seen(out, seen, several=len(each) > 1)
+    _print_seen(out, found.seen, several=len(each) > 1)
     if step:
-        _print_windows(out, kept[:most], count, str(every), several=len(each) > 1)
+        _print_windows(out, found.windows[:most], found.count, str(every), several=len(each) > 1)
     for written in filter(None, (to, report)):
         out.print(f"Written: {written}", markup=False)
-    warn_of(notes)
-
-
-def _csv_row(recording: str, signal: Signal, window: Window) -> bytes:
-    begin, known = (f"{time // SECOND}.{time % SECOND:09d}" for time in (window.begin, window.held))
-    figures = (window.lowest, window.mean, window.highest, window.deviation)
-    quoted = '"' + recording.replace('"', '""') + '"'
-    cells = (quoted, signal.name, signal.unit or "", begin, str(window.samples), known,
-             *("" if math.isnan(one) else repr(one) for one in figures))  # fmt: skip
-    return (",".join(cells) + "\n").encode("utf-8", "surrogateescape")
+    warn_of(found.notes)
 
 
 def _print_seen(out: Console, seen: Sequence[Seen], *, several: bool) -> None:
@@ -124,18 +92,16 @@ def _print_seen(out: Console, seen: Sequence[Seen], *, several: bool) -> None:
                "deviation", "course")  # fmt: skip
     rows = []
     for one in seen:
-        for window in one.look.whole.so_far:
-            rows.append((*([one.recording] if several else []), one.signal.label, moment_text(window.begin)[:19],
-                         *_figures(window), sparkline(one.look.series.means(20))))  # fmt: skip
+        rows.append((*([one.recording] if several else []), one.signal.label, moment_text(one.whole.begin)[:19],
+                     *_figures(one.whole), sparkline(one.look.series.means(20))))  # fmt: skip
     if rows:
         last = len(columns) - 1
         print_table(out, table("", columns, rows, figures=range(last - 6, last)))
     for one in seen:
-        begins, hours = marginal(one.look.levels, 0)
-        if hours.sum():
+        shares = level_rows(one.look.levels, 0, one.signal.unit or "")
+        if any(shares.values()):
             where = f" in {one.recording}" if several else ""
-            rows_of = level_rows(begins, hours, float(one.look.levels.widths[0]), one.signal.unit or "")
-            print_levels(out, f"Time at level: {one.signal.name}{where}", rows_of)
+            print_levels(out, f"Time at level: {one.signal.name}{where}", shares)
 
 
 def _print_windows(
@@ -164,24 +130,9 @@ def _window_json(recording: str, signal: Signal, window: Window) -> dict[str, An
 
 
 def _seen_json(one: Seen) -> dict[str, Any]:
-    (window,) = one.look.whole.so_far
     begins, hours = marginal(one.look.levels, 0)
     return {
-        **_window_json(one.recording, one.signal, window),
+        **_window_json(one.recording, one.signal, one.whole),
         "unit": one.signal.unit,
         "levels": {"width": float(one.look.levels.widths[0]), "begin": begins.tolist(), "hours": hours.tolist()},
     }
-
-
-@contextmanager
-def _rows(path: Path | None) -> Iterator[IO[bytes] | None]:
-    """A table of windows being written."""
-    if path is None:
-        yield None
-        return
-    try:
-        with replacing(path) as stream:
-            stream.write(b"recording,signal,unit,begin,samples,known,lowest,mean,highest,deviation\n")
-            yield stream
-    except OSError as error:
-        raise RobophmError(f"{path}: cannot be written: {error.strerror or error}") from None

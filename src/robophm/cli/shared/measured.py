@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated
@@ -14,7 +13,6 @@ from robophm.cli.shared.output import print_table, table, warn
 from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
 from robophm.core.units import quantity
-from robophm.measured.recordings import said
 from robophm.report.bars import bar_text
 from robophm.report.words import number_text
 
@@ -51,11 +49,6 @@ def print_levels(out: Console, title: str, rows: Mapping[str, float]) -> None:
     lines = [(name, f"{number_text(100 * share, 3)} %", bar_text(share / top)) for name, share in rows.items()]
     out.print(f"\n{title}", style="bold", markup=False)
     print_table(out, table("", ("level", "share", ""), lines, figures=(0, 1)))
-
-
-def named(name: str, notes: Counter[str], *, several: bool) -> list[str]:
-    """Notes in words, with the recording's name where there are several."""
-    return [f"{name}: {note}" if several else note for note in said(notes)]
 
 
 def warn_of(notes: Sequence[str]) -> None:

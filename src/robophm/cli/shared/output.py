@@ -142,7 +142,7 @@ def print_report(report: HealthReport, unit: str) -> None:
     lived = ", ".join(f"{number_text(v)} {clocks.get(n, n)}" for n, v in report.clocks.items())
     out.print(f"Observed: {lived if report.time is not None else 'nothing yet; sensor-based is nominal'}", markup=False)
     out.print("R is survival since new over that time; λ, remaining life and PoTC are given that it works now.")
-    robot = report.outlooks["sensor_based"].plant.robot
+    robot = report.design
     print_unknown(report.system.unknown, robot)
     system = report.system.sensor_based
     left_out = report.system.unknown
@@ -156,10 +156,10 @@ def print_report(report: HealthReport, unit: str) -> None:
             said = f"{duration_text(life.threshold)} with {percent_text(wanted)}"
             out.print(f"Works on for {left_out.said_ahead(said) if left_out else said}", markup=False)
     if sure := report.uncertainty:
-        of_rates, of_load = sure.rates_known != sure.all_sources, sure.load_known != sure.all_sources
-        unsure = [name for name, is_it in (("rates", of_rates), ("the load (drawn from its past)", of_load)) if is_it]
+        both = (("rates", sure.of_rates), ("the load (drawn from its past)", sure.of_load))
+        unsure = [name for name, is_it in both if is_it]
         spans = [(f"with {' and '.join(unsure)} unsure", sure.all_sources)] if unsure else []
-        if of_rates and of_load:
+        if sure.of_rates and sure.of_load:
             spans.append(("if rates were known exactly", sure.rates_known))
             spans.append(("if the load went on as of late", sure.load_known))
         for what, interval in spans:
@@ -261,17 +261,6 @@ def write(path: Path, text: str | bytes) -> None:
         write_atomically(path, text)
     except OSError as error:
         raise RobophmError(f"{path}: cannot be written: {error.strerror}") from None
-
-
-def write_design(to: Path, text: str) -> None:
-    """Write a design; of one that was there, what it was is kept beside it. Raises DesignError."""
-    from robophm.design.file import parse, replace_text
-
-    parse(text, str(to))
-    if to.exists():
-        replace_text(to, text)
-    else:
-        write(to, text)
 
 
 def estimate_text(found: Estimate) -> str:

@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from robophm.cli.shared.output import warn
-from robophm.core.errors import RobophmError, StoreError
 from robophm.design.robot import Robot
+from robophm.health.draws import affordable as draws_of
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
+from robophm.health.prognosis import Outlook
 from robophm.health.subject import silence
-from robophm.monitoring.replay import kept_ledger
-
-if TYPE_CHECKING:
-    from robophm.stores.sqlite import SqliteStore
-
-MOST_DRAWN = 30_000_000
-"""Rates that are drawn in all: ten arrays of so many numbers are 2.4 GB."""
+from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.stored_past import existing_store, past_in
 
 
 def affordable(draws: int, robot: Robot) -> None:
     """Raises RobophmError where so many draws of the robot's rates would be too many."""
-    most = MOST_DRAWN // max(sum(mode.uncertainty is not None for mode in robot.modes), 1)
-    if draws > most:
-        raise RobophmError(f"--draws {draws}: too many for so many uncertain rates; expected at most {most}")
+    draws_of(draws, robot, "--draws")
 
 
 def kept(path: Path, robot: Robot) -> Ledger:
@@ -37,18 +30,6 @@ def kept(path: Path, robot: Robot) -> Ledger:
     return ledger
 
 
-def existing_store(path: Path) -> SqliteStore:
-    """A store that is there. Raises StoreError where it is not, or is none."""
-    from robophm.stores.sqlite import SqliteStore
-
-    if not path.exists():
-        raise StoreError(f"{path}: no such store; `robophm replay --store` makes it")
-    return SqliteStore(path)
-
-
-def past_in(store: SqliteStore, robot: Robot) -> Ledger:
-    """The robot's past in this store. Raises StoreError where it knows no such robot."""
-    ledger = kept_ledger(robot, store)
-    if ledger is None:
-        raise StoreError(f"{store.path}: knows no robot '{robot.name}'")
-    return ledger
+def outlook_of(path: Path, robot: Robot) -> Outlook:
+    """How a robot stands now by its past in a store. Raises StoreError where there is none."""
+    return Monitor(robot, kept(path, robot)).report(remaining_life=False).outlooks["sensor_based"]

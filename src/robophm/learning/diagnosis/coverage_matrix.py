@@ -66,6 +66,11 @@ def coverage(robot: Robot, sensors: Sequence[Sensor]) -> dict[str, dict[str, flo
     return found
 
 
+def unseen(robot: Robot, sensors: Sequence[Sensor]) -> list[str]:
+    """The failure modes, by path, that no fitted sensor sees."""
+    return [mode for mode, p in seen(robot, sensors).items() if p == 0]
+
+
 def seen(robot: Robot, sensors: Sequence[Sensor]) -> dict[str, float]:
     """By failure mode: P(some fitted sensor sees it)."""
     fitted = {sensor.name for sensor in sensors if sensor.fitted} | {"monitored"}

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.core.errors import DataError
+from robophm.learning.diagnosis.fault_isolation import Sensor
 
 Array = npt.NDArray[np.float64]
 
@@ -45,11 +46,28 @@ class Choice:
     """No set of so many explains more."""
     exhaustive: bool
     """Whether no set of so many is better, gone through one by one."""
+    before: float
+    """Variance of the outcome that is explained without any of them, by what is fitted."""
+    variance: float
+    """Of the outcome, all told: the doubt of whether it works."""
 
     @property
     def at_least(self) -> float:
         """Share of the best set's value that this one is sure to have."""
         return 1.0 if self.exhaustive or self.bound <= self.value else self.value / self.bound
+
+    def share(self, explained: float) -> float:
+        """The share of the doubt that explaining so much of the variance takes away; what is rounding alone is none."""
+        there = self.variance > 0 and explained > 1e-12 * self.variance
+        return max(explained / self.variance, 0.0) if there else 0.0
+
+
+def parted(sensors: Sequence[Sensor]) -> tuple[list[int], list[int]]:
+    """Indices of the sensors that are fitted, and of those to choose from. Raises DataError where all are fitted."""
+    fitted = [i for i, sensor in enumerate(sensors) if sensor.fitted]
+    if len(fitted) == len(sensors):
+        raise DataError("every sensor is fitted already; expected some with fitted: no, to choose from")
+    return fitted, [i for i, sensor in enumerate(sensors) if not sensor.fitted]
 
 
 def explained(weights: Array, outcome: Array, alarms: Array, chosen: Sequence[int], base: Sequence[int] = ()) -> float:
@@ -83,8 +101,8 @@ def choose(
         return explained(weights, outcome, alarms, some, base) - before
 
     fits = len(base) + len(rest) <= MOST
-    everything = float(weights @ (outcome - weights @ outcome) ** 2) - before
-    most = max(value(rest) if fits else everything, 0.0)
+    variance = _variance(weights, outcome)
+    most = max(value(rest) if fits else variance - before, 0.0)
     exhaustive = _affordable(len(rest), number, len(base), len(weights))
     if exhaustive:
         best = max(combinations(rest, number), key=value, default=())
@@ -94,7 +112,11 @@ def choose(
     gains = np.diff([0.0, *(value(order[: k + 1]) for k in range(len(order)))])
     reached = value(order)
     bound = reached if exhaustive else _bound(rest, number, base, len(weights), value, most)
-    return Choice(tuple(order), tuple(float(one) for one in gains), reached, most, bound, exhaustive)
+    return Choice(tuple(order), tuple(float(one) for one in gains), reached, most, bound, exhaustive, before, variance)
+
+
+def _variance(weights: Array, outcome: Array) -> float:
+    return float(weights @ (outcome - weights @ outcome) ** 2)
 
 
 def _affordable(candidates: int, number: int, fitted: int, states: int) -> bool:
@@ -136,4 +158,5 @@ def greedily(weights: Array, outcome: Array, alarms: Array, number: int) -> Choi
     most = value(every)
     bound = max((value(some) for some in combinations(every, len(every) - 1)), default=most)
     bound = most if number == len(every) else bound
-    return Choice(tuple(order), tuple(float(one) for one in gains), value(order), most, bound, False)
+    gained = tuple(float(one) for one in gains)
+    return Choice(tuple(order), gained, value(order), most, bound, False, 0.0, _variance(weights, outcome))

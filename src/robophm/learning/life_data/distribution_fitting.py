@@ -48,6 +48,12 @@ FAMILIES: Mapping[str, Family] = {
 FEWEST: Mapping[str, int] = {"exponential": 1, "weibull3": 5}
 """Failures that a distribution needs; two where it is not here."""
 
+AS_GOOD = 2.0
+"""Difference of AIC below which two distributions are as good as each other (Burnham and Anderson 2002)."""
+
+DOUBTFUL = 0.05
+"""p below which data do not go with what was fitted to them."""
+
 MOST_BELOW_ZERO = 0.01
 """Share of lives below zero from which on a distribution is no life."""
 
@@ -139,13 +145,28 @@ def fit_all(data: LifeData, names: Sequence[str] = (), *, level: float = LEVEL) 
             refused[name] = str(error).removeprefix(f"{data.source}: ")
     if not found:
         raise DataError(f"{data.source}: no distribution fits: {next(iter(refused.values()))}")
-    corrected = all(math.isfinite(one.aic_corrected) for one in found)  # of three parts or so there is none
+    corrected = can_be_corrected(found)
     found.sort(key=lambda one: (one.below_zero > MOST_BELOW_ZERO, one.aic_corrected if corrected else one.aic))
     return found, refused
 
 
+def can_be_corrected(fits: Sequence[Fit]) -> bool:
+    """Whether all have a corrected AIC, by which they are ranked; of three parts or so there is none."""
+    return all(math.isfinite(one.aic_corrected) for one in fits)
+
+
+def as_good_as_best(fits: Sequence[Fit]) -> list[Fit]:
+    """Of fits to the same data, the best first, those that cannot be told from it."""
+    scores = [one.aic_corrected if can_be_corrected(fits) else one.aic for one in fits]
+    return [one for one, score in zip(fits[1:], scores[1:], strict=True) if score < scores[0] + AS_GOOD]
+
+
 def supports(data: LifeData, name: str) -> None:
     """Raises DataError, and says what would be needed, where data cannot tell a distribution's parameters."""
+    if data.items_repeat:
+        raise DataError(
+            f"{data.source}: items have several rows; expected --repairable for repaired systems, or one life each"
+        )
     needed = FEWEST.get(name, 2)
     if data.failures == 0:
         total = float((data.count * data.low).sum())
@@ -288,8 +309,21 @@ def straight(name: str, times: Array, failed: Array, location: float = 0.0) -> t
         return x, np.log(-np.log1p(-failed))
 
 
-def goodness(found: Fit, refits: int, seed: int) -> tuple[float, float]:
-    """Anderson–Darling statistic, and P(one so large | the distribution is right) by so many simulated refits.
+class Goodness(NamedTuple):
+    """How well a distribution fits, by Anderson and Darling."""
+
+    statistic: float
+    p_value: float
+    """P(one so large | the distribution is right)."""
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether the distribution does not fit."""
+        return self.p_value < DOUBTFUL
+
+
+def goodness(found: Fit, refits: int, seed: int) -> Goodness:
+    """Of a fit, by so many simulated refits.
 
     Raises DataError for left or interval censored data, of which it is not known when somebody looked.
     """
@@ -297,4 +331,4 @@ def goodness(found: Fit, refits: int, seed: int) -> tuple[float, float]:
         raise DataError("a goodness of fit by simulation needs to know when parts were looked at; intervals do not say")
     with asked(f"{found.data.source}: {found.name}"):
         result = library("diagnostics.univariate").bootstrap(found.model, refits, seed)
-    return float(result["observed"]["AD"]), float(result["p"]["AD"])
+    return Goodness(float(result["observed"]["AD"]), float(result["p"]["AD"]))

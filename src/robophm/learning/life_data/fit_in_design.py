@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 from robophm.core.errors import DataError
+from robophm.design.file import load, read
 from robophm.design.naming import quoted
 from robophm.design.robot import CLOCK_UNITS, FailureMode
+from robophm.learning.failure_mode_edits import edited, named_mode
 from robophm.learning.life_data.distribution_fitting import FAMILIES, Fit
 from robophm.learning.life_data.life_stress import LAWS, LifeStressFit
+from robophm.parts import FIGURES
 
 _REFERENCES = {"temperature": "degC", "voltage": "V", "temperature_swing": "K"}
 
@@ -47,8 +51,16 @@ def design_keys(found: Fit | LifeStressFit, mode: FailureMode | None = None) -> 
     keys["source"] = quoted(f"{found.data.source.rpartition('/')[2]}: {found.data.described()}")
     if isinstance(found, LifeStressFit):
         keys["acceleration"] = _acceleration(found)
-    keys |= {"hazard": None, "learned": None}
-    return keys
+    return keys | dict.fromkeys([key for key in (*FIGURES, "hazard", "learned") if key not in keys])
+
+
+def edited_design(found: Fit | LifeStressFit, design: Path, part: str) -> str:
+    """The text of a design file with this life of a part, or failure mode, by its path; nothing is written.
+
+    Raises DesignError where there is no such part, and DataError as ``design_keys``.
+    """
+    mode = named_mode(load(design), part)
+    return edited(read(design), str(design), {mode.path: design_keys(found, mode)})
 
 
 def snippet(found: Fit | LifeStressFit) -> list[str]:

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from scipy.stats import chi2
 
 from robophm.core.errors import DataError, nearest
-from robophm.learning.life_data.distribution_fitting import FAMILIES, LEVEL, Bounded, Fit, as_theirs, fit
+from robophm.learning.life_data.distribution_fitting import DOUBTFUL, FAMILIES, LEVEL, Bounded, Fit, as_theirs, fit
 from robophm.learning.life_data.observed_lives import LifeData
 from robophm.learning.life_data.surpyval import asked, library
 from robophm.life import life_distribution
@@ -113,7 +113,7 @@ def fit_life_stress(
     times. Raises DataError, in words, where the data do not support it.
     """
     chosen = _laws(data, name, reference, laws or {})
-    steps = bool(data.items) and len(set(data.items)) < len(data.items)
+    steps = data.items_repeat
     z, known = _covariates(data, chosen, reference)
     _supported(data, z, name, steps=steps)
     family, sp = FAMILIES[name], library()
@@ -131,7 +131,7 @@ def fit_life_stress(
             notes.append(f"life grows with {stress}: that is no acceleration")
         elif one.low <= (1 if chosen[stress] == "q10" else 0):
             notes.append(f"that {stress} shortens life is not shown: the interval holds none")
-    if separate and separate[2] < 0.05:
+    if separate and separate[2] < DOUBTFUL:
         notes.append("one law with one shape for all stresses fits badly: lives at each stress alone fit better")
     return replace(found, steps=steps, levels=tested, separate=separate, notes=tuple(notes))
 

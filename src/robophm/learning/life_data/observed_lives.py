@@ -79,6 +79,11 @@ class LifeData:
         """How many there were."""
         return int(self.count.sum())
 
+    @property
+    def items_repeat(self) -> bool:
+        """Whether an item has several rows: its repairs, or steps of stress."""
+        return len(set(self.items)) < len(self.items)
+
     def described(self) -> str:
         """In words: '10 failures and 10 that still worked'."""
         exact = self.low == self.high

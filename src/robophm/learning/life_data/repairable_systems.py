@@ -8,12 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from scipy.stats import chi2, norm
 
 from robophm.core.errors import DataError
-from robophm.learning.life_data.distribution_fitting import LEVEL, Bounded
+from robophm.learning.life_data.distribution_fitting import DOUBTFUL, LEVEL, Bounded
 from robophm.learning.life_data.observed_lives import LifeData
 from robophm.learning.life_data.surpyval import asked, library
 
@@ -41,6 +42,13 @@ class PowerLaw:
     def estimate(self) -> str:
         """What β, and all that follows from it, is by."""
         return "unbiased" if self.unbiased else "maximum likelihood"
+
+    @property
+    def trend(self) -> Literal["improving", "wearing"] | None:
+        """Whether failures come less or more often as time goes on; None where neither is shown."""
+        if self.p_value >= DOUBTFUL:
+            return None
+        return "improving" if self.shape.value < 1 else "wearing"
 
     @property
     def intensity(self) -> float:
@@ -90,6 +98,20 @@ def fit_power_law(
         len(ends), n, Bounded(shape, *(float(one) for one in bounds)), scale, until,
         Bounded(1 / rate, low / rate, high / rate), 2 * min(p, 1 - p), unbiased,
     )  # fmt: skip
+
+
+def power_laws(data: LifeData, *, level: float = LEVEL) -> dict[str, PowerLaw]:
+    """Of repaired systems, each failure a row: by both estimates of the exponent, the unbiased one first.
+
+    Of systems that were not watched equally long there is none that is unbiased. Raises DataError as ``systems`` and
+    ``fit_power_law``.
+    """
+    times, ends = systems(data)
+    try:
+        both = [fit_power_law(times, ends, level=level, unbiased=one) for one in (True, False)]
+    except DataError as error:
+        raise DataError(f"{data.source}: {error}") from None
+    return {one.estimate: one for one in both}
 
 
 def _of_unequal(times: Mapping[str, Sequence[float]], ends: Mapping[str, float]) -> float:

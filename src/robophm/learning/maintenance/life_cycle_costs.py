@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
+from robophm.core.errors import DataError
 from robophm.learning.maintenance.replacement_age import Costs
 from robophm.learning.maintenance.standstill import Downtimes, Standstill
 from robophm.life.distribution import LifeDistribution
@@ -16,6 +18,12 @@ Array = npt.NDArray[np.float64]
 
 TOGETHER = 500
 """Repetitions at a time: when their parts were down is kept until it is known when the robots stood still."""
+
+MOST_LIVES = 2e9
+"""Of parts, in all repetitions."""
+
+MOST_TOGETHER = 1e7
+"""Of parts, in the repetitions that are in memory at a time."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +85,9 @@ def simulate(
 
     ``standing`` says when the parts that are down stop the robot (default: any does), and an hour of that costs
     ``hour_down`` beside what the parts cost. Every part draws from a stream of its own by its name: two policies are
-    compared on the same lives.
+    compared on the same lives. Raises DataError where that is more lives than can be gone through.
     """
+    _affordable(parts, horizon, repetitions)
     standing = standing or Standstill()
     found = [
         _together(parts, horizon, min(TOGETHER, repetitions - begun), (seed, begun), standing, hour_down)
@@ -90,6 +99,17 @@ def simulate(
         float(cost.mean()), float(low), float(high), float(cost.std(ddof=1) / np.sqrt(repetitions)),
         float(np.mean(1 - stood / horizon)), float(failures.mean()), float(precautions.mean()), cost,
     )  # fmt: skip
+
+
+def _affordable(parts: Mapping[str, Upkept], horizon: float, repetitions: int) -> None:
+    lives = sum(
+        part.parts * (1 + horizon / max(min(part.age or math.inf, part.life.mean()), 1e-9)) for part in parts.values()
+    )
+    if lives * repetitions > MOST_LIVES or lives * min(repetitions, TOGETHER) > MOST_TOGETHER:
+        raise DataError(
+            f"that is some {lives:.2g} lives of parts of one robot, {repetitions:,} times over; expected a shorter "
+            "horizon or fewer repetitions"
+        )
 
 
 def _together(

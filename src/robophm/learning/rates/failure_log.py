@@ -7,7 +7,7 @@ is that goes on: a new one begins at 0, a repaired one keeps a share of its age 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -48,6 +48,19 @@ class Seen:
     """[unit of its clock]"""
     lives: list[Lived] = field(default_factory=list)
     """Each, where failures in an exposure say too little (``life_scale.py``)."""
+
+
+def merged(seen: Iterable[Seen]) -> list[Seen]:
+    """One for each failure mode and robot."""
+    found: dict[tuple[str, str], Seen] = {}
+    for one in seen:
+        if (key := (one.mode.path, one.robot)) in found:
+            there = found[key]
+            found[key] = Seen(one.mode, one.robot, there.failures + one.failures, there.expected + one.expected,
+                              there.exposure + one.exposure, there.lives + one.lives)  # fmt: skip
+        else:
+            found[key] = one
+    return list(found.values())
 
 
 @dataclass

@@ -26,7 +26,6 @@ from scipy.stats import gamma
 
 from robophm.core.errors import DataError, ModelError
 from robophm.learning.rates.gamma_poisson import FleetPosterior, Posterior, between, less_sure, update
-from robophm.life.curve import Curve
 from robophm.life.distribution import LifeDistribution
 from robophm.life.side_by_side import Lives
 
@@ -114,8 +113,7 @@ def at_rate(life: LifeDistribution, ratio: float) -> LifeDistribution:
         )
     if ratio == 1:
         return life
-    rate = life.rate if isinstance(life, Curve) else 1 / life.mean()
-    return kind.with_rate(rate * ratio, **_others(life))
+    return kind.with_rate(life.nominal_rate * ratio, **_others(life))
 
 
 def _others(life: LifeDistribution) -> dict[str, float]:

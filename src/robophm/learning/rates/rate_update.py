@@ -13,7 +13,7 @@ from scipy.stats import chi2
 from robophm.core.errors import DataError, UnitError
 from robophm.core.units import quantity
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot, Uncertainty
-from robophm.learning.rates.failure_log import Seen
+from robophm.learning.rates.failure_log import Seen, merged
 from robophm.learning.rates.gamma_poisson import VAGUEST, FleetPosterior, Posterior, fleet
 from robophm.learning.rates.life_scale import Ratio, at_rate, fit_scale, information, of_power
 
@@ -59,12 +59,12 @@ class LearnedRate:
 def learn(robot: Robot, seen: Iterable[Seen], prior: str | None = None, of: str | None = None) -> list[LearnedRate]:
     """How far each stated rate is off, of the failure modes of which anything was seen; in design order.
 
-    A rate that is unknown cannot be off: see ``unstated``.
+    What was seen of one failure mode in one robot adds up. A rate that is unknown cannot be off: see ``unstated``.
     ``prior``: what stated rates count as, such as '10000 h' or '2 failures'; else what the design's ``uncertainty``
     says, else one failure. ``of``: one robot of the fleet, else what is known of any. Raises DataError.
     """
     by_mode: dict[str, list[Seen]] = {}
-    for one in seen:
+    for one in merged(seen):
         by_mode.setdefault(one.mode.path, []).append(one)
     names = sorted({one.robot for some in by_mode.values() for one in some})
     if of is not None and of not in names:
@@ -103,7 +103,7 @@ class UnstatedRate:
 def unstated(robot: Robot, seen: Iterable[Seen]) -> list[UnstatedRate]:
     """Of the failure modes of unknown rate of which anything was seen, all robots together; in design order."""
     found: dict[str, list[Seen]] = {}
-    for one in seen:
+    for one in merged(seen):
         if one.mode.unknown:
             found.setdefault(one.mode.path, []).append(one)
     return [

@@ -47,6 +47,11 @@ class Cusum:
     correlation: float
     """Of a baseline's reading with the next."""
 
+    @property
+    def correlated(self) -> bool:
+        """Whether the baseline's readings follow one another, so that false alarms come more often than stated."""
+        return abs(self.correlation) > CORRELATED
+
     def alarms(self, values: npt.ArrayLike) -> tuple[Array, list[int]]:
         """The larger of the two sums after each reading, and where it alarmed; the sums begin anew at an alarm."""
         up = down = 0.0

@@ -41,6 +41,13 @@ class Bend(NamedTuple):
             return None
         return "accelerating" if self.rises else "slowing"
 
+    @property
+    def life_is(self) -> Literal["that of a straight trend", "too long", "too short"]:
+        """What is to be said of a remaining life that takes the trend for straight."""
+        if self.direction is None:
+            return "that of a straight trend"
+        return "too long" if self.direction == "accelerating" else "too short"
+
 
 def bend_of_wiener(t: Array, y: Array, width: float) -> Bend:
     """Of readings that wander and are noisy; ``width``: of the stretch over which each is a mean [time]."""

@@ -41,6 +41,12 @@ class Interval(NamedTuple):
     high: float
 
 
+def interval_of(passage: Array) -> Interval:
+    """Of draws, some of which may be infinite."""
+    low, median, high = np.quantile(passage, [0.05, 0.5, 0.95], method="inverted_cdf")
+    return Interval(float(low), float(median), float(high))
+
+
 @dataclass(frozen=True)
 class Wear:
     """What is known of the wear of a part now, as equally likely draws; shapes (draws,)."""
@@ -66,8 +72,7 @@ class Wear:
     @property
     def remaining(self) -> Interval:
         """Time until the threshold is reached, with all that is not known."""
-        low, median, high = np.quantile(self.passage, [0.05, 0.5, 0.95], method="inverted_cdf")
-        return Interval(float(low), float(median), float(high))
+        return interval_of(self.passage)
 
     @property
     def trend(self) -> Interval:
@@ -75,6 +80,21 @@ class Wear:
         sign = -1 if self.turned else 1
         low, median, high = np.quantile(sign * self.drift, [0.05, 0.5, 0.95])
         return Interval(float(low), float(median), float(high))
+
+    @property
+    def never(self) -> float:
+        """P(the threshold is never reached)."""
+        return float(np.mean(np.isinf(self.passage)))
+
+    @property
+    def worn_out(self) -> bool:
+        """Whether the threshold is reached already."""
+        return self.remaining.median == 0
+
+    @property
+    def signal_threshold(self) -> float:
+        """The threshold of the signal as it is, not turned round."""
+        return -self.threshold if self.turned else self.threshold
 
     def reached(self, time: npt.ArrayLike) -> Array:
         """P(the threshold is reached by a time from now); shape of ``time``."""

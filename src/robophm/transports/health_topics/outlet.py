@@ -9,7 +9,7 @@ from robophm.transports.health_topics.definitions import Generation, definition
 
 
 class Publisher(Protocol):
-    """Of one topic."""
+    """A publisher of one topic."""
 
     def publish(self, message: Any) -> None:
         """Send a message; never waits."""

@@ -93,7 +93,7 @@ def _potc(task: JudgedTask | None) -> Fields:
 
 
 def task_completion(task: JudgedTask) -> Fields:
-    """phm_msgs/TaskCompletion."""
+    """The fields of a phm_msgs/TaskCompletion message of one task."""
     return {
         "header": {"stamp": stamp(task.time)},
         "topic": task.topic,

@@ -97,7 +97,7 @@ class HealthTopics(ReportSink):
         self._send_completions(time)
 
     def judged(self, task: JudgedTask) -> None:
-        """Of the tasks on phm_potc the latest."""
+        """Publish a task, and on phm_potc the latest done and the latest planned task."""
         self._latest[task.done] = task
         self._send(
             f"{self._root}/phm/task_{'actual' if task.done else 'predicted'}", report_fields.task_completion(task)

@@ -25,7 +25,7 @@ _SEQUENCE = "header.seq"
 
 
 class Numbers(NamedTuple):
-    """What is of interest in one message."""
+    """The wanted numbers of one message, and what of it tells which element they are of."""
 
     stamp: int
     """Of the header [ns]; 0 where there is none."""

@@ -168,7 +168,7 @@ class Receiver:
 
 
 class Queue:
-    """What waits to be taken, up to a number; what comes beyond it is dropped and counted.
+    """A queue of live items between threads, with a limit: what comes beyond it is dropped and counted.
 
     Threads that wake each other for every sample take longer for that than for the samples: what is put is handed on
     all at once, when ``hand_on`` says so.
@@ -187,7 +187,7 @@ class Queue:
         self._handing = threading.RLock()  # a signal may end it while we are in it
 
     def put(self, heard: Sequence[LiveItem]) -> None:
-        """All of one message, or nothing; to be taken once it is handed on."""
+        """Queue all items of one message, or none of them; they can be taken after the next ``hand_on``."""
         whole = bool(heard) and isinstance(heard[-1], WholeMessage)
         if self._put - self._taken + len(heard) > self._most or (
             whole and self._whole_put - self._whole_taken >= MOST_WHOLE
@@ -214,7 +214,7 @@ class Queue:
             self._gaps.add(Gap(topic, "queue full"))
 
     def hand_on(self) -> None:
-        """Let what has been put be taken."""
+        """Make available to the taker all that has been put so far."""
         with self._handing:
             if self._gathered:
                 self._waiting.put(self._gathered)
@@ -226,12 +226,12 @@ class Queue:
         self._waiting.put(None)
 
     def close(self) -> None:
-        """Let whoever takes go at once."""
+        """End taking at once, whatever still waits."""
         self._over.set()
         self._waiting.put(None)
 
     def taken(self, close: Callable[[], None]) -> Iterator[LiveItem]:
-        """Until the end, or the taker has enough, which calls ``close``."""
+        """The items, until the queue is ended or the caller stops, which then calls ``close``."""
         try:
             while (some := self._waiting.get()) is not None:
                 for heard in some:
@@ -251,7 +251,7 @@ class _Closable(Protocol):
 
 
 class Run:
-    """One call of ``listen``: what waits to be taken, and what is let go of when it is over, first to last."""
+    """One call of ``listen``: its queue, and the resources that it closes in this order when it is over."""
 
     def __init__(self, queue: Queue, hearing: Receiver, *held: _Closable) -> None:
         self.hearing = hearing
@@ -261,15 +261,15 @@ class Run:
         self._closed = False
 
     def heard(self) -> Iterator[LiveItem]:
-        """Until the end."""
+        """The items that were received, until the run ends."""
         return self._queue.taken(self.close)
 
     def end(self) -> None:
-        """Give what has come, and no more."""
+        """End after the items that have come so far."""
         self._queue.end()
 
     def close(self) -> None:
-        """Let go of all."""
+        """Close all that the run holds; closing twice does no harm."""
         self._queue.close()
         with self._closing:  # who comes second returns when it is done
             if not self._closed:
@@ -279,7 +279,7 @@ class Run:
 
 
 class RosSource(LiveSource):
-    """What the live sources of both generations have in common: one run at a time, which is told to end."""
+    """A live source of either generation of ROS: one run at a time, which can be told to end."""
 
     _run: Run | None = None
     _stopped = False  # before there was anything to end

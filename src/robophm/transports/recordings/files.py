@@ -25,7 +25,7 @@ RECORDED = frozenset({".bag", ".csv", ".db3", ".journal", ".mcap"})
 
 
 class EmptyError(SourceError):
-    """A recording that has no message."""
+    """A recording has no message."""
 
 
 def holds_messages(path: Path) -> bool:
@@ -51,6 +51,14 @@ def parts_of(path: Path) -> list[Path]:
     if not parts:
         raise SourceError(f"{path}: holds no recording; expected {METADATA} or {', '.join(SUFFIXES)} files")
     return parts
+
+
+def recordings_in(paths: Iterable[Path]) -> tuple[Path, ...]:
+    """Recordings as they are named, and those in folders in the order of their names.
+
+    Raises SourceError where there is no such file, or none in a folder.
+    """
+    return tuple(one for path in paths for one in (parts_of(path) if existing(path).is_dir() else [path]))
 
 
 def check_whole(path: Path) -> None:

@@ -77,7 +77,7 @@ class Journal:
         self._file.write(f"{_SIGNAL}{signal}\n")
 
     def write(self, sample: Sample) -> None:
-        """Append one sample."""
+        """Append one sample to the journal."""
         time, signal, value = sample
         if signal not in self._known:
             self._know(signal)

@@ -31,7 +31,7 @@ class Paced(SignalSource):
         self.notes = Counter()
 
     def topics(self) -> list[TopicInfo]:
-        """Those of the source."""
+        """The topics of the source that is paced."""
         return self._source.topics()
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:

@@ -65,7 +65,7 @@ class Recording(SignalSource):
         self.fingerprint = hashlib.sha256(digests.encode()).hexdigest()
 
     def lost(self) -> list[str]:
-        """What the notes say of files that is lost."""
+        """The notes that tell of files of which something is lost."""
         found = []
         for note in self.notes:
             if note.startswith("lost: "):
@@ -81,7 +81,7 @@ class Recording(SignalSource):
         self._files.clear()
 
     def topics(self) -> list[TopicInfo]:
-        """What there is to ask for. ``fields`` is empty where the messages cannot be decoded."""
+        """The topics of the recording. ``fields`` is empty where the messages of one cannot be decoded."""
         return list(self._topics)
 
     def spans(self) -> list[tuple[int, int]]:
@@ -114,7 +114,7 @@ class Recording(SignalSource):
         return [found[topic] for topic in sorted(found)]
 
     def names(self) -> dict[str, dict[str, list[str]]]:
-        """By topic and field, ``effort[]``, the names by which its first message tells the elements, if it is short."""
+        """By topic and field, ``effort[]``, the names of its elements in the first message, if that is short."""
         from robophm.transports.recordings.columns.rows import one_by_one
 
         found: dict[str, dict[str, list[str]]] = {}
@@ -252,7 +252,7 @@ class _Reading:
 def readings_of(
     file: PiecedFile, wanted: Mapping[str, list[tuple[str, str]]], notes: Counter[str]
 ) -> dict[int, _Reading]:
-    """What to read of each connection of a file that carries a wanted topic."""
+    """By connection of a file that carries a wanted topic, how its messages are read."""
     readings = {}
     for connection in file.connections:
         if connection.topic in wanted:

@@ -10,7 +10,7 @@ from robophm.transports.signals.source import SignalColumns
 
 
 class Salvage(Recording):
-    """One drive, of whose files something may be lost, as of one that was cut when the robot lost its power.
+    """One drive, some of whose files may be damaged, as when the robot lost its power: what is left is read.
 
     When its topics begin and end is what its messages say that can be read, and not what the files claim.
 

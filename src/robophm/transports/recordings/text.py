@@ -38,7 +38,7 @@ class TextSource(SignalSource):
     def _samples(self) -> Iterator[Sample]: ...
 
     def topics(self) -> list[TopicInfo]:
-        """What there is to ask for; reads the file once. The messages are the rows that have a value."""
+        """The topics of the file, which is read once for it. A topic's messages are the rows that have a value."""
         rows: Counter[str] = Counter()
         first: dict[str, int] = {}
         last: dict[str, int] = {}
@@ -61,7 +61,7 @@ class TextSource(SignalSource):
         ]
 
     def spans(self) -> list[tuple[int, int]]:
-        """As the interface says; reads the file unless ``topics()`` has."""
+        """When the recording began and ended [ns]; reads the file unless ``topics()`` has."""
         if self.ends and not self._spans:
             self.topics()
         return self._spans if self.ends else []

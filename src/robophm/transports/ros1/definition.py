@@ -26,7 +26,7 @@ _TYPE_NAME = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*\Z", re.ASCII)
 
 
 def compiled(topic: str, type_: str, text: str) -> MessageType:
-    """How messages of a type, ``sensor_msgs/Temperature``, decode. Raises SourceError where they cannot be."""
+    """The decoder of a message type, ``sensor_msgs/Temperature``. Raises SourceError where it cannot be decoded."""
     from rosbags.interfaces import Connection, ConnectionExtRosbag1, MessageDefinition, MessageDefinitionFormat
 
     if not _TYPE_NAME.match(type_):
@@ -52,7 +52,7 @@ def known_definition(type_: str) -> str:
 
 
 def reading_of(topic: str, header: Mapping[str, str], signals: Collection[str], notes: Incidents) -> Reading:
-    """How the messages of a connection are read, by its publisher's header.
+    """The reader of a connection's messages, by the header that its publisher sent.
 
     Raises TypeRefusedError where the header has no type whose definition can be found and read, or it has no such
     field; PeerError where its md5 sum is not that of its definition.

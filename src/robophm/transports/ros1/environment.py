@@ -14,7 +14,7 @@ LOOPBACK = "127.0.0.1"
 
 @dataclass(frozen=True)
 class Place:
-    """Where a node is: its master, the address it tells others, the one it is bound to."""
+    """Where a node is in the network: its master, the address it tells others, and the one it is bound to."""
 
     master: str
     host: str
@@ -22,7 +22,7 @@ class Place:
 
 
 def place(master: str | None = None) -> Place:
-    """From ROS_MASTER_URI, ROS_HOSTNAME and ROS_IP, as wiki.ros.org/ROS/EnvironmentVariables has it.
+    """The place of our nodes by ROS_MASTER_URI, ROS_HOSTNAME and ROS_IP, as ROS's page of environment variables has it.
 
     Without ROS_HOSTNAME and ROS_IP the node is at loopback. Raises SourceError where the master's address is none.
     """

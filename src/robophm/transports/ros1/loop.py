@@ -27,7 +27,7 @@ system each time, which for a small message takes longer than all that is done w
 
 
 class Peer:
-    """One connection of a loop. A subclass takes what it can from ``received``; all its methods run in the loop."""
+    """One connection served by a loop. A subclass takes what it can from ``received``; its methods run in the loop."""
 
     guest = True
     """Others have made it."""
@@ -48,10 +48,10 @@ class Peer:
         raise NotImplementedError
 
     def ended(self) -> None:
-        """The connection is closed."""
+        """Called when the connection has been closed."""
 
     def send(self, data: bytes) -> None:
-        """Send in time."""
+        """Queue these bytes and send what the other side takes at once."""
         self.sending.append(memoryview(data))
         self.flush()
 
@@ -74,7 +74,7 @@ class Peer:
             self.loop.watch(self)
 
     def drained(self) -> None:
-        """One piece has been sent."""
+        """Called when one piece has been sent in full."""
 
     def read(self) -> None:
         """Receive, once, so that no connection starves another."""
@@ -100,7 +100,7 @@ class Peer:
             self.loop.hold(self, len(self.received) - before)
 
     def close(self) -> None:
-        """Close; twice does no harm."""
+        """Close the connection; closing twice does no harm."""
         if not self.closed:
             self.closed = True
             self.loop.forget(self)
@@ -165,21 +165,21 @@ class Loop(threading.Thread):
             self._selector.modify(peer.connection, events, peer)
 
     def forget(self, peer: Peer) -> None:
-        """Serve it no longer."""
+        """Serve a peer no longer."""
         if peer in self.peers:
             self.peers.remove(peer)
             self._selector.unregister(peer.connection)
             self._held = sum(len(other.received) for other in self.peers)
 
     def hold(self, peer: Peer, more: int) -> None:
-        """So many more bytes are held for a peer; too many of all, and the one with most goes."""
+        """Count so many more bytes held for a peer; beyond MOST_HELD the peer that holds most is closed."""
         self._held += more
         if self._held > MOST_HELD:
             self.notes.add("connection closed: too much unfinished")
             max(self.peers, key=lambda other: len(other.received)).close()
 
     def run(self) -> None:
-        """Until ``close``."""
+        """Serve until ``close``."""
         latest = awake = 0.0
         while not self._stopped:
             if not self.behind and (pause := awake + TOGETHER - time.monotonic()) > 0:

@@ -69,7 +69,7 @@ class Node:
         self._keeper.start()
 
     def ask(self, method: str, *arguments: Any) -> Any:
-        """What the master answers. Raises PeerError as ``call``."""
+        """The master's answer to a call. Raises PeerError as ``call``."""
         return call(self.place.master, method, self.name, *arguments)
 
     def subscribe(self, topic: str, heard: Callable[[list[str]], None]) -> None:
@@ -84,7 +84,7 @@ class Node:
         self.renew()
 
     def unpublish(self, topic: str) -> None:
-        """It is published no longer."""
+        """Withdraw the publisher of a topic."""
         with self._registering:
             self._registered.discard(topic)
             if self.published.pop(topic, None) and not (self._away or self._closed):
@@ -119,7 +119,7 @@ class Node:
         self.close()
 
     def register(self) -> None:
-        """One look at what the master knows, and register with it what it does not. Raises PeerError."""
+        """Look once at what the master knows, and register what it does not. Raises PeerError."""
         with self._registering:
             self._register()
 

@@ -65,7 +65,7 @@ class Publisher:
 
     @property
     def subscribers(self) -> int:
-        """How many are connected now."""
+        """How many subscribers are connected now."""
         return len(self._subscribers)
 
     def publish(self, message: Any) -> None:

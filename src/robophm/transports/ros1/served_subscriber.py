@@ -95,11 +95,11 @@ class Subscriber(Peer):
         return True
 
     def taken(self) -> None:
-        """Subscribers have nothing to say."""
+        """Discard what a subscriber sends: it has nothing to say."""
         self.received.clear()
 
     def drained(self) -> None:
-        """One message has been sent."""
+        """Go on to the next message when one has been sent."""
         with self._lock:
             if self._waiting:
                 self._waiting.popleft()
@@ -108,7 +108,7 @@ class Subscriber(Peer):
             self.sending.append(memoryview(self._waiting[0]))
 
     def ended(self) -> None:
-        """Tell the publisher."""
+        """Tell the publisher that this subscriber is gone."""
         self._publisher.farewell(self)
 
     def _next(self) -> None:

@@ -20,7 +20,7 @@ MOST_PUBLISHERS = 1000
 
 
 class Caller(Peer):
-    """One call: it is read, answered and closed."""
+    """The connection of one call to the node: it is read, answered and closed."""
 
     def __init__(self, loop: Loop, connection: socket.socket, answer: Callable[[bytes], bytes]) -> None:
         super().__init__(loop, connection)
@@ -29,7 +29,7 @@ class Caller(Peer):
         self._answered = False
 
     def taken(self) -> None:
-        """Answer when the call is whole."""
+        """Answer the call once it has come in full."""
         end = self.received.find(b"\r\n\r\n")
         if end < 0:
             if len(self.received) > LONGEST_HEAD:
@@ -46,7 +46,7 @@ class Caller(Peer):
             self.send(head.encode() + body)
 
     def drained(self) -> None:
-        """The answer is sent."""
+        """Close the connection once the answer is sent."""
         self.close()
 
     def _refuse(self) -> None:
@@ -72,7 +72,7 @@ class Callee(Protocol):
 
 
 class Slave:
-    """Answers calls for a node."""
+    """The server of a node's slave API: answers calls of the master and of tools."""
 
     def __init__(self, node: Callee) -> None:
         self._node = node

@@ -53,7 +53,7 @@ class Ros1(RosSource):
             raise SourceError(f"no ROS master: {error}; start roscore, or set ROS_MASTER_URI") from None
 
     def topics(self) -> list[TopicInfo]:
-        """What is published now; messages and their times are counted since they are listened to.
+        """The topics published now; their messages and times are counted since they are listened to.
 
         ``fields`` is empty where no publisher tells the definition. Raises SourceError where the master is gone.
         """

@@ -59,5 +59,5 @@ class Stream(Peer):
             raise ValueError(f"message of {length} bytes")
 
     def ended(self) -> None:
-        """Have it made again."""
+        """Ask for the connection to be made again."""
         self._lost(self)

@@ -21,7 +21,7 @@ ANY = "*"
 
 
 def encoded(fields: Mapping[str, str]) -> bytes:
-    """A header, its length before it."""
+    """A header in the form of TCPROS: its length, then its fields."""
     parts = [f"{name}={value}".encode() for name, value in fields.items()]
     body = b"".join(struct.pack("<I", len(part)) + part for part in parts)
     return struct.pack("<I", len(body)) + body

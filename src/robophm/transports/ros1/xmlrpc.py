@@ -83,7 +83,7 @@ def _exchange(uri: str, body: bytes) -> bytes:
 
 
 def receive(connection: socket.socket, into: bytearray, deadline: float, most: int = 1 << 16) -> None:
-    """Some more bytes. Raises OSError where there are none in time."""
+    """Receive some more bytes into the buffer. Raises OSError where none come in time."""
     left = deadline - time.monotonic()
     if left <= 0:
         raise TimeoutError("timed out")

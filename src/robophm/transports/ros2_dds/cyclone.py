@@ -36,7 +36,7 @@ _ANY_STATE = 0xFFFFFFFF
 
 
 class Offer(NamedTuple):
-    """What a publisher offers, as discovery tells."""
+    """A publisher's offer of a topic, as discovery tells of it."""
 
     key: int
     """By which messages say whose they are."""
@@ -50,7 +50,7 @@ class Offer(NamedTuple):
 
 
 class Message(NamedTuple):
-    """One message as it came."""
+    """One message as it was received."""
 
     raw: bytes
     key: int
@@ -84,7 +84,7 @@ def _remedy() -> str:
 
 
 class Log(threading.Thread):
-    """What Cyclone says of messages that are not of their type: it drops them, and only says so in its log."""
+    """Reads Cyclone's log for messages it dropped as not of their type, which it tells nowhere else."""
 
     def __init__(self) -> None:
         super().__init__(name="ros2 log", daemon=True)
@@ -97,14 +97,14 @@ class Log(threading.Thread):
         )
 
     def run(self) -> None:
-        """Until Cyclone has closed its log, and we ours."""
+        """Read the log until it is closed."""
         with os.fdopen(self._out, "rb") as lines:
             while line := lines.readline(_LONGEST_LINE):
                 if match := _REFUSED.search(line):
                     self.refused.add((match[1] or b"").decode("ascii", "replace"))
 
     def close(self) -> None:
-        """Read no more."""
+        """Stop reading the log."""
         os.close(self._in)
         if self.ident is None:  # it never ran
             os.close(self._out)
@@ -113,7 +113,7 @@ class Log(threading.Thread):
 
 
 class Participant:
-    """One participant of a domain, and the domain's settings, which hold for the whole process."""
+    """One participant of a DDS domain, with the domain's settings, which hold for the whole process."""
 
     def __init__(self, domain: int, config: str) -> None:
         dds = wheel()
@@ -140,7 +140,7 @@ class Participant:
         return self._log.refused.copy() if self._log else Counter()
 
     def topic(self, name: str, definition: Definition) -> Any:
-        """A topic by its name in DDS."""
+        """The topic of this name, spelled as in DDS, and of this type."""
         dds = wheel()
         key = name, definition.hash
         with self._making:
@@ -180,7 +180,7 @@ class Participant:
         return getattr(types, "uint8" if name == "char" else name)
 
     def close(self) -> None:
-        """Leave; twice does no harm."""
+        """Leave the domain; closing twice does no harm."""
         delete(self.entity)
         delete(self._domain)
         if self._log:
@@ -188,7 +188,7 @@ class Participant:
 
 
 class Writer:
-    """Writes one topic."""
+    """A writer of one topic over DDS."""
 
     def __init__(self, participant: Participant, topic: str, definition: Definition, *, latched: bool) -> None:
         dds = wheel()
@@ -213,7 +213,7 @@ class Writer:
 
     @property
     def readers(self) -> int:
-        """How many are connected."""
+        """How many readers are connected now."""
         return len(self._entity.get_matched_subscriptions())
 
     def close(self) -> None:
@@ -222,7 +222,7 @@ class Writer:
 
 
 class Reader:
-    """Reads one topic."""
+    """A reader of one topic over DDS."""
 
     def __init__(
         self, participant: Participant, topic: str, definition: Definition, *, reliable: bool, latched: bool
@@ -246,7 +246,7 @@ class Reader:
         self.gid: bytes = self.entity.guid.bytes
 
     def take(self) -> list[Message]:
-        """What has come; an empty list where there is no more."""
+        """The messages that have come, at most AT_ONCE; an empty list where there are none."""
         taken = self._take(self.entity._ref, _ANY_STATE, AT_ONCE)
         if isinstance(taken, int):
             return []
@@ -265,7 +265,7 @@ class Reader:
         return cast(int, lost + rejected)
 
     def overrun(self) -> int:
-        """How often since this was asked last more messages than the history keeps had come in the meantime."""
+        """How often since the last call more messages came at once than the history keeps."""
         overrun, self._overrun = self._overrun, 0
         return overrun
 
@@ -274,12 +274,12 @@ class Reader:
         return cast(int, self.entity.get_requested_incompatible_qos_status().total_count_change)
 
     def close(self) -> None:
-        """Read no more; twice does no harm."""
+        """Stop reading; closing twice does no harm."""
         delete(self.entity)
 
 
 class Discovery:
-    """Tells who publishes."""
+    """Finds out who publishes in the domain."""
 
     def __init__(self, participant: Participant) -> None:
         dds = wheel()
@@ -314,7 +314,7 @@ class Discovery:
         )
 
     def close(self) -> None:
-        """Look no more."""
+        """Stop looking for publishers."""
         delete(self.entity)
 
 
@@ -328,15 +328,15 @@ class Waiting:
         self._set.attach(self._guard)
 
     def add(self, entity: Any) -> None:
-        """Wait for this too."""
+        """Wait for this reader too."""
         self._set.attach(entity)
 
     def remove(self, entity: Any) -> None:
-        """No longer."""
+        """Wait for this reader no longer."""
         self._set.detach(entity)
 
     def wait(self, seconds: float) -> None:
-        """At most so long."""
+        """Wait until something has come, at most so many seconds."""
         self._set.wait(int(seconds * 1e9))
 
     def wake(self) -> None:
@@ -344,7 +344,7 @@ class Waiting:
         self._guard.set(True)
 
     def close(self) -> None:
-        """Let go."""
+        """Release the wait set."""
         delete(self._set)
         delete(self._guard)
 

@@ -47,7 +47,7 @@ class Definition:
 
     @property
     def user_data(self) -> bytes:
-        """How a reader or writer tells others its hash."""
+        """The user data by which a reader or writer tells others the hash of the type."""
         return f"typehash={self.hash};".encode()
 
 

@@ -23,7 +23,7 @@ LONGEST_MESSAGE = 64 << 20
 
 @dataclass(frozen=True)
 class Place:
-    """Where in the network of ROS 2 we are."""
+    """Where our nodes are in the network of ROS 2: their domain and its settings."""
 
     domain: int
     config: str
@@ -31,7 +31,7 @@ class Place:
 
 
 def place(domain: int | None = None) -> Place:
-    """From ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS, ROS_LOCALHOST_ONLY and CYCLONEDDS_URI.
+    """The place of our nodes by ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS and the like.
 
     As rmw_cyclonedds maps them, so that both find each other. Raises SourceError where a value is none.
     """

@@ -42,7 +42,7 @@ class Graph:
         self._writer = self.writer("", TOPIC, definition, latched=True)
 
     def leave(self) -> None:
-        """Once for every ``join``; the last ends the participant."""
+        """Leave the domain: to be called once for every ``join``; the last call ends the participant."""
         with _LOCK:
             self.users -= 1
             if self.users == 0:
@@ -50,31 +50,31 @@ class Graph:
                 self.participant.close()
 
     def settle(self) -> None:
-        """Wait until those who were there before us can be known."""
+        """Wait until nodes that were there before this one can be known."""
         time.sleep(max(0.0, self._born + DISCOVERY_SECONDS - time.monotonic()))
 
     def reader(self, node: str, topic: str, definition: Definition, *, reliable: bool, latched: bool) -> Reader:
-        """For a node; the topic is as DDS spells it."""
+        """A reader of a topic, spelled as in DDS, for a node."""
         return Reader(self.participant, topic, definition, reliable=reliable, latched=latched)
 
     def writer(self, node: str, topic: str, definition: Definition, *, latched: bool) -> Writer:
-        """For a node; the topic is as DDS spells it."""
+        """A writer of a topic, spelled as in DDS, for a node."""
         return Writer(self.participant, topic, definition, latched=latched)
 
     def discovery(self) -> Discovery:
-        """Of publishers."""
+        """A new discovery of publishers in this domain."""
         return Discovery(self.participant)
 
     def waiting(self) -> Waiting:
-        """For readers and discovery."""
+        """A new wait set for readers and discoveries of this domain."""
         return Waiting(self.participant)
 
     def refused(self) -> Counter[str]:
-        """Messages of each topic, by its name in DDS, that were not of its type."""
+        """How many messages of each topic, spelled as in DDS, were not of its type."""
         return self.participant.refused()
 
     def add(self, name: str) -> None:
-        """A node. Raises SourceError where there is one of this name here."""
+        """Add a node of this name. Raises SourceError where this process has one already."""
         with _LOCK:
             if name in self._nodes:
                 raise SourceError(f"this process has a node {name} already")
@@ -82,20 +82,20 @@ class Graph:
             self._tell()
 
     def remove(self, name: str) -> None:
-        """It is no more."""
+        """Take a node out of the graph."""
         with _LOCK:
             if self._nodes.pop(name, None):
                 self._tell()
 
     def reads(self, name: str, gids: Iterable[bytes]) -> None:
-        """All that a node reads."""
+        """Tell the graph all readers of a node, by their global identifiers."""
         with _LOCK:
             if name in self._nodes:
                 self._nodes[name] = set(gids), self._nodes[name][1]
                 self._tell()
 
     def writes(self, name: str, gids: Iterable[bytes]) -> None:
-        """All that a node writes."""
+        """Tell the graph all writers of a node, by their global identifiers."""
         with _LOCK:
             if name in self._nodes:
                 self._nodes[name] = self._nodes[name][0], set(gids)

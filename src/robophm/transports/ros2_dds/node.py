@@ -46,7 +46,7 @@ class Node:
 
     @staticmethod
     def join(domain: int | None) -> Graph:
-        """What nodes of a domain, or that of ROS_DOMAIN_ID, share in this process; to be left as often."""
+        """The graph that nodes of a domain, by default ROS_DOMAIN_ID's, share in this process; to be left as often."""
         return join(domain)
 
     def publish(self, topic: str, publisher: Publication) -> None:
@@ -57,7 +57,7 @@ class Node:
         self._tell()
 
     def unpublish(self, topic: str) -> None:
-        """It is published no longer."""
+        """Withdraw the publisher of a topic."""
         if self.published.pop(topic, None):
             self._tell()
 

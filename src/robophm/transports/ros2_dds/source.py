@@ -54,7 +54,7 @@ class Ros2(RosSource):
         self._fields: dict[tuple[str, str], tuple[str, ...]] = {}
 
     def topics(self) -> list[TopicInfo]:
-        """What is published now; messages and their times are counted since they are listened to.
+        """The topics published now; their messages and times are counted since they are listened to.
 
         ``fields`` is empty where the definition of the type is not known.
         """

@@ -27,7 +27,7 @@ _DAMAGED = "definition missing or damaged"
 
 @dataclass
 class Ear:
-    """What listens to one topic in one type."""
+    """A reader of one topic in one type, and how its messages are decoded."""
 
     reader: Reader
     reading: Reading
@@ -38,7 +38,7 @@ class Ear:
 
 
 class Subscription(threading.Thread):
-    """Listens to the topics of signals through a node. All that DDS tells is heard in this thread."""
+    """A thread that listens to the topics of signals through a node. All that DDS tells is heard in this thread."""
 
     def __init__(self, node: Node, wanted: Mapping[str, Collection[str]], hearing: Receiver, tick: float) -> None:
         super().__init__(name=f"ros2 {node.name}", daemon=True)
@@ -74,7 +74,7 @@ class Subscription(threading.Thread):
         self._match()
 
     def run(self) -> None:
-        """Until ``close``."""
+        """Listen until ``close``."""
         latest = awake = 0.0
         while not self._over.is_set():
             try:
@@ -97,7 +97,7 @@ class Subscription(threading.Thread):
                 self._over.wait(TICK)
 
     def close(self) -> None:
-        """End the thread and all readers."""
+        """End the thread and close all readers."""
         self._over.set()
         self._waiting.wake()
         if self.is_alive():

@@ -44,7 +44,7 @@ class NotNamedError(IndexError):
 
 @dataclass(frozen=True)
 class Namer:
-    """Where the names of an array's elements are."""
+    """Tells where in a message the names of an array's elements stand."""
 
     attribute: str
     depth: int | None
@@ -67,7 +67,7 @@ class Namer:
 
 
 def namer_of(around: Sequence[Iterable[Field]], array: str, within: Iterable[Field]) -> Namer | None:
-    """What names the elements of an array; None where nothing does.
+    """The place of the names of an array's elements; None where nothing names them.
 
     ``around``: the fields of the messages that it is in, the outermost first; ``within``: those of an element.
     """
@@ -143,7 +143,7 @@ def name_getter(ways: Sequence[Way]) -> Callable[[Any], str] | None:
 
 @dataclass
 class Names:
-    """What is noticed of names on the way through the messages of a source, in its notes."""
+    """Notes which named elements the messages of a source have and lack, and which change their place."""
 
     notes: Counter[str]
     lock: AbstractContextManager[Any] = field(default_factory=nullcontext)
@@ -157,7 +157,7 @@ class Names:
     """How often there was which."""
 
     def found(self, signal: str) -> None:
-        """A message has its element."""
+        """Note that a message has the element of this signal."""
         if signal not in self._found:
             self._found.add(signal)
             if said := self._missing.pop(signal, None):
@@ -176,7 +176,7 @@ class Names:
             self.notes[self._missing[signal]] += count
 
     def at_index(self, signal: str, name: str, received: int = 0, count: int = 1) -> None:
-        """In messages, the first of which came at ``received`` [ns], the element at a signal's index has this name."""
+        """Note the name of the element at a signal's index, in messages the first of which came at ``received``."""
         if signal not in self._first or received < self._first[signal][0]:
             self._first[signal] = received, name
         orders = self._orders.setdefault(signal, Counter())

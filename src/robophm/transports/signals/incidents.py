@@ -9,7 +9,7 @@ from robophm.core.errors import SourceError
 
 
 class PeerError(SourceError):
-    """What another process of the ROS graph did not do as it should; ``kind`` is how it is counted."""
+    """Another process of the ROS graph does not do as it should; ``kind`` is how it is counted."""
 
     def __init__(self, text: str, kind: str) -> None:
         super().__init__(text)
@@ -37,6 +37,6 @@ class Incidents(Counter[str]):
             self[text] += count
 
     def copy(self) -> Counter[str]:  # type: ignore[override]
-        """What is counted so far."""
+        """The counts so far, as a plain Counter."""
         with self.lock:
             return Counter(self)

@@ -43,7 +43,7 @@ _COMPILING = threading.Lock()
 
 @dataclass(frozen=True)
 class MessageType:
-    """How one type of message decodes."""
+    """How messages of one type are decoded."""
 
     name: str
     definitions: Typesdict
@@ -66,7 +66,7 @@ class MessageType:
 
 
 def message_type(connection: Connection) -> MessageType:
-    """How the messages of a connection decode. Raises SourceError where they cannot be."""
+    """How the messages of a connection are decoded. Raises SourceError where they cannot be."""
     encoding = getattr(connection.ext, "serialization_format", "ros1")
     if encoding not in ("cdr", "ros1"):
         raise SourceError(f"topic '{connection.topic}' is encoded as '{encoding}'; expected cdr or ros1")

@@ -36,11 +36,11 @@ class ReportSink(ABC):
 
     @abstractmethod
     def publish(self, report: HealthReport) -> None:
-        """Tell of health now; remaining lives and completions are of an earlier look, or none yet."""
+        """Take a report of health now; its remaining lives and completions are of an earlier look, or none yet."""
 
     @abstractmethod
     def judged(self, task: JudgedTask) -> None:
-        """Tell of a task."""
+        """Take a task and the probability that it is or was completed."""
 
     def close(self) -> None:  # noqa: B027  most sinks hold nothing open
         """Let go of connections; closing twice does no harm."""

@@ -19,7 +19,7 @@ STAMP_LIMIT = 10 * SECOND
 
 @dataclass(frozen=True)
 class TopicInfo:
-    """What a source knows of one topic. Times are receipt times [ns], None where there is no message."""
+    """A topic of a source. Times are receipt times [ns], None where there is no message."""
 
     topic: str
     type: str
@@ -29,6 +29,13 @@ class TopicInfo:
     last: int | None
     fields: tuple[str, ...]
     """Paths of the numeric fields, ``pose.x``; of an array, ``effort[]``, a signal names one element."""
+
+    @property
+    def rate(self) -> float | None:
+        """Messages a second; None where fewer than two came, or all at once."""
+        if self.messages < 2 or self.first is None or self.last is None or self.last <= self.first:
+            return None
+        return (self.messages - 1) / ((self.last - self.first) / SECOND)
 
 
 class SignalColumns(NamedTuple):
@@ -41,7 +48,7 @@ class SignalColumns(NamedTuple):
     values: NDArray[np.float64]
 
     def rows(self, rows: Any) -> SignalColumns:
-        """Some of them."""
+        """Some of the samples, given by ``rows``."""
         times = self.times[rows]
         return SignalColumns(times if self.arrived is self.times else self.arrived[rows], times, self.values[rows])
 
@@ -58,7 +65,7 @@ class SignalSource(ABC):
 
     @abstractmethod
     def topics(self) -> list[TopicInfo]:
-        """What there is to ask for, by topic name."""
+        """The topics of the source, in order of their names."""
 
     @abstractmethod
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
@@ -71,7 +78,7 @@ class SignalSource(ABC):
         """
 
     def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, SignalColumns]] | None:
-        """The same samples by signal, in blocks that arrived one after the other; None where it has no columns.
+        """The samples by signal, in blocks that arrived one after the other; None where a source has no columns.
 
         ``since`` [ns] leaves out what arrived before. Raises SourceError as ``samples``.
         """
@@ -99,7 +106,7 @@ class SignalSource(ABC):
 
 
 class WholeMessage(NamedTuple):
-    """A message that came whole."""
+    """A message that is given as a whole."""
 
     time: int
     """Of receipt [ns]."""
@@ -121,7 +128,7 @@ LiveItem = Sample | WholeMessage | Gap
 
 
 class LiveSource(SignalSource):
-    """What is heard while it happens: endless, until ``close``, which may come from any thread."""
+    """A source that is heard while it happens: endless until ``close``, which may come from any thread."""
 
     ends = False
 

@@ -24,7 +24,7 @@ DAY = 24 * HOUR
 
 
 class Trip(NamedTuple):
-    """From one station to another: when [s], and how fast once it is under way [m/s]."""
+    """A drive from one station to another: when [s], and how fast once it is under way [m/s]."""
 
     begin: float
     arrived: float
@@ -43,7 +43,7 @@ def working_shifts(start: int, duration: int, working_hours: tuple[float, float]
 
 
 def plan_drive(rng: np.random.Generator, shifts: list[tuple[float, float]]) -> tuple[Floats, list[list[Trip]]]:
-    """What the robot sets out to do: a row at each change of acceleration or rate of turn; and its tasks.
+    """The drive that the robot sets out on: a row at each change of acceleration or rate of turn; and its tasks.
 
     Columns: time [s], speed [m/s], heading [rad], x, y [m]; from then on payload [kg] and charging (0, 1).
     """

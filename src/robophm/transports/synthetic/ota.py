@@ -90,6 +90,8 @@ class SyntheticOta(SignalSource):
     """Temperature of the hall [°C]."""
     temperature: dict[str, Floats]
     """Temperature [°C] of each module."""
+    operating: float
+    """Hours that it is switched on."""
 
     def __init__(
         self,
@@ -112,6 +114,7 @@ class SyntheticOta(SignalSource):
             raise SourceError(f"the robot is switched off for all of the {duration / HOUR:g} h from its start")
         plan, tasks = plan_drive(rng, [((begin - start) / SECOND, (end - start) / SECOND) for begin, end in shifts])
         self._simulate(rng, grid, on, plan, period / SECOND)
+        self.operating = len(self.times) * period / HOUR
         self._measure(rng)
         self._told = sorted(self._tell(tasks, start, period), key=attrgetter("look"))
 

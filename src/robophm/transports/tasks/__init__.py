@@ -13,7 +13,7 @@ the kilometres clock.
 from __future__ import annotations
 
 from robophm.transports.tasks.listener import LONGEST_MESSAGE, TaskTopics
-from robophm.transports.tasks.recorded import LONGEST_SILENCE, driven_task, tasks_of
+from robophm.transports.tasks.recorded import LONGEST_SILENCE, driven_task, tasks_of, told_by
 from robophm.transports.tasks.texts import TEXT_TOPICS, TaskListener
 from robophm.transports.tasks.told import DoneLeg, DoneTask, PlannedLeg, PlannedTask
 
@@ -29,4 +29,5 @@ __all__ = [
     "TaskTopics",
     "driven_task",
     "tasks_of",
+    "told_by",
 ]

@@ -58,7 +58,7 @@ class GoalListener:
         self._odometer: float | None = None
 
     def drive(self, place: Place) -> None:
-        """Where the robot is by its odometry [m]."""
+        """Take the robot's position by its odometry [m]."""
         if all(map(math.isfinite, place)):
             self._odometer = (self._odometer or 0.0) + (math.dist(self._place, place) if self._place else 0.0)
             self._place = place

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import Any
 
 from robophm.core.literal import LONGEST_LITERAL
@@ -63,6 +63,14 @@ def known_topics(*roots: str) -> list[str]:
     """The topics that tell of tasks by their names, at each root: the 2020 tool's, and those of ACTIONS."""
     texts = [f"{root}/{name}" for root in roots for name in TEXT_TOPICS]
     return texts + topics_of(f"{root}{name}" for root in roots for name in ACTIONS)
+
+
+def topics_to_hear(named: Collection[str] = (), namespace: str = "") -> list[str]:
+    """What to listen to for tasks: topics and actions as they are named; where none is, those known by their names.
+
+    Of these both the ones in a robot's ``namespace`` and the ones outside it.
+    """
+    return topics_of(named) if named else known_topics(*dict.fromkeys(("", namespace.rstrip("/"))))
 
 
 def topics_of(named: Iterable[str]) -> list[str]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from robophm.core.errors import SourceError, nearest
@@ -57,6 +58,34 @@ def tasks_of(recording: Recording, topics: Collection[str] | None = None) -> Ite
     for topic in strange:
         recording.notes[f"{topic} is left out: {types[topic] or 'of unknown type'}; expected {TEXT}"] += 1
     return told_in(messages, TaskTopics(recording.notes))
+
+
+def told_by(recording: Recording, topics: Sequence[str] = ()) -> tuple[list[PlannedTask | DoneTask], Counter[str]]:
+    """All tasks that a recording tells of, by the time at which each came or ended, and what could not be read.
+
+    ``topics`` may tell of tasks, as those of ``tasks_of``, or say where the robot was: all that it drove is then one
+    task (``driven_task``). Raises SourceError as these do, and where there is no task.
+    """
+    types = {info.topic: info.type for info in recording.topics()}
+    places = [topic for topic in topics if _says_where(topic, types)]
+    listened = [topic for topic in topics if topic not in places]
+    told = list(tasks_of(recording, listened or None)) if listened or not topics else []
+    unread = recording.notes.copy()
+    told += [driven_task(recording, topic) for topic in places]
+    if not told and unread:
+        raise SourceError(f"the recording tells of no task that can be read: {min(unread)}")
+    if not told:
+        raise SourceError(
+            f"the recording tells of no task; expected topics named {', '.join(TEXT_TOPICS)}, or --topic with a path "
+            "or with where the robot was"
+        )
+    return sorted(told, key=lambda one: one.time if isinstance(one, PlannedTask) else one.end), unread
+
+
+def _says_where(topic: str, types: Mapping[str, str]) -> bool:
+    """Whether it is asked for what was driven, not for what is told of tasks."""
+    meant = [each for each in topics_of([topic]) if each in types]
+    return types.get(topic) not in (TEXT, PATH) and not any(tells_of_tasks(each, types[each]) for each in meant)
 
 
 def told_in(messages: Iterable[tuple[int, str, Any]], topics: TaskTopics) -> Iterator[PlannedTask | DoneTask]:

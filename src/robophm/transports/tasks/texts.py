@@ -165,5 +165,5 @@ def finite(distance: float) -> float:
 
 
 def last_step(topic: str) -> str:
-    """Of a topic's name."""
+    """The last step of a topic's name."""
     return topic.rpartition("/")[2]

@@ -16,7 +16,7 @@ class PlannedLeg(NamedTuple):
 
 
 class DoneLeg(NamedTuple):
-    """A way that was driven."""
+    """A leg that was driven."""
 
     distance: float
     """[m]"""

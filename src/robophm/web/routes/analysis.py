@@ -9,16 +9,15 @@ import numpy as np
 from fastapi import APIRouter, Query
 from pydantic import Field
 
-from robophm.blocks.cut_sets import MinimalSets
 from robophm.blocks.diagram import Block
-from robophm.blocks.fault_tree import FaultTree
 from robophm.core.errors import DesignError, nearest
-from robophm.health.importance import LIFELONG, Drawn, importances, usual_hours
+from robophm.health.fault_tree import fault_tree
+from robophm.health.importance import LIFELONG, LONGEST, Drawn, importances, usual_hours
 from robophm.health.outlooks import outlooks
 from robophm.health.prognosis import Outlook
 from robophm.health.report import VIEWS, plain
 from robophm.health.unknown_rates import unknown
-from robophm.report.minimal_sets import MOST_PARTS, STEPS, Listed, failed_of
+from robophm.report.minimal_sets import MOST_PARTS, STEPS, counted, left_out
 from robophm.web.health import Life, life_of
 from robophm.web.prepared import Prepared, finite, unknown_of
 from robophm.web.routes.design import REFUSED, apply
@@ -28,12 +27,11 @@ from robophm.web.shapes import Operation, Shape, UnknownRates
 router = APIRouter(prefix="/api/analysis", tags=["analysis"])
 
 Numbers = list[float | None]
-Hours = Annotated[float, Query(gt=0, le=1e9)]
-LONGEST = 1e9
+Hours = Annotated[float, Query(gt=0, le=LONGEST)]
 
 
 class CurveOf(Shape):
-    """In one view, of survivors since new; one number for each of the hours."""
+    """Curves in one view, of survivors since new; a number for each of the hours."""
 
     reliability: Numbers
     unreliability: Numbers
@@ -45,7 +43,7 @@ class CurveOf(Shape):
 
 
 class Curves(Shape):
-    """Of a level or function."""
+    """The curves of a level or function in both views."""
 
     path: str
     state: int
@@ -58,7 +56,7 @@ class Curves(Shape):
 
 
 class LifeOf(Shape):
-    """Of a new level, part or function, nominal."""
+    """The life of a new level, part or function, nominal."""
 
     path: str
     life: Life
@@ -70,7 +68,7 @@ Ratio = float | Literal["Infinity"] | None
 
 
 class Importance(Shape):
-    """How much one part matters; null where that says nothing."""
+    """The importance of one part; null where a measure says nothing."""
 
     part: str
     birnbaum: float | None
@@ -83,7 +81,7 @@ class Importance(Shape):
 
 
 class ImportanceList(Shape):
-    """The most important first."""
+    """The importance of parts, the most important first."""
 
     hours: float
     failure: float | None
@@ -101,7 +99,7 @@ class CutSet(Shape):
 
 
 class CutSets(Shape):
-    """The likeliest first, by now."""
+    """Minimal cut sets, the likeliest by now first."""
 
     counted: str
     sets: list[CutSet]
@@ -111,7 +109,7 @@ class CutSets(Shape):
 
 
 class WhatIfAsked(Shape):
-    """Edits that are not made."""
+    """Edits to be tried without making them."""
 
     operations: Annotated[list[Operation], Field(min_length=1, max_length=1000)]
     path: Annotated[str, Field(max_length=5000)] = ""
@@ -119,7 +117,7 @@ class WhatIfAsked(Shape):
 
 
 class WhatIf(Shape):
-    """Before and after."""
+    """The curves before and after the edits that are tried."""
 
     baseline: Curves
     changed: Curves
@@ -183,14 +181,14 @@ def get_curves(
     points: Annotated[int, Query(ge=2, le=1000)] = 200,
     state: Annotated[int, Query(ge=1, le=2**53)] | None = None,
 ) -> Curves:
-    """Of the robot (empty path), a level, a part or a function; of the design now or an earlier state of it."""
+    """The curves of the robot (empty path), a level, a part or a function; of the design now or as it was."""
     prepared = service.prepared(state)
     return curves(service, prepared, path, horizon, points, state or service.workspace.draft().state)
 
 
 @router.get("/life", responses=REFUSED)
 def get_life(service: Served, path: Annotated[str, Query(max_length=5000)] = "") -> LifeOf:
-    """How long the robot (empty path), a level, a part or a function lives when new, nominal [h of calendar time]."""
+    """The life of the robot (empty path), a level, a part or a function when new, nominal [h of calendar time]."""
     prepared = service.prepared()
     diagram = _system(prepared, path)
     life = life_of(prepared.new.remaining_life(diagram))
@@ -219,7 +217,7 @@ def get_importance(
     hours: Hours | None = None,
     most: Annotated[int, Query(ge=1, le=1000)] = 30,
 ) -> ImportanceList:
-    """What matters most, sensor-based, given what is known now."""
+    """The importance of parts, sensor-based, given what is known now."""
     prepared = service.prepared()
     exposure, ledger = service.past(prepared)
     lived = outlooks(prepared.plant, exposure, ledger)["sensor_based"]
@@ -245,10 +243,8 @@ def get_cut_sets(service: Served, most: Annotated[int, Query(ge=1, le=1000)] = 2
             f"{len(prepared.plant.units):,} parts; expected at most {MOST_PARTS:,}: `robophm cutsets` has the time"
         )
     exposure, ledger = service.past(prepared)
-    failed = failed_of(outlooks(prepared.plant, exposure, ledger)["sensor_based"])
-    sets = MinimalSets(FaultTree.of(prepared.robot.diagram, STEPS))
-    listed = Listed(sets, np.array([failed[name] for name in sets.names]), most)
+    system = fault_tree(outlooks(prepared.plant, exposure, ledger)["sensor_based"], limit=STEPS)
+    listed = system.cut_sets(most)
     found = [CutSet(parts=list(one.names), probability=finite(one.probability)) for one in listed.sets]
-    rates = prepared.unknown.get("")
-    says = f"{rates.of_sets}." if rates else ""
-    return CutSets(counted=listed.counted("cut"), sets=found, left_out=listed.left_out(), unknown=says)
+    says = f"{system.unknown.of_sets}." if system.unknown else ""
+    return CutSets(counted=counted(listed, "cut"), sets=found, left_out=left_out(listed), unknown=says)

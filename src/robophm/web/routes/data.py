@@ -12,7 +12,7 @@ from fastapi import APIRouter, Body, Query
 from fastapi.responses import HTMLResponse, PlainTextResponse, Response
 
 from robophm.core.errors import DesignError, nearest
-from robophm.health.report import health_report
+from robophm.health.reporting import health_report
 from robophm.report.health_page import health_page
 from robophm.report.pdf import Printer
 from robophm.report.words import rate_text
@@ -35,20 +35,20 @@ _PRINTING = threading.Lock()
 
 
 class PdfResponse(Response):
-    """A PDF."""
+    """A response that is a PDF file."""
 
     media_type = "application/pdf"
 
 
 class Example(Shape):
-    """A design that comes along."""
+    """An example design that is part of the package."""
 
     name: str
     title: str
 
 
 class Examples(Shape):
-    """All of them."""
+    """All example designs."""
 
     examples: list[Example]
 
@@ -63,13 +63,13 @@ _EXAMPLES = {
 
 @router.get("/api/examples")
 def get_examples() -> Examples:
-    """Designs that come along."""
+    """The example designs that are part of the package."""
     return Examples(examples=[Example(name=name, title=title) for name, (_, title) in _EXAMPLES.items()])
 
 
 @router.get("/api/examples/{name}", responses=REFUSED)
 def get_example(name: str) -> DesignText:
-    """The text of one."""
+    """The text of an example design."""
     if name not in _EXAMPLES:
         raise DesignError(f"no example '{name}'{nearest(name, _EXAMPLES)}")
     return DesignText(revision=0, text=_folder().joinpath(_EXAMPLES[name][0]).read_text(encoding="utf-8"))
@@ -91,7 +91,7 @@ def import_parts(
     module: Annotated[str, Query(max_length=2000)] = "",
     columns: Annotated[list[str] | None, Query(max_length=40)] = None,
 ) -> Imported:
-    """What a parts list (.csv, .xlsx, .ods) would add to the design; nothing is changed.
+    """The design with a parts list (.csv, .xlsx, .ods) added, to be looked at; nothing is changed.
 
     ``columns`` say what a header means, where it is not what was found: 'part_number=Manufacturer number'.
     """
@@ -133,7 +133,7 @@ def import_parts(
 
 @router.post("/api/imports/legacy", responses=REFUSED)
 def import_2020(body: Upload, name: FileName = "phm_configurations.yaml") -> Imported:
-    """What a file of the 2020 tool would be as a design; nothing is changed."""
+    """The design that a file of the 2020 tool becomes, to be looked at; nothing is changed."""
     from robophm.design.importers.legacy.reading import import_legacy
 
     with tempfile.TemporaryDirectory(prefix="robophm-") as folder:
@@ -171,7 +171,7 @@ def get_report(service: Served, download: bool = False) -> HTMLResponse:
 
 @router.get("/api/report.pdf", response_class=PdfResponse, responses=REFUSED)
 def get_report_as_pdf(service: Served) -> PdfResponse:
-    """The same on paper; refused where what makes a PDF is not installed."""
+    """The report as PDF; refused where the package that makes a PDF is not installed."""
     printer = Printer()
     with _PRINTING:
         return PdfResponse(

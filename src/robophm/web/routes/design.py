@@ -8,9 +8,9 @@ from fastapi import APIRouter, Query
 from fastapi.responses import PlainTextResponse
 
 from robophm.core.errors import DesignError
+from robophm.core.yaml_values import values
 from robophm.design import editing
 from robophm.design.fault import Fault
-from robophm.design.file import values
 from robophm.web.drawing import drawing
 from robophm.web.service import Served
 from robophm.web.shapes import (
@@ -71,13 +71,13 @@ def edit_design(edits: Edits, service: Served) -> DesignState:
 
 @router.post("/undo", responses=WRITES)
 def undo(asked: OfRevision, service: Served) -> DesignState:
-    """Back to the state before."""
+    """Go back to the state before the latest edit."""
     return service.design_state(service.workspace.undo(asked.revision))
 
 
 @router.post("/redo", responses=WRITES)
 def redo(asked: OfRevision, service: Served) -> DesignState:
-    """Forward again."""
+    """Go forward again to the state that was undone."""
     return service.design_state(service.workspace.redo(asked.revision))
 
 
@@ -89,13 +89,13 @@ def save(asked: SaveAsked, service: Served) -> DesignState:
 
 @router.post("/take", responses=WRITES)
 def take(asked: OfRevision, service: Served) -> DesignState:
-    """What the file holds now in place of the design; that is undone as any edit."""
+    """Take what the file holds now in place of the design; this is undone as any edit."""
     return service.design_state(service.workspace.take(asked.revision))
 
 
 @router.get("/text")
 def get_text(service: Served) -> DesignText:
-    """The design as its file would be."""
+    """The text of the design, as its file would be."""
     draft = service.workspace.draft()
     return DesignText(revision=draft.revision, text=draft.text)
 
@@ -123,7 +123,7 @@ def get_states(service: Served) -> DesignStates:
 
 @router.get("/part", responses=REFUSED)
 def get_part_text(service: Served, path: Annotated[list[str] | None, Query(max_length=100)] = None) -> DesignText:
-    """What stands at a place of the design, as YAML."""
+    """The value at a place of the design, as YAML."""
     from robophm.web.workspace import dump, load
 
     draft = service.workspace.draft()

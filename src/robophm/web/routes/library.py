@@ -31,7 +31,7 @@ def get_library() -> Library:
 
 @router.get("/models/{name}", responses=REFUSED)
 def get_model(name: Annotated[str, Path(max_length=200)]) -> Form:
-    """What a model asks for."""
+    """The form of a model: its inputs, units and choices."""
     return form(name)
 
 

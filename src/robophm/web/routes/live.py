@@ -15,7 +15,7 @@ from robophm.core.signal import SECOND, signal_name, split_signal
 from robophm.core.units import conversion
 from robophm.design.robot import Robot
 from robophm.health.failures_to_come import LONGEST
-from robophm.health.report import health_report
+from robophm.health.reporting import health_report
 from robophm.transports.signals.message_units import field_unit
 from robophm.web.health import Freshness, Health, health_of
 from robophm.web.routes.design import REFUSED
@@ -28,7 +28,7 @@ router = APIRouter(tags=["live"])
 
 
 class SourceChoice(Shape):
-    """Where samples can come from."""
+    """A source of samples that can be chosen."""
 
     name: str
     label: str
@@ -53,7 +53,7 @@ class StartAsked(Shape):
 
 
 class Topic(Shape):
-    """What a source offers."""
+    """A topic that a source offers."""
 
     topic: str
     type: str
@@ -64,7 +64,7 @@ class Topic(Shape):
 
 
 class TopicField(Shape):
-    """A number in its messages."""
+    """A number in the messages of a topic."""
 
     field: str
     unit: str | None
@@ -73,7 +73,7 @@ class TopicField(Shape):
 
 
 class Topics(Shape):
-    """All of them."""
+    """All topics that a source offers."""
 
     source: str
     topics: list[Topic]
@@ -86,7 +86,7 @@ class SeriesNames(Shape):
 
 
 class SensorTest(Shape):
-    """A binding that is tried."""
+    """A binding to be tried."""
 
     topic: Annotated[str, Field(max_length=300)]
     field: Annotated[str, Field(max_length=300)]
@@ -97,7 +97,7 @@ class SensorTest(Shape):
 
 
 class SensorTested(Shape):
-    """What was heard."""
+    """The value that a tried binding heard last."""
 
     signal: str
     raw: float | None
@@ -122,15 +122,13 @@ def get_monitoring(service: Served) -> MonitoringState:
 @router.post("/api/monitoring/start", responses=REFUSED)
 def start(asked: StartAsked, service: Served) -> MonitoringState:
     """Begin to watch; it goes on without any browser, until it is stopped."""
-    choice = chosen(dict(service.sources), asked.source)
-    state = service.workspace.draft().state
-    service.monitoring.start(service.prepared().robot, choice, asked.speed, state)
+    service.watch(asked.source, asked.speed)
     return get_monitoring(service)
 
 
 @router.post("/api/monitoring/stop")
 def stop(service: Served) -> MonitoringState:
-    """Watch no longer."""
+    """Stop watching the robot."""
     service.monitoring.stop()
     return get_monitoring(service)
 
@@ -147,7 +145,7 @@ def get_health(
     changed = False
     if run:
         draft = service.workspace.draft()
-        checked = service.workspace.check(draft.text)
+        checked = service.workspace.checked.of(draft.text)
         changed = checked.robot is None or checked.robot.design_hash != run.robot.design_hash
     if run and run.report:
         sensors = freshness(run.robot, service)
@@ -160,39 +158,30 @@ def get_health(
 
 
 def freshness(robot: Robot, service: Service) -> list[Freshness]:
-    """How long each bound signal has been silent, before the newest sample."""
+    """The silence of each bound signal before the newest sample [s]."""
     run = service.monitoring.run
     heard = service.monitoring.board.last(robot.signals) if run else {}
     newest = run.ledger.newest / SECOND if run and run.ledger and run.ledger.newest is not None else None
-    ages: dict[str, float] = {}
-    for mode in robot.modes:
-        for stress in mode.stresses:
-            for channel in stress.channels.values():
-                ages[channel.signal] = channel.max_age / SECOND
-        if mode.measured_clock:
-            ages |= dict.fromkeys(mode.measured_clock.signals, mode.measured_clock.max_age / SECOND)
-    for clock in robot.clocks.values():
-        ages |= dict.fromkeys(clock.signals, clock.max_age / SECOND)
+    silent = run.report.stale if run and run.report else frozenset()
     found = []
     for signal, unit in robot.signals.items():
         time, value = heard.get(signal, (None, None))
         age = max(newest - time, 0.0) if time is not None and newest is not None else None
-        most = ages.get(signal)
-        stale = run is not None and (age is None or (most is not None and age > most))
+        most = robot.max_ages.get(signal)
+        stale = run is not None and (age is None or signal in silent)
         found.append(Freshness(signal=signal, unit=unit, value=value if value == value else None, age=age,
-                               max_age=most, stale=stale))  # fmt: skip
+                               max_age=None if most is None else most / SECOND, stale=stale))  # fmt: skip
     return found
 
 
 @router.get("/api/topics", responses=REFUSED)
 def get_topics(service: Served, source: str) -> Topics:
-    """What a source offers: types, rates, fields, and what bound signals said last."""
+    """The topics that a source offers: types, rates, fields, and the last values of bound signals."""
     choice = chosen(dict(service.sources), source)
     with choice.open(1.0) as opened:
         infos = opened.topics()
     board, found = service.monitoring.board, []
     for info in infos:
-        span = (info.last - info.first) / SECOND if info.first is not None and info.last is not None else 0.0
         fields = []
         for field in info.fields:
             try:
@@ -203,14 +192,13 @@ def get_topics(service: Served, source: str) -> Topics:
             fields.append(
                 TopicField(field=field, unit=field_unit(info.type, field), last=value if value == value else None)
             )
-        rate = (info.messages - 1) / span if span > 0 and info.messages > 1 else None
-        found.append(Topic(topic=info.topic, type=info.type, messages=info.messages, rate=rate, fields=fields))
+        found.append(Topic(topic=info.topic, type=info.type, messages=info.messages, rate=info.rate, fields=fields))
     return Topics(source=choice.label, topics=found)
 
 
 @router.post("/api/sensors/test", responses=REFUSED)
 def test_sensor(asked: SensorTest, service: Served) -> SensorTested:
-    """What a binding would have heard last."""
+    """Try a binding: the value that it would have heard last."""
     signal = signal_name(asked.topic, asked.field)
     split_signal(signal)
     scale, offset = conversion(asked.unit, asked.wanted) if asked.unit or asked.wanted else (1.0, 0.0)
@@ -231,7 +219,7 @@ def test_sensor(asked: SensorTest, service: Served) -> SensorTested:
 
 @router.get("/api/series")
 def get_series(service: Served) -> SeriesNames:
-    """What has been heard and worked out since monitoring began, by name."""
+    """The names of all series that have been recorded since monitoring began."""
     return SeriesNames(names=service.monitoring.board.names())
 
 

@@ -17,6 +17,7 @@ from robophm.design.task import Plan, Task
 from robophm.design.task_file import parse_plan, plan_from_csv
 from robophm.health.mission import Completion, repetitions
 from robophm.health.outlooks import FutureName, View, outlooks
+from robophm.health.repeated_tasks import RepeatedTasks
 from robophm.health.report import VIEWS
 from robophm.health.task_report import task_report, unknown_in
 from robophm.health.unknown_rates import PartsOfUnknownRate
@@ -53,7 +54,7 @@ class SaidLeg(Shape):
 
 
 class SaidTask(Shape):
-    """A task as a task file says it."""
+    """A task in the form of a task file."""
 
     name: Words = ""
     legs: Annotated[list[SaidLeg], Field(min_length=1, max_length=10_000)]
@@ -69,41 +70,41 @@ class Asked(Shape):
 
 
 class PrognosisAsked(Asked):
-    """The list again and again."""
+    """A list of tasks to be repeated."""
 
     repeat: Annotated[int, Field(ge=1, le=1_000_000)]
     threshold: Annotated[float, Field(gt=0, lt=1)] | None = None
 
 
 class TaskText(Shape):
-    """A task file."""
+    """The text of a task file."""
 
     format: Literal["yaml", "csv"]
     text: Annotated[str, Field(max_length=5_000_000)]
 
 
 class ReadTasks(Shape):
-    """What a task file holds."""
+    """The tasks of a task file."""
 
     tasks: list[SaidTask]
 
 
 class Chance(Shape):
-    """Of completion, and of failure with its own digits."""
+    """The probability of completion, and that of failure with its own digits."""
 
     probability: float | None
     failure: float | None
 
 
 class BothChances(Shape):
-    """Side by side."""
+    """The probabilities in both views, side by side."""
 
     nominal: Chance
     sensor_based: Chance
 
 
 class TaskAnswer(Shape):
-    """One task, given that those before it were completed."""
+    """PoTC of one task, given that those before it were completed."""
 
     name: str
     distance: float
@@ -122,7 +123,7 @@ class Decides(Shape):
 
 
 class Answer(Shape):
-    """Can I do this?"""
+    """The answer to "can the robot do these tasks?"."""
 
     tasks: list[TaskAnswer]
     together: BothChances
@@ -134,7 +135,7 @@ class Answer(Shape):
 
 
 class JobState(Shape):
-    """Work under way."""
+    """The state of a job."""
 
     number: int
     kind: str
@@ -145,7 +146,7 @@ class JobState(Shape):
 
 
 class RepeatedView(Shape):
-    """One number for each of the repetitions that are listed."""
+    """PoTC in one view; a number for each of the repetitions that are listed."""
 
     probability: list[float | None]
     failure: list[float | None]
@@ -167,7 +168,7 @@ class Prognosis(Shape):
 
 
 class DrivenTask(Shape):
-    """As planned, or as done."""
+    """A task as it was planned, or as it was done."""
 
     distance: float
     duration: float
@@ -187,7 +188,7 @@ class ArrivedTask(Shape):
 
 
 class Arrived(Shape):
-    """The latest first."""
+    """The tasks that the robot told of, the latest first."""
 
     tasks: list[ArrivedTask]
 
@@ -261,7 +262,7 @@ def arrived(service: Served) -> Arrived:
     now = run.report.time if run.report and run.report.time is not None else 0
     if run.judged:
         return Arrived(tasks=_told(list(run.judged)))
-    records = [one for one in run.tasks() if (_first(one) or 0) <= now]
+    records = [one for one in run.tasks() if (one.time or 0) <= now]
     return Arrived(tasks=[_arrived(one, now) for one in records[-500:]][::-1])
 
 
@@ -285,10 +286,6 @@ def _told(judged: Sequence[JudgedTask]) -> list[ArrivedTask]:
         plan.end, plan.actual = one.time / SECOND, driven
         plan.start = plan.end - one.duration * 3600
     return found[::-1]
-
-
-def _first(record: TaskRecord) -> int | None:
-    return record.arrived if record.arrived is not None else record.start
 
 
 def _arrived(record: TaskRecord, now: int) -> ArrivedTask:
@@ -329,37 +326,35 @@ def prognosis(asked: PrognosisAsked, service: Served) -> JobState:
     threshold = asked.threshold or prepared.robot.thresholds.completion
     views = outlooks(prepared.plant, exposure, ledger, future=future, knowledge=plan.knowledge)
 
-    left_out = unknown_in(views["sensor_based"], Task(tuple(leg for task in plan.tasks for leg in task.legs)))
+    left_out = unknown_in(views["sensor_based"], plan.joined)
 
     def work(job: Job) -> Prognosis:
-        done: dict[View, Any] = {}
+        done: dict[View, RepeatedTasks] = {}
         for i, view in enumerate(VIEWS):
-            chunks = [np.empty((2, 0))]
-            for chunk in repetitions(views[view], plan.tasks, asked.repeat):
+            chunks: list[Any] = []
+            for chunk in repetitions(views[view], plan.tasks, asked.repeat, plan.gap):
                 chunks.append(chunk)
                 job.advance((i + sum(one.shape[1] for one in chunks) / asked.repeat) / len(VIEWS))
-            done[view] = np.concatenate(chunks, axis=1)
+            done[view] = RepeatedTasks.of(chunks, asked.repeat)
         return _prognosis(done, threshold, left_out)
 
     return _state(service.jobs.begin("prognosis", work))
 
 
-def _prognosis(done: Mapping[View, Any], threshold: float | None, left_out: PartsOfUnknownRate | None) -> Prognosis:
-    longest = max(found.shape[1] for found in done.values())
+def _prognosis(
+    done: Mapping[View, RepeatedTasks], threshold: float | None, left_out: PartsOfUnknownRate | None
+) -> Prognosis:
+    longest = max(len(found.probability) for found in done.values())
     listed = np.unique(np.linspace(0, max(longest - 1, 0), MOST_POINTS).astype(int)) if longest else np.empty(0, int)
 
-    def view(found: Any) -> RepeatedView:
-        probability, failure = found
-        below = np.flatnonzero(probability < (0.0 if threshold is None else threshold))
-        with np.errstate(divide="ignore"):
-            hazard = -np.sum(np.where(failure < 0.5, np.log1p(-failure), np.log(probability)))
-        there = [int(i) for i in listed if i < found.shape[1]]
+    def view(found: RepeatedTasks) -> RepeatedView:
+        there, together = [int(i) for i in listed if i < len(found.probability)], found.together
         return RepeatedView(
-            probability=[finite(float(probability[i])) for i in there],
-            failure=[finite(float(failure[i])) for i in there],
-            below_at=int(below[0]) + 1 if len(below) else None,
-            together=Chance(probability=finite(float(np.exp(-hazard))), failure=finite(float(-np.expm1(-hazard)))),
-            done=int(found.shape[1]),
+            probability=[finite(float(found.probability[i])) for i in there],
+            failure=[finite(float(found.failure[i])) for i in there],
+            below_at=None if threshold is None else found.first_below(threshold),
+            together=Chance(probability=finite(together.probability), failure=finite(together.failure)),
+            done=len(found.probability),
         )
 
     return Prognosis(repetitions=[int(i) + 1 for i in listed], nominal=view(done["nominal"]),
@@ -373,13 +368,13 @@ Number = Annotated[int, Path(ge=1, le=2**53)]
 
 @router.get("/jobs/{number}", responses=NOT_THERE)
 def get_job(number: Number, service: Served) -> JobState:
-    """How far it is, and what it found."""
+    """The progress of a job, and its result once it is done."""
     return _state(_known(service, number))
 
 
 @router.delete("/jobs/{number}", responses=NOT_THERE)
 def cancel_job(number: Number, service: Served) -> JobState:
-    """Nobody wants it any more."""
+    """Cancel a job."""
     _known(service, number)
     return _state(service.jobs.cancel(number) or _known(service, number))
 

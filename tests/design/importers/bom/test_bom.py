@@ -8,7 +8,7 @@ import pytest
 
 from robophm.core.errors import DesignError, RobophmError
 from robophm.design.file import load, parse
-from robophm.design.importers.bom import import_bom, read_parts
+from robophm.design.importers.bom import assumed_inputs, by_kind, import_bom, read_parts, total_rate
 from robophm.design.importers.bom.assumptions import Assumptions
 from robophm.design.importers.bom.columns import ColumnMapping
 
@@ -27,6 +27,24 @@ def imported(name, tmp_path, **how):
 
 def by_name(found):
     return {one.outcome.name: one for one in found.parts}
+
+
+@pytest.mark.parametrize("name", ["kicad.csv", "messy.csv", "european.csv"])
+def test_kinds_share_out_the_total(name, tmp_path):
+    found = imported(name, tmp_path)
+    kinds = by_kind(found.parts)
+    assert list(kinds) == sorted(kinds)
+    assert sorted(one.outcome.name for of in kinds.values() for one in of) == sorted(by_name(found))
+    rated = [(one.part.quantity, one.hazard_rate) for one in found.parts if one.hazard_rate is not None]
+    assert total_rate(found.parts) == pytest.approx(sum(n * rate for n, rate in rated), rel=1e-12)
+    assert total_rate(found.parts) == pytest.approx(sum(map(total_rate, kinds.values())), rel=1e-12)
+    assert len(found.of_state("added")) + len(found.of_state("needs a rate")) == len(found.parts)
+    assert all(one.hazard_rate is None for one in found.of_state("needs a rate"))
+
+
+def test_what_is_assumed_is_counted_by_its_value(tmp_path):
+    styles = assumed_inputs(by_kind(imported("kicad.csv", tmp_path).parts)["capacitor"])["style"]
+    assert styles == {"CDR": 1, "CE": 1, "CWR": 1}
 
 
 def all_rated(text):

@@ -11,6 +11,7 @@ from robophm.design.file import parse
 from robophm.design.importers.legacy.figures import (
     driven_legs,
     legacy_task,
+    legacy_tasks,
     parallel_rate,
     potc,
     potc_paper,
@@ -21,6 +22,7 @@ from robophm.design.importers.legacy.figures import (
     stressed_rate,
     waypoint_legs,
 )
+from robophm.design.task import Leg, Task
 
 FIGURES = json.loads((Path(__file__).parents[3] / "data" / "legacy_figures.json").read_text(encoding="utf-8"))
 CASES = {case["name"]: case for case in FIGURES["cases"]}
@@ -174,6 +176,13 @@ def test_a_whole_robot():
     assert seconds.reliability == pytest.approx(math.exp(-5e-5 * 720000), rel=1e-12, abs=0)
     assert seconds.actual == pytest.approx(math.exp(-5e-5 * 720036 * 2), rel=1e-12, abs=0)
     assert seconds.predicted == pytest.approx(math.exp(-5e-5 * 720014), rel=1e-12, abs=0)
+    planned, driven = (Task(tuple(Leg(t / 3600, d) for d, t in some)) for some in (legs, [(5, 30), (2, 6)]))
+    both = legacy_tasks(robot, planned, 200, 2)
+    assert both.keys() == {"km/h", "m/s"}
+    assert both["km/h"].prognostic == pytest.approx(task.prognostic, rel=1e-14, abs=0)
+    assert legacy_tasks(robot, planned, 200, driven=driven)["m/s"].actual == pytest.approx(
+        seconds.actual, rel=1e-14, abs=0
+    )
 
 
 @pytest.mark.parametrize(

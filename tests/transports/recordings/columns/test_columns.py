@@ -21,8 +21,7 @@ from robophm.transports.recordings.recording import Recording
 from robophm.transports.synthetic import SyntheticOta
 
 from ...conftest import SIGNALS
-from ..made import ros1_in_mcap
-from ..test_recording import JOINTS, T0, TEMPERATURE, joints, rewrite, rewrite_mcap, temperature
+from ..made import JOINTS, T0, TEMPERATURE, joints, rewrite, rewrite_mcap, ros1_in_mcap, temperature
 
 Write = Callable[..., Path]
 

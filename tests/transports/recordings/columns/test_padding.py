@@ -12,8 +12,8 @@ from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.mcap import CHUNK
 
 from ...conftest import SIGNALS
-from ..test_recording import T0
-from .test_damage import attempt, rows, rows_of, traced
+from ..made import T0
+from .damage import attempt, rows, rows_of, traced
 
 PADDING = 2 << 30
 

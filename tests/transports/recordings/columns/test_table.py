@@ -17,7 +17,7 @@ from robophm.transports.recordings.columns.pieces import DamageError
 from robophm.transports.recordings.columns.table import Pages, Table, find_rows
 
 from ...conftest import SIGNALS
-from ..test_recording import T0
+from ..made import T0
 
 TABLE = (
     "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL, data BLOB)"

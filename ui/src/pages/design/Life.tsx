@@ -38,7 +38,9 @@ const CLOCKS: [string, string][] = [
 /** Life model, its shape, the acceleration (ALT) model and the clock. */
 export function Life({ part, put }: { part: Part; put: Putting }): ReactNode {
   const life = isValues(part.values.life) ? part.values.life : {};
-  const distribution = String(life.distribution ?? "exponential");
+  const usual = part.values.part === undefined ? "exponential" : ""; // of a part of the library, as it says
+  const distribution = String(life.distribution ?? (part.values.life === undefined ? usual : "exponential"));
+  const usualClock = part.values.part === undefined ? "operating" : "";
   const stress = part.values.acceleration;
   const several = Array.isArray(stress);
   const said = isValues(stress) ? stress : {};
@@ -54,14 +56,14 @@ export function Life({ part, put }: { part: Part; put: Putting }): ReactNode {
       {component && (
         <>
           <h3>Life</h3>
-          <Select label="Life model" value={distribution} options={DISTRIBUTIONS} set={(value) => put(["life"], value === "exponential" ? undefined : { distribution: value, ...usualShape(value) }, `Life model of ${part.name}`)} />
+          <Select label="Life model" value={distribution} options={usual ? DISTRIBUTIONS : [["", "as its part of the library"], ...DISTRIBUTIONS]} set={(value) => put(["life"], value === usual ? undefined : { distribution: value, ...usualShape(value) }, `Life model of ${part.name}`)} />
           <div className="fields">
             {(SHAPES[distribution] ?? []).map(([key, name]) => (
               <Entry key={key} label={name} value={String(life[key] ?? "")} set={(value) => put(["life", key], number(value), `${name} of ${part.name}`)} />
             ))}
           </div>
           <div className="fields">
-            <Select label="Ages on" value={String(part.values.clock ?? "operating")} options={CLOCKS} set={(value) => put(["clock"], value === "operating" ? undefined : value, `Clock of ${part.name}`)} />
+            <Select label="Ages on" value={String(part.values.clock ?? usualClock)} options={usualClock ? CLOCKS : [["", "as its part of the library"], ...CLOCKS]} set={(value) => put(["clock"], value === usualClock ? undefined : value, `Clock of ${part.name}`)} />
             <Entry label="Already used" hint="e.g. 1200 h" value={String(part.values.initial_exposure ?? "")} set={(value) => put(["initial_exposure"], value, `Exposure of ${part.name}`)} />
           </div>
         </>

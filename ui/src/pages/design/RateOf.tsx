@@ -1,6 +1,6 @@
 import { type ReactNode, useState } from "react";
 import { edit, useUnit } from "../../lib/store";
-import { isValues, type Part } from "../../lib/tree";
+import { FIGURES, insteadOfRate, isValues, type Part } from "../../lib/tree";
 import { Dialog } from "../../parts/Dialog";
 import { Entry } from "../../parts/Field";
 import { FormulaForm } from "../../parts/FormulaForm";
@@ -13,16 +13,17 @@ export function RateOf({ part }: { part: Part }): ReactNode {
   const hazard = isValues(part.values.hazard) ? part.values.hazard : null;
   const modes = isValues(part.values.failure_modes) ? Object.keys(part.values.failure_modes) : [];
   const set = (value: Record<string, unknown>, what: string): void => {
-    const drop = "rate" in value ? "hazard" : "rate";
+    const drop = FIGURES.filter((one) => !(one in value) && part.values[one] !== undefined);
     void edit(
       [
-        ...(part.values[drop] === undefined ? [] : [{ op: "delete" as const, path: [...part.place, drop] }]),
+        ...drop.map((one) => ({ op: "delete" as const, path: [...part.place, one] })),
         ...Object.entries(value).map(([key, one]) => ({ op: "put" as const, path: [...part.place, key], value: one })),
       ],
       what,
     );
     setDialog("");
   };
+  const instead = insteadOfRate(part.values);
   return (
     <>
       <h3>Hazard rate</h3>
@@ -30,7 +31,7 @@ export function RateOf({ part }: { part: Part }): ReactNode {
       {!modes.length && (
         <Entry
           label="Stated rate of one"
-          hint={hazard ? `now by ${hazard.model ? String(hazard.model) : "a formula"}; a stated rate takes its place` : `with its unit, e.g. 12 FIT, 0.3 FPMH, 5.8e-6 /h (shown in ${unit}); or the word unknown`}
+          hint={instead ? `now by ${instead}; a stated rate takes its place` : `with its unit, e.g. 12 FIT, 0.3 FPMH, 5.8e-6 /h (shown in ${unit}); or the word unknown`}
           value={String(part.values.rate ?? "")}
           set={(value) => value && set({ rate: value }, `Rate of ${part.name}`)}
         />

@@ -2,7 +2,7 @@ import { type ReactNode, useMemo, useState } from "react";
 import type { Operation } from "../../lib/api";
 import { offer } from "../../lib/exports";
 import { edit, go, useDesign, useUnit } from "../../lib/store";
-import { everyPart, findPart, freeName, isValues, type Part, treeOf } from "../../lib/tree";
+import { everyPart, findPart, freeName, insteadOfRate, isValues, type Part, treeOf } from "../../lib/tree";
 import { marked, rateText } from "../../lib/words";
 import { Dialog } from "../../parts/Dialog";
 import { Area } from "../../parts/Field";
@@ -47,7 +47,7 @@ export function PartsTable(): ReactNode {
               </td>
               <td>{stated(part) ?? <Cell label={`Rate of ${part.path}`} value={String(part.values.rate ?? "")} set={(value) => set(part, "rate", value)} />}</td>
               <td className="number">{marked(design.unknown[part.path], "hazard_rate", rateText(design.levels[part.path]?.hazard_rate, unit))}</td>
-              <td>{isValues(part.values.life) ? String(part.values.life.distribution) : "exponential"}</td>
+              <td>{isValues(part.values.life) ? String(part.values.life.distribution) : part.values.part ? "as in the library" : "exponential"}</td>
               <td>{source(part)}</td>
             </tr>
           ))}
@@ -74,13 +74,13 @@ function Cell({ label, value, set }: { label: string; value: string; set: (value
 function stated(part: Part): string | null {
   if (isValues(part.values.failure_modes) && Object.keys(part.values.failure_modes).length) return `${Object.keys(part.values.failure_modes).length} failure modes`;
   const hazard = part.values.hazard;
-  if (!isValues(hazard)) return null;
-  return hazard.model ? String(hazard.model) : String(hazard.formula ?? "");
+  if (isValues(hazard) && hazard.formula) return String(hazard.formula);
+  return insteadOfRate(part.values) || null;
 }
 
 function source(part: Part): string {
   const hazard = part.values.hazard;
-  return String(part.values.source ?? (isValues(hazard) ? (hazard.source ?? (hazard.model ? "handbook" : "")) : ""));
+  return String(part.values.source ?? (isValues(hazard) ? (hazard.source ?? (hazard.model ? "handbook" : "")) : part.values.part && part.values.rate === undefined ? "library" : ""));
 }
 
 function csv(parts: Part[], levels: Record<string, { hazard_rate: number | null }>, unknown: Record<string, unknown>): string {

@@ -6,7 +6,9 @@ little is known for one, is said and becomes a part of unknown rate. Nothing is 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,7 +19,7 @@ from robophm.design.importers.bom.assumptions import Assumptions, TooLittle
 from robophm.design.importers.bom.columns import ColumnMapping
 from robophm.design.importers.bom.component import LONGEST_DESCRIPTION, LONGEST_NAME, Wanted
 from robophm.design.importers.bom.kinds import GUESS
-from robophm.design.importers.bom.merging import Level, Outcome
+from robophm.design.importers.bom.merging import Level, Outcome, State
 from robophm.design.importers.bom.models import Rater, Rating, rates
 from robophm.design.importers.bom.reading import Part, PartsList, read_parts
 from robophm.design.naming import design_name, printable, quoted
@@ -51,6 +53,37 @@ class ImportedList:
     parts: tuple[ImportedPart, ...]
     removed: tuple[Outcome, ...]
     """Parts of an earlier import of this list that it no longer has; those that stay are 'kept'."""
+
+    @property
+    def guesses(self) -> list[ImportedPart]:
+        """The parts that are rated as what their letters alone say."""
+        return [one for one in self.parts if one.guess]
+
+    def of_state(self, state: State) -> list[ImportedPart]:
+        """The parts of which this became."""
+        return [one for one in self.parts if one.outcome.state == state]
+
+
+def total_rate(parts: Iterable[ImportedPart]) -> float:
+    """Of parts as the list gives them, in series when new [1/h]; those without a rate add nothing."""
+    return math.fsum(one.part.quantity * one.hazard_rate for one in parts if one.hazard_rate is not None)
+
+
+def by_kind(parts: Iterable[ImportedPart]) -> dict[str, list[ImportedPart]]:
+    """The parts of each kind, the kinds in the order of their names; "" of those whose kind is not clear."""
+    found: dict[str, list[ImportedPart]] = {}
+    for one in parts:
+        found.setdefault(one.part.recognised.kind, []).append(one)
+    return dict(sorted(found.items()))
+
+
+def assumed_inputs(parts: Iterable[ImportedPart]) -> dict[str, Counter[str]]:
+    """Of the inputs of models that a list does not say, how many rows take which value."""
+    found: dict[str, Counter[str]] = {}
+    for rating in filter(None, (one.rating for one in parts)):
+        for name in rating.assumed:
+            found.setdefault(name, Counter())[rating.inputs.get(name, rating.model)] += 1
+    return found
 
 
 def rate_parts(parts: Sequence[Part], assumptions: Assumptions) -> list[tuple[Rating | None, float | None, str]]:

@@ -272,7 +272,8 @@ def _decimal(rows: tuple[Row, ...], places: list[int], semicolons: bool, written
 
 def parse_mapping(path: Path) -> ColumnMapping:
     """What a mapping file says. Raises DesignError with file and line."""
-    from robophm.design.file import located, mapping, read
+    from robophm.core.yaml_values import located
+    from robophm.design.file import mapping, read
 
     data, lines = mapping(read(path), str(path), "mapping")
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from robophm.core.errors import DesignError
-from robophm.design.edited_text import EditedText, plain, scalars
+from robophm.design.edited_text import EditedText, child, is_alias, plain, scalars
 from robophm.design.importers.bom.component import (
     ASSUMED,
     NEEDS,
@@ -81,8 +81,8 @@ class Level:
         self.design = EditedText(text, label)
         self.levels = [self.design.root]
         for name in module:
-            modules = self.design.child(self.levels[-1], "modules")
-            level = self.design.child(modules[1], name) if modules else None
+            modules = child(self.levels[-1], "modules")
+            level = child(modules[1], name) if modules else None
             if level is None:
                 break
             self.design.own(*level, "module")
@@ -91,19 +91,19 @@ class Level:
     @property
     def environment(self) -> str | None:
         """What the level states or inherits."""
-        stated = [found[1] for level in self.levels if (found := self.design.child(level, "environment"))]
+        stated = [found[1] for level in self.levels if (found := child(level, "environment"))]
         return str(plain(stated[-1])) if stated else None
 
     def merge(self, parts: Sequence[Wanted], *, file: str, environment: str, remarks: Iterable[str]) -> Merged:
         """Put parts in. ``environment`` is stated at the level where nothing above states one. Raises DesignError."""
         exists = len(self.levels) == len(self.module) + 1
-        entry = self.design.child(self.levels[-1], "components") if exists else None
+        entry = child(self.levels[-1], "components") if exists else None
         if entry:
             self.design.own(*entry, "mapping")
         there = self._there(entry[1] if entry else None)
         drawn = self._drawn()
         taken = set(there)
-        if exists and (modules := self.design.child(self.levels[-1], "modules")):
+        if exists and (modules := child(self.levels[-1], "modules")):
             taken |= {str(key.value) for key, _ in modules[1].value}
         matches = _matches(parts, there)
         result = Merged("", [])
@@ -157,7 +157,7 @@ class Level:
         for key, node in components.value if components is not None else ():
             one = _There(str(key.value), key, node, {})
             found[one.name] = one
-            if node.id != "mapping" or self.design.is_alias(key, node):
+            if node.id != "mapping" or is_alias(key, node):
                 continue
             one.said = plain(node)
             if source := origin(one.said.get("source")):
@@ -194,7 +194,7 @@ class Level:
             return Outcome("kept", old.name, "; ".join(["edited by hand, stays as it is", *differing]))
         new = content(part, file)
         for key, value in new.items():
-            found = self.design.child(old.node, key)
+            found = child(old.node, key)
             if found and differ(old.said[key], value):
                 if key == "hazard" and part.rating:
                     self._update_hazard(old, found, part.rating)
@@ -202,7 +202,7 @@ class Level:
                     self.design.replace(old.node, key, line(key, value), ASSUMED)
         before = "hazard" if "hazard" in old.said else "rate"
         if before not in new or (part.rating is None and self.design.remarked(old.node, before, NEEDS)):
-            there = self.design.child(old.node, before)
+            there = child(old.node, before)
             pad = " " * there[0].start_mark.column if there else ""
             self.design.replace(old.node, before, rate_text(part, pad), NEEDS if before == "rate" else ASSUMED)
         if part.rating is None:
@@ -219,7 +219,7 @@ class Level:
         """Input by input where they are the same, so that people's remarks beside them stay."""
         key, hazard = found
         said: dict[str, Any] = old.said["hazard"]
-        inputs = self.design.child(hazard, "inputs")
+        inputs = child(hazard, "inputs")
         if hazard.flow_style or inputs is None or inputs[1].flow_style or said["inputs"].keys() != rating.inputs.keys():
             text = hazard_text(rating, " " * key.start_mark.column)
             self.design.replace(old.node, "hazard", text, ASSUMED)
@@ -253,7 +253,7 @@ class Level:
         at = design.past_comments(design.line_end(design.end(level)), len(pad))
         text = []
         missing = self.module[len(self.levels) - 1 :]
-        if missing and (modules := design.child(level, "modules")) and modules[1].value:
+        if missing and (modules := child(level, "modules")) and modules[1].value:
             design.own(*modules, "mapping")
             pad = " " * modules[1].value[0][0].start_mark.column
             at = design.past_comments(design.line_end(design.end(modules[1])), len(pad))

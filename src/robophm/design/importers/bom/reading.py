@@ -152,22 +152,10 @@ class _List:
     def row(self, row: Row, *, of_a_group: bool) -> None:
         said = {field: row.cells[at] if at < len(row.cells) else "" for field, at in self.places.items()}
         said = {field: self.plain(row.number, field, cell) for field, cell in said.items()}
-        if all(said[column.field] in ("", column.header) for column in self.table.columns) and any(said.values()):
-            self.left_out.append(Note(row.number, "is the header again"))
-            return
-        filled = [cell for cell in said.values() if cell]
-        reference, count = said.get("reference", ""), said.get("quantity", "")
-        if (
-            not filled
-            or _SUM.match(next(cell for cell in row.cells if cell))
-            or (len(filled) == 1 and "reference" in said and not re.search(r"\d", reference))
-        ):
-            text = " ".join(cell for cell in row.cells if cell)
-            self.left_out.append(Note(row.number, f"'{text:.60}' is a heading or a sum, no part"))
-            return
         described = Described(**{name: said.get(name, "") for name in Described.__dataclass_fields__})
-        if why := _unfitted(said):
-            self.left_out.append(Note(row.number, f"{reference or described.value or 'a part'} is not fitted ({why})"))
+        reference = said.get("reference", "")
+        if why := self.no_part(row, said) or _not_there(said, reference or described.value or "a part"):
+            self.left_out.append(Note(row.number, why))
             return
         try:
             references = expand(reference)
@@ -177,23 +165,12 @@ class _List:
         self.count += len(references)
         if self.count > MOST_REFERENCES:
             raise DesignError(f"row {row.number}: more than {MOST_REFERENCES:,} references in all")
-        number = self.quantity(row.number, count) if count else len(references) or 1
+        number = self.taken(row.number, said.get("quantity", ""), references, of_a_group=of_a_group)
         if number is None:
             return
-        ordered = "quantity" in self.headers and _ORDERED.search(self.headers["quantity"])
-        if references and number > len(references) and (of_a_group or ordered):
-            why = "is of this row and those of the same part below" if of_a_group else "is what is ordered"
-            self.notes.append(
-                Note(row.number, f"the quantity {number} {why}; {_counted(references)}, and so many are taken")
-            )
-            number = len(references)
         if number == 0:
             self.left_out.append(Note(row.number, f"{reference or described.value or 'a part'} has quantity 0"))
             return
-        if references and count and number != len(references):
-            more = max(number, len(references))
-            self.notes.append(Note(row.number, f"{_counted(references)}, the quantity is {number}; {more} are taken"))
-            number = more
         doubled = [name for name, times in Counter(references).items() if times > 1]
         if doubled:
             self.notes.append(Note(row.number, f"{', '.join(doubled[:5])} stand several times in this row"))
@@ -212,6 +189,36 @@ class _List:
                 recognised,
             )
         )
+
+    def no_part(self, row: Row, said: Mapping[str, str]) -> str:
+        """Why a row says nothing of a part: the header again, a heading, a sum; '' where it does."""
+        if all(said[column.field] in ("", column.header) for column in self.table.columns) and any(said.values()):
+            return "is the header again"
+        filled = [cell for cell in said.values() if cell]
+        if (
+            not filled
+            or _SUM.match(next(cell for cell in row.cells if cell))
+            or (len(filled) == 1 and "reference" in said and not re.search(r"\d", said["reference"]))
+        ):
+            text = " ".join(cell for cell in row.cells if cell)
+            return f"'{text:.60}' is a heading or a sum, no part"
+        return ""
+
+    def taken(self, row: int, quantity: str, references: Sequence[str], *, of_a_group: bool) -> int | None:
+        """How many parts a row is taken for, where its references say another number too; None where that is none."""
+        number = self.quantity(row, quantity) if quantity else len(references) or 1
+        if number is None:
+            return None
+        ordered = "quantity" in self.headers and _ORDERED.search(self.headers["quantity"])
+        if references and number > len(references) and (of_a_group or ordered):
+            why = "is of this row and those of the same part below" if of_a_group else "is what is ordered"
+            self.notes.append(Note(row, f"the quantity {number} {why}; {_counted(references)}, and so many are taken"))
+            return len(references)
+        if number and references and quantity and number != len(references):
+            more = max(number, len(references))
+            self.notes.append(Note(row, f"{_counted(references)}, the quantity is {number}; {more} are taken"))
+            return more
+        return number
 
     def plain(self, row: int, field: str, cell: str) -> str:
         """A cell's text; a formula is none, and is not passed on."""
@@ -265,6 +272,11 @@ _DNP = re.compile(
 )
 _DNP_ALONE = re.compile(r"np|nf|nm|nc|n\.?b\.?|no ?fit|no ?load|dnl|dns", re.IGNORECASE)
 _NO = {"", "0", "no", "n", "false", "nein", "non", "fitted", "populate", "populated", "mounted", "bestückt"}
+
+
+def _not_there(said: Mapping[str, str], named: str) -> str:
+    """That the part of a row is not on the board, and why; '' where it is."""
+    return f"{named} is not fitted ({why})" if (why := _unfitted(said)) else ""
 
 
 def _unfitted(said: Mapping[str, str]) -> str:

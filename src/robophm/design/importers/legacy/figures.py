@@ -16,6 +16,7 @@ from typing import Literal, get_args
 from robophm.blocks.diagram import Block, Group, Parallel, Series, Unit
 from robophm.core.errors import ModelError, StructureError, UnitError, nearest
 from robophm.design.robot import Module, Robot
+from robophm.design.task import Task
 
 UnitMode = Literal["km/h", "m/s"]
 UNIT_MODES: tuple[UnitMode, ...] = get_args(UnitMode)
@@ -202,6 +203,21 @@ def legacy_task(
     planned = prognostic(now, rate, legs, repetitions, unit)
     actual = planned[1] if driven is None else potc(now, rate, driven, unit)
     return LegacyTask(now, actual, planned[1], tuple(planned))
+
+
+def legacy_tasks(
+    robot: Robot, planned: Task, uptime_hours: float, repetitions: int = 1, driven: Task | None = None
+) -> dict[UnitMode, LegacyTask]:
+    """The same of a task with its legs as the design has them, in both of that tool's unit modes.
+
+    Several tasks, joined, are to that tool one task of all their legs.
+    """
+
+    def legs(task: Task) -> list[Leg]:
+        return [(leg.distance, leg.duration * 3600) for leg in task.legs]
+
+    done = legs(driven) if driven else None
+    return {unit: legacy_task(robot, legs(planned), uptime_hours, repetitions, unit, done) for unit in UNIT_MODES}
 
 
 def legacy_rate(module: Module) -> float:

@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import Any, Literal, NoReturn
 
 from robophm.core.errors import DesignError
-from robophm.design.file import Lines, parse, read, values
+from robophm.core.yaml_values import Lines, values
+from robophm.design.file import parse, read
 from robophm.design.importers.legacy.blocks import Block, Drawing, Finding, Group, rename, several
 from robophm.design.importers.legacy.writing import design_lines
 from robophm.design.naming import design_name, printable

@@ -17,7 +17,8 @@ import numpy.typing as npt
 
 from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.graph import ALL, ANY, NOT, ODD, UNIT, Gate
-from robophm.core.errors import DesignError, nearest
+from robophm.blocks.top_event import TopEvent
+from robophm.core.errors import DesignError, StructureError, nearest
 from robophm.design.importers.open_psa.expressions import Expressions, Life
 from robophm.design.importers.open_psa.markup import Element, Markup
 
@@ -46,6 +47,13 @@ class Model:
     """Whether the top event always occurs, where there is no tree."""
     lives: tuple[Life | None, ...] = ()
     """Of each basic event, where it fails as a part does; None where only its probability is known."""
+
+    def top_event(self) -> TopEvent:
+        """Its top event. Raises StructureError where constants and house events decide it."""
+        if self.tree is None:
+            says = "always occurs" if self.certain else "never occurs"
+            raise StructureError(f"'{self.name}' {says}: constants and house events decide it")
+        return TopEvent(self.tree, self.occurred, self.not_yet)
 
     def probability(self) -> float:
         """Of the top event. Raises StructureError where it is too large to solve exactly."""

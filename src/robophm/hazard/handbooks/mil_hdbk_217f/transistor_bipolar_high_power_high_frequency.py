@@ -82,15 +82,6 @@ def hazard_rate(
     """
     gigahertz, watts = np.asarray(frequency), np.asarray(output_power)
     largest = band(gigahertz, *LARGEST_POWER)
-    stress = stress_ratio(voltage, rated_voltage)
-    coefficient, scale, slope = METALLIZATION.rows[metallization]
-    if application == "cw":
-        applied = Factor("πA", 7.6, "continuous wave")
-    elif duty is None:
-        raise ModelError("mil_hdbk_217f.transistor_bipolar_high_power_high_frequency: pulsed needs the input 'duty'")
-    else:
-        percent = np.clip(100 * np.asarray(duty), 1.0, 30.0)
-        applied = Factor("πA", 0.06 * percent + 0.40, f"pulsed, {span(percent)} % of the time, counted as 1 to 30 %")
     return (
         Factor(
             "λb",
@@ -100,7 +91,7 @@ def hazard_rate(
             beyond=more_than("the output power", watts, f"the handbook's at {span(gigahertz)} GHz,", largest, "W"),
         )
         * temperature_factor(
-            coefficient,
+            METALLIZATION.rows[metallization][0],
             temperature,
             power,
             package,
@@ -109,20 +100,37 @@ def hazard_rate(
             coolest=100.0,
             hottest=200.0,
         )
-        * Factor(
-            "πT stress",
-            np.where(above(stress, 0.4), slope * (stress - 0.35), scale),
-            f"{metallization}, stress S = VCE/BVCES = {span(stress)} of at most 0.55",
-            outside=above(stress, 0.55),
-            beyond=more_than(
-                "the operating voltage",
-                np.abs(voltage),
-                "0.55 of the breakdown voltage,",
-                0.55 * np.asarray(rated_voltage),
-                "V",
-            ),
-        )
-        * applied
+        * stress_factor(metallization, voltage, rated_voltage)
+        * application_factor(application, duty)
         * Factor("πM", MATCHING[matching], f"matching {matching}")
         * closing(RF_QUALITY, quality, RF_ENVIRONMENT, environment)
     )
+
+
+def stress_factor(metallization: str, voltage: Array, rated_voltage: Array) -> Factor:
+    """What voltage makes of πT: A up to S = 0.4, slope · (S − 0.35) above, S = VCE/BVCES."""
+    stress = stress_ratio(voltage, rated_voltage)
+    _, scale, slope = METALLIZATION.rows[metallization]
+    return Factor(
+        "πT stress",
+        np.where(above(stress, 0.4), slope * (stress - 0.35), scale),
+        f"{metallization}, stress S = VCE/BVCES = {span(stress)} of at most 0.55",
+        outside=above(stress, 0.55),
+        beyond=more_than(
+            "the operating voltage",
+            np.abs(voltage),
+            "0.55 of the breakdown voltage,",
+            0.55 * np.asarray(rated_voltage),
+            "V",
+        ),
+    )
+
+
+def application_factor(application: str, duty: Array | None) -> Factor:
+    """πA: 7.6 for a continuous wave, 0.06 · duty [%] + 0.40 for pulses, the duty counted as 1 to 30 %."""
+    if application == "cw":
+        return Factor("πA", 7.6, "continuous wave")
+    if duty is None:
+        raise ModelError("mil_hdbk_217f.transistor_bipolar_high_power_high_frequency: pulsed needs the input 'duty'")
+    percent = np.clip(100 * np.asarray(duty), 1.0, 30.0)
+    return Factor("πA", 0.06 * percent + 0.40, f"pulsed, {span(percent)} % of the time, counted as 1 to 30 %")

@@ -39,7 +39,7 @@ OTHER = "other"
 
 
 def fahrenheit(celsius: Array) -> Array:
-    """°F of °C."""
+    """A temperature in degrees Fahrenheit, of one in degrees Celsius."""
     return np.asarray(celsius) * 1.8 + 32
 
 
@@ -50,13 +50,13 @@ def size(value: Array) -> Array:
 
 
 def heat(symbol: str, celsius: Array) -> Factor:
-    """Of gears, splines and shafts: 1 up to 160 °F, (460 + T)/620 above, T in °F."""
+    """The temperature factor of gears, splines and shafts: 1 up to 160 °F, (460 + T)/620 above, T in °F."""
     value = (460 + np.maximum(fahrenheit(celsius), 160)) / 620
     return Factor(symbol, value, "1 up to 160 °F (71 °C), then (460 + T)/620")
 
 
 def viscosity(symbol: str, specified: Array, used: Array) -> Factor:
-    """Of gears, splines and bearings: (ν_specified/ν_used)^0.54."""
+    """The lubricant factor of gears, splines and bearings: (ν_specified/ν_used)^0.54."""
     return Factor(symbol, (size(specified) / size(used)) ** 0.54, "(ν specified / ν used)^0.54")
 
 
@@ -85,7 +85,7 @@ def looked_up(table: Table, row: str, column: str, stated: Array | None, name: s
 
 
 def product(factors: Iterable[Factor]) -> Factor:
-    """Of several factors, in their order."""
+    """The product of several factors, in their order."""
     first, *more = factors
     for factor in more:
         first = first * factor

@@ -31,14 +31,14 @@ SERVED: Mapping[str, Input] = {
 
 
 def speed_factor(speed: Array, design_speed: Array) -> Factor:
-    """C_GS."""
+    """The speed factor C_GS."""
     return Factor("C_GS", 1 + (size(speed) / size(design_speed)) ** 0.7, "1 + (V_O/V_D)^0.7")
 
 
 def served(
     specified_viscosity: Array, lubricant_viscosity: Array, temperature: Array, prime_mover: str, driven_load: str
 ) -> tuple[Factor, ...]:
-    """C_GL · C_GT · C_GV."""
+    """The factors of use: C_GL · C_GT · C_GV."""
     return (
         viscosity("C_GL", specified_viscosity, lubricant_viscosity),
         heat("C_GT", temperature),

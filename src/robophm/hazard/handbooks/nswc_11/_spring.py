@@ -46,7 +46,7 @@ STRENGTH = Table("spring alloy", HELICAL, """
 
 
 def length(low: float, high: float, description: str, monotone: int) -> Range:
-    """An input in mm."""
+    """An input that is a length in mm."""
     return Range(low, high, "mm", description, monotone=monotone)
 
 

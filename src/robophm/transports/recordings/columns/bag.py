@@ -270,7 +270,8 @@ class BagFile(ChunkedFile):
         """Find chunks from record to record; connections and times in them, where no index says them."""
         position = len(MAGIC)
         repeated = []
-        places = iter(sorted(self._places(header)))
+        known = sorted(self._places(header))
+        places = iter(known)
         while position < self.size:
             try:
                 record = self._record(position)
@@ -289,6 +290,9 @@ class BagFile(ChunkedFile):
             elif record.operation == CONNECTION:
                 repeated.append(record)
             position = record.end
+            if record.operation == HEADER:  # the length of the space behind it may lie
+                within = (place for place in known if place < record.end and self.chunk_lies_at(place))
+                position = next(within, record.end)
         if self.chunks:  # of its index maybe not all is there
             self.chunks[-1] = replace(self.chunks[-1], indices=None)
         for record in repeated:  # what the index says, where there was no better word

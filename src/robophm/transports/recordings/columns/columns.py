@@ -82,7 +82,7 @@ def read_columns(
 
 
 def recorded_topics(path: str | Path) -> dict[str, tuple[str, tuple[str, ...]]]:
-    """By topic of a recording: the type of its messages and its numeric fields; no message is read.
+    """By topic of a recording: the type of its messages and their numeric fields. No message is read.
 
     ``[]`` in a field stands for the index of an element. There are no fields where messages cannot be decoded.
 

@@ -100,7 +100,7 @@ class Db3File(RowsFile):
         return first if isinstance(first, int) else MOST_TIME
 
     def told(self) -> dict[int, TopicExtent]:
-        """How many messages each connection has, and when the first and the last of them were received."""
+        """How many messages each connection has, and when the first and the last were received [ns]."""
         if not self._found:
             return super().told()
         rows = self._found[1]

@@ -60,7 +60,7 @@ class _Labels:
 
 
 class Reading:
-    """How the messages of one connection become columns: by a program, and by rosbags what that does not do."""
+    """How the messages of one connection become columns: by a compiled program, else one by one by rosbags."""
 
     def __init__(
         self, type_: MessageType, topic: str, fields: Sequence[str], notes: Counter[str], names: Names
@@ -184,7 +184,7 @@ class Receipts:
     topic: str
 
     def columns(self, messages: Messages) -> TopicColumns:
-        """Columns without a field."""
+        """Columns that hold receipt times alone, without any field."""
         return TopicColumns(messages.times[time_order(messages.times)], None, {}, {})
 
 

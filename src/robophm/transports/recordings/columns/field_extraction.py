@@ -29,13 +29,13 @@ Bytes = NDArray[np.uint8]
 
 
 class Step(ABC):
-    """One step of the way through a message; ``skip`` fixed bytes come before it."""
+    """One step of the way through a message; ``skip`` bytes of fixed size come before it."""
 
     skip: int
 
     @abstractmethod
     def walk(self, at: Position) -> None:
-        """Take the step in all messages."""
+        """Take this step in all messages at once. Raises DoubtfulError where some do not fit."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Take(Step):
     """As NumPy spells it, without the byte order."""
 
     def walk(self, at: Position) -> None:
-        """Note where the number lies."""
+        """Note where the wanted number lies in each message."""
         at.taken.append((self, at.rows, at.origin + (at.offset + self.skip)))
 
 
@@ -60,7 +60,7 @@ class Align(Step):
     to: int
 
     def walk(self, at: Position) -> None:
-        """Go to the multiple."""
+        """Go on to the next multiple of ``to`` bytes."""
         at.offset = (at.offset + (self.skip + self.to - 1)) & -self.to
 
 
@@ -72,7 +72,7 @@ class Text(Step):
     terminated: bool
 
     def walk(self, at: Position) -> None:
-        """Go behind the string."""
+        """Go on behind the string."""
         length = at.length(self.skip)
         at.offset = at.offset + length
         at.expect(at.offset <= at.limit)
@@ -92,7 +92,7 @@ class Labels(Step):
     terminated: bool
 
     def walk(self, at: Position) -> None:
-        """Go behind the sequence."""
+        """Go on behind the sequence, and note which names each message has."""
         count = at.length(self.skip)
         offset = np.broadcast_to(at.offset, at.origin.shape)
         ids, behind = np.full(len(at.rows), -1), np.empty(len(at.rows), np.int64)
@@ -166,7 +166,7 @@ class Elements(Step):
     """The mark to set to which labels name its elements, in messages in which they do."""
 
     def walk(self, at: Position) -> None:
-        """Go behind the sequence."""
+        """Go on behind the sequence, with the steps of its wanted elements."""
         count = at.length(self.skip)
         start: int | Ints = at.offset
         if self.align > 4:  # the length before it is aligned to 4; no element, no padding
@@ -227,7 +227,7 @@ class End(Step):
     """Bytes that may follow; None where more of the message does."""
 
     def walk(self, at: Position) -> None:
-        """Check."""
+        """Check that each message ends here."""
         at.offset = at.offset + self.skip
         at.expect(at.offset <= at.limit)
         if self.slack is not None:
@@ -235,7 +235,7 @@ class End(Step):
 
 
 class DoubtfulError(Exception):
-    """Some messages are not as their type says; ``rows`` are their numbers."""
+    """Some messages are not as their type says; ``rows`` are their numbers in the batch."""
 
     def __init__(self, rows: Ints) -> None:
         super().__init__()
@@ -244,7 +244,7 @@ class DoubtfulError(Exception):
 
 @dataclass
 class Position:
-    """Where in each message the walk is."""
+    """The place in each message of a batch at which its reading stands."""
 
     buffer: Bytes
     lengths: NDArray[np.uint32]
@@ -265,7 +265,7 @@ class Position:
     marks: list[tuple[int, Ints, Ints]] = field(default_factory=list)
 
     def expect(self, true: NDArray[np.bool_]) -> None:
-        """Raise DoubtfulError where it is not so."""
+        """Raise DoubtfulError with the messages of which the condition does not hold."""
         if not true.all():
             raise DoubtfulError(self.rows[~true])
 
@@ -278,7 +278,7 @@ class Position:
         return lengths
 
     def part(self, rows: Ints, offset: int | Ints) -> Position:
-        """Some of the messages, at another offset."""
+        """The position in some of the messages, given by ``rows``, at another offset."""
         if len(rows) == len(self.rows):
             return Position(self.buffer, self.lengths, self.rows, self.origin, self.limit, offset, self.taken)
         if not isinstance(offset, int):
@@ -344,7 +344,7 @@ class Program:
 
 @dataclass(frozen=True)
 class Numbers:
-    """What was found: of each slot its numbers, and in which messages there is no such element."""
+    """The numbers found in a batch: of each slot its values, and in which messages it has none."""
 
     values: list[NDArray[Any]]
     absent: list[NDArray[np.bool_]]

@@ -13,7 +13,8 @@ from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
 from robophm.core.errors import DesignError, SourceError
-from robophm.design.file import read, values
+from robophm.core.yaml_values import values
+from robophm.design.file import read
 from robophm.transports.recordings.columns.pieces import (
     LARGEST_CHUNK,
     MOST_TIME,
@@ -124,7 +125,7 @@ class Unpacked:
                 notes[f"{path.name}: the rest is lost: {error}"] += 1
 
     def close(self) -> None:
-        """Remove it."""
+        """Remove the unpacked copy."""
         self._folder.cleanup()
 
 
@@ -139,7 +140,7 @@ class PackedMessages(RowsFile):
 
     @property
     def notes(self) -> Counter[str]:
-        """Those of the file."""
+        """The notes of the file inside."""
         return self._inside.notes
 
     @notes.setter
@@ -147,7 +148,7 @@ class PackedMessages(RowsFile):
         self._inside.notes = notes
 
     def close(self) -> None:
-        """Close the file."""
+        """Close the file inside."""
         self._inside.close()
 
     def begin(self) -> int:
@@ -155,7 +156,7 @@ class PackedMessages(RowsFile):
         return self._inside.begin()
 
     def told(self) -> dict[int, TopicExtent]:
-        """What there is of each connection."""
+        """How many messages each connection has, and when they were received."""
         return self._inside.told()
 
     def rows(self, wanted: Collection[int], start: int, end: int) -> Iterator[Row]:

@@ -129,7 +129,7 @@ class McapFile(ChunkedFile):
         return {id_: self.index(at, id_)["time"].astype(np.int64) for id_, at in chunk.indices.items()}
 
     def told(self) -> dict[int, TopicExtent]:
-        """What there is of each connection, in chunks and outside them."""
+        """How many messages each connection has, in chunks and outside them, and when they were received."""
         told = super().told()
         for id_ in np.unique(self._loose["channel"]).tolist():
             tell(told, id_, self._loose["time"][self._loose["channel"] == id_].astype(np.int64))
@@ -174,7 +174,7 @@ class McapFile(ChunkedFile):
             if end > size or opcode == 0 or (opcode == MESSAGE and length < 22):
                 break
             within = places[bisect_right(places, position) : bisect_left(places, end)]
-            beyond = next(filter(self._lies_at, within), end)
+            beyond = next(filter(self.chunk_lies_at, within), end)
             if beyond < end and opcode != CHUNK:  # which says itself how much it holds
                 break
             if opcode == MESSAGE:
@@ -200,13 +200,6 @@ class McapFile(ChunkedFile):
                 return _table(found), size
             position = beyond
         return _table(found), position
-
-    def _lies_at(self, place: int) -> bool:
-        """Whether a chunk lies there."""
-        with suppress(DamageError):
-            self.chunk_at(place)
-            return True
-        return False
 
     def _define(self, opcode: int, content: memoryview) -> None:
         """Keep a schema or a channel; what was said first holds."""

@@ -67,7 +67,7 @@ class Piece(NamedTuple):
 
 
 class TopicExtent(NamedTuple):
-    """What there is of one connection."""
+    """How many messages one connection has, and when they were received."""
 
     messages: int
     spans: list[tuple[int, int]]
@@ -97,7 +97,7 @@ class PiecedFile(ABC):
         """
 
     def told(self) -> dict[int, TopicExtent]:
-        """What there is of each connection that has messages: by the messages themselves, not by what is said of them.
+        """The extent of each connection that has messages, by the messages themselves, not by what an index claims.
 
         What is lost on the way is noted when the messages are read.
         """
@@ -181,7 +181,7 @@ def _decompressor(compression: str) -> Callable[[Any, int], bytes]:
 
 
 def unpack_zstd(content: Any, size: int) -> bytes:
-    """What is in a frame, at most so many bytes; raises DamageError where it says more, or does not unpack."""
+    """The content of a zstd frame, of at most ``size`` bytes. Raises DamageError where it is larger or broken."""
     import zstandard
 
     try:
@@ -262,7 +262,7 @@ class ChunkedFile(MappedFile):
                 yield Piece(batch[0].first, partial(load, batch, following))
 
     def told(self) -> dict[int, TopicExtent]:
-        """By the index of each chunk; of one without it by its messages."""
+        """The extent of each connection: by the index of each chunk, or by its messages where a chunk has none."""
         told: dict[int, TopicExtent] = {}
         for chunk in self.chunks:
             try:
@@ -275,7 +275,7 @@ class ChunkedFile(MappedFile):
         return told
 
     def known(self) -> set[int]:
-        """Its connections."""
+        """The numbers of the file's connections."""
         return {connection.id for connection in self.connections}
 
     @abstractmethod
@@ -340,6 +340,13 @@ class ChunkedFile(MappedFile):
     @abstractmethod
     def chunk_at(self, offset: int) -> Chunk:
         """The chunk record at this place; raises DamageError."""
+
+    def chunk_lies_at(self, offset: int) -> bool:
+        """Whether there is a chunk record at this place."""
+        with suppress(DamageError):
+            self.chunk_at(offset)
+            return True
+        return False
 
     def _indexed(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
         """The messages of the chunk, by its index; one by one where that does not point at messages."""

@@ -78,10 +78,10 @@ class RowsFile(PiecedFile):
 
     @abstractmethod
     def rows(self, wanted: Collection[int], start: int, end: int) -> Iterator[Row]:
-        """The rows in order of time."""
+        """The rows of these connections, received from ``start`` until before ``end`` [ns], in order of time."""
 
     def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
-        """Batches of rows."""
+        """The pieces of the file, each a batch of rows."""
         rows = self.rows(wanted, start, end)
         batch: list[Row] = [(start, b"", 0)]
 

@@ -53,7 +53,7 @@ class Rows(NamedTuple):
 
 @dataclass
 class Table:
-    """What was found of a table."""
+    """The rows that were found of a table, and what of it is lost."""
 
     rows: Rows
     lost: Counter[str]

@@ -16,7 +16,7 @@ from robophm.transports.signals.source import STAMP_LIMIT, SignalColumns
 
 @dataclass(frozen=True)
 class TopicColumns:
-    """Some messages of one topic, in order of receipt: a row is a message."""
+    """Messages of one topic as columns, in order of receipt: a row is a message."""
 
     received: Ints
     """When each was recorded [ns]."""
@@ -38,7 +38,7 @@ class TopicColumns:
         return np.where(believed_stamps(self.stamps, self.received), self.stamps, self.received)
 
     def heard(self, field: str) -> SignalColumns:
-        """The samples of one field."""
+        """The samples of one field, without the messages that do not have it."""
         one = SignalColumns(self.received, self.times, self.values[field])
         return one.rows(~self.absent[field]) if field in self.absent else one
 
@@ -59,7 +59,7 @@ def believed_stamps(stamps: Ints, received: Ints) -> NDArray[np.bool_]:
 
 
 def time_order(times: Ints) -> Any:
-    """What puts the times in order, those that are equal as they came."""
+    """The index that puts times in ascending order; equal ones stay as they came."""
     return slice(None) if (times[1:] >= times[:-1]).all() else np.argsort(times, kind="stable")
 
 
@@ -85,7 +85,7 @@ def joined_columns(parts: Sequence[TopicColumns]) -> TopicColumns:
 
 
 def rows_of(columns: TopicColumns, rows: Any) -> TopicColumns:
-    """Some of the messages."""
+    """The columns of some of the messages, given by ``rows``."""
     return TopicColumns(
         columns.received[rows],
         None if columns.stamps is None else columns.stamps[rows],

@@ -4,14 +4,23 @@ import io
 import random
 import sys
 import warnings
+from pathlib import Path
 
 import pytest
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
+from robophm.core import yaml_nodes as nodes
+from robophm.core import yaml_values
 from robophm.core.errors import DesignError
-from robophm.design import file, nodes
-from robophm.design.nodes import Unsure, quick
+from robophm.core.yaml_nodes import Unsure, quick
+
+
+@pytest.fixture(scope="session")
+def examples():
+    """The example designs."""
+    return Path(__file__).resolve().parents[2] / "examples"
+
 
 TOKENS = [
     *"\n \t#'\"[]{},:?!&*|>%@`~=-\\é🤖\u2028\x85\ufeff\x00\x7f",
@@ -93,7 +102,7 @@ def test_words_are_those_of_yaml_1_2(word, value):
     if word in ("=", "<<"):
         assert str(root.value[0][1].tag) == f"tag:yaml.org,2002:{'value' if word == '=' else 'merge'}"
     else:
-        assert file._Reader("r").value(root, ()) == {"a": value}
+        assert yaml_values._Reader("r").value(root, ()) == {"a": value}
 
 
 @pytest.mark.parametrize(
@@ -111,7 +120,7 @@ def test_faults_are_said_alike(line, monkeypatch):
         if without:
             monkeypatch.setitem(sys.modules, "yaml", None)
         try:
-            found.append(file.values(line + "\n", "robot.yaml"))
+            found.append(yaml_values.values(line + "\n", "robot.yaml"))
         except DesignError as error:
             found.append(str(error))
     assert found[0] == found[1]
@@ -120,23 +129,23 @@ def test_faults_are_said_alike(line, monkeypatch):
 
 def test_without_libyaml_nothing_differs(designs, monkeypatch):
     text = "".join(line for line in designs[0].splitlines(keepends=True))
-    with_it = file.values(text, "r")
+    with_it = yaml_values.values(text, "r")
     monkeypatch.setitem(sys.modules, "yaml", None)
     with pytest.raises(Unsure):
         quick(text)
-    assert file.values(text, "r") == with_it
+    assert yaml_values.values(text, "r") == with_it
 
 
 def test_a_text_with_too_many_values_is_not_read_to_its_end(monkeypatch):
     monkeypatch.setattr(nodes, "MAX_VALUES", 1000)
-    monkeypatch.setattr(file, "MAX_VALUES", 1000)
+    monkeypatch.setattr(yaml_values, "MAX_VALUES", 1000)
     text = "a: 1\nb:\n" + "  - {c: 2, d: [3]}\n" * 1200
     said = []
     for without in (False, True):
         if without:
             monkeypatch.setitem(sys.modules, "yaml", None)
         with pytest.raises(DesignError, match="unfolds to more than 1,000 values") as raised:
-            file.values(text, "r")
+            yaml_values.values(text, "r")
         said.append(str(raised.value))
     assert said[0] == said[1]
 

@@ -1,0 +1,53 @@
+"""A model asked about one part: the answer, and all that it is made of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from robophm.core.errors import ModelError
+from robophm.hazard.model import Assumed, Choice, Model
+
+
+class FactorValue(NamedTuple):
+    """One factor of an answer."""
+
+    symbol: str
+    value: float
+    note: str
+    """What it stands for, and where it comes from."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a model says for inputs as a person writes them."""
+
+    model: Model
+    value: float
+    """[``model.unit``]"""
+    inputs: Mapping[str, str | float]
+    """As they were taken: converted, checked, with defaults filled in."""
+    assumed: Mapping[str, Assumed]
+    """What counts for the inputs that were not given, and why."""
+    taken: Mapping[str, str]
+    """Of choices that were written otherwise, the option that each was taken as, by the input's name."""
+    factors: tuple[FactorValue, ...]
+    """In the order of the formula."""
+
+
+def answer(model: Model, given: Mapping[str, object]) -> Answer:
+    """The answer for inputs as written ('60 degC', 'CDR'). Raises ModelError and UnitError as ``Model.settle``."""
+    inputs = model.settle(given)
+    with np.errstate(all="ignore"):
+        result = model.explain(inputs)
+        value = float(np.asarray(result.value))
+    if not math.isfinite(value):
+        raise ModelError(f"{model.name} has no number for these inputs")
+    choices = {name for name in given if isinstance(model.inputs[name], Choice)}
+    taken = {name: str(inputs[name]) for name in given if name in choices and inputs[name] != given[name]}
+    factors = tuple(FactorValue(one.symbol, float(np.asarray(one.value)), one.note) for one in result.leaves())
+    return Answer(model, value, inputs, model.assumed(given.keys(), inputs), taken, factors)

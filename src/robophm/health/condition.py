@@ -1,0 +1,169 @@
+"""A robot now: where every failure mode stands, and what follows of its systems, hazard rate and survival since new.
+
+What is known of parts, that they work or have failed, takes from a cumulative hazard what cannot have happened.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.blocks.diagram import Block
+from robophm.blocks.reliability import State
+from robophm.design.task import Knowledge
+from robophm.health.dependent_group import DependentGroup
+from robophm.health.future import Future
+from robophm.health.group_state import GroupState
+from robophm.health.plant import Modes, Parts, Plant, column, finite
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One view of a robot now: where every failure mode stands, and how it will go on."""
+
+    plant: Plant = field(repr=False)
+    age: Array
+    """Effective age of each mode, initial exposure included [unit of its clock]."""
+    new_age: Array
+    """The same when its part was put in: its initial exposure."""
+    cumulative_hazard: Array
+    """Of each mode since new."""
+    seen_age: Array
+    """Effective age of each mode when its part was last known to work; 0 when it was new."""
+    unseen_hazard: Array
+    """Cumulative hazard since then."""
+    factor_now: Array
+    """Stress factor ψ under the present stress."""
+    usage_now: Array
+    """How far each clock goes in an operating hour, as observed."""
+    future: Future
+    """How stress and usage go on; a task takes from it what it does not state."""
+    inputs: Mapping[str, float] | None = None
+    """What a model input is where a task does not state it, by channel, else as designed; None: nothing a task states
+    matters."""
+    knowledge: Knowledge = field(default_factory=Knowledge)
+    plan: Future | None = None
+    """What its remaining life follows instead, where it has a plan."""
+
+    @cached_property
+    def _working(self) -> npt.NDArray[np.bool_]:
+        """Of every unit of the robot."""
+        return self.plant.working(self.knowledge)
+
+    def survival(self, diagram: Block) -> State:
+        """Survival since new: nothing is known but the exposure."""
+        system = self.plant.system(diagram)
+        lived = system.of_groups(self._lived(system))
+        return system.structure.state(np.exp(-lived), -np.expm1(-lived))
+
+    def _lived(self, parts: Parts) -> Array:
+        """Cumulative hazard of each unit since new; shape (units,)."""
+        return parts.of_units(np.append(self.cumulative_hazard[parts.modes], self.groups_since_new(parts)))
+
+    def groups_since_new(self, parts: Parts) -> Array:
+        """Cumulative hazard of groups of dependent parts, of whose members nothing is known; shape (groups,)."""
+        return np.array([self._since_new[group].until_now() for group in parts.groups])
+
+    @cached_property
+    def _since_new(self) -> list[GroupState]:
+        """The groups, of whose members nothing is known."""
+        return [
+            GroupState(
+                held, new := self.new_age[held.modes], new, self.age[held.modes], [None] * len(held.group.members)
+            )
+            for held in self.plant.groups
+        ]
+
+    @cached_property
+    def _as_known(self) -> list[GroupState]:
+        """The groups, with what is known of their members."""
+        return [self._standing(held) for held in self.plant.groups]
+
+    def _standing(self, held: DependentGroup) -> GroupState:
+        new, seen, now = self.new_age[held.modes], self.seen_age[held.modes], self.age[held.modes]
+        if not (np.all(seen > 0) and np.all(seen >= new)):  # not all were known to work at some time
+            seen = new
+        return GroupState(held, new, seen, now, [self._status(member) for member in held.group.members])
+
+    def _status(self, member: Sequence[str]) -> bool | None:
+        """Whether a member of a group works, as far as that is known."""
+        if any(unit in self.knowledge.failed for unit in member):
+            return False
+        known = all(self.plant.monitored[self.plant.place[unit]] or unit in self.knowledge.working for unit in member)
+        return True if known else None
+
+    def hazard_rate(self, diagram: Block) -> float:
+        """f/p now, given what is known now [1/h of operation]; infinite where the system has failed."""
+        system = self.plant.system(diagram)
+        return float(system.rate(system.of_groups(self.known(system, system.needed)), self._mode_hazard(system)))
+
+    def log_works(self, diagram: Block) -> float:
+        """ln P(the system works now), by what else is known; minus infinite where it cannot."""
+        system = self.plant.system(diagram)
+        return float(system.conditional.log_works(system.of_groups(self.known(system, system.needed))))
+
+    def component_hazard_rates(self) -> Array:
+        """Of every component [1/h of operation], the equal parts of one together; shape (components,)."""
+        parts = self.plant.parts
+        return self._by_component(parts.of_units(self._mode_hazard(parts)))
+
+    def component_survival(self) -> tuple[Array, Array]:
+        """Of every component since new, all of its parts, and its complement; each of shape (components,)."""
+        lived = self._by_component(self.plant.parts.of_units(self.cumulative_hazard))
+        return np.exp(-lived), -np.expm1(-lived)
+
+    def _by_component(self, of_units: Array) -> Array:
+        components = self.plant.component_of[: len(of_units)]
+        sums: Array = np.bincount(components, of_units, len(self.plant.components)).astype(float)
+        return sums
+
+    def _mode_hazard(self, parts: Parts) -> Array:
+        """Of each mode, per operating hour."""
+        m = parts.modes
+        speed = self.factor_now * self.usage_now
+        hazard = np.where(speed[m] > 0, finite(parts.lives.hazard(self.age[m])) * speed[m], 0.0)
+        return np.append(hazard, self.groups_rates_now(parts))
+
+    def groups_rates(self, parts: Parts) -> Array:
+        """Hazard of groups of dependent parts [1/h of operation], of whose members nothing is known; (groups,)."""
+        return self._groups_rates(parts, self._since_new)
+
+    def groups_rates_now(self, parts: Parts) -> Array:
+        """The same, with what is known of their members."""
+        return self._groups_rates(parts, self._as_known)
+
+    def _groups_rates(self, parts: Parts, standing: Sequence[GroupState]) -> Array:
+        speed, found = self.factor_now * self.usage_now, []
+        for i in parts.groups.tolist():
+            own = speed[self.plant.groups[i].modes]
+            found.append(finite(standing[i].rate(np.zeros((len(own), 1)), own))[0])
+        return np.array(found)
+
+    def known(self, parts: Parts, needed: npt.NDArray[np.bool_], unseen: Array | None = None) -> Array:
+        """Cumulative hazard of each unit, less what is known not to have happened; infinite where it has.
+
+        A unit that is monitored, known to work, or ``needed`` by a system that works, works. What is ``unseen`` of
+        each unit, shape (units, ...), is this outlook's own unless given.
+        """
+        plant = self.plant
+        works = needed | self._working[parts.units]
+        if unseen is None:
+            unseen = parts.of_units(np.append(self.unseen_hazard[parts.modes], self.groups_till_now(parts)))
+        known = np.where(column(works, unseen.ndim), 0.0, unseen)
+        lost = [plant.place[unit] for unit in self.knowledge.failed]
+        lost += [plant.place[plant.groups[i].group.name] for i in parts.groups if self._as_known[i].failed]
+        if lost:
+            failed = np.isin(parts.units, lost)
+            known = np.where(column(failed, unseen.ndim), math.inf, known)
+        return known
+
+    def groups_till_now(self, parts: Modes) -> Array:
+        """Cumulative hazard of groups of dependent parts, less what is known not to have happened; shape (groups,)."""
+        return np.array([self._as_known[i].until_now() for i in parts.groups])

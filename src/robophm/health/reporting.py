@@ -1,0 +1,213 @@
+"""From a ledger to a report of a robot's health: quickly what is now, then what is to come, which takes longer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from typing import NamedTuple, get_args
+
+import numpy as np
+
+from robophm.core.given import number, one_of
+from robophm.core.signal import REORDERED
+from robophm.design.asked import check_knowledge, check_plan, check_task
+from robophm.design.robot import FailureMode
+from robophm.design.task import Knowledge, Plan, Task
+from robophm.health.draws import affordable
+from robophm.health.exposure import ExposureIntegrator
+from robophm.health.failures_to_come import LONGEST
+from robophm.health.ledger import Ledger
+from robophm.health.mission import plan_future
+from robophm.health.not_taken import not_taken
+from robophm.health.outlooks import FutureName, View, outlooks
+from robophm.health.plant import Plant
+from robophm.health.prognosis import Outlook
+from robophm.health.report import VIEWS, ComponentHealth, HealthReport
+from robophm.health.subject import (
+    STALE,
+    Figures,
+    Subject,
+    System,
+    breached,
+    figures_now,
+    looking_ahead,
+    silence,
+    systems,
+)
+from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, life_uncertainty
+from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
+
+
+def health_report(
+    plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
+    task: Task | None = None, remaining_life: bool = True,
+    future: FutureName = "recent", plan: Plan | None = None, knowledge: Knowledge | None = None,
+    draws: int = 0, parts: bool = False, horizon: float | None = None,
+) -> HealthReport:  # fmt: skip
+    """The health that a ledger tells of; ``task`` is the design's unless given. Remaining life is the slow part.
+
+    Under a ``plan`` the robot does its tasks again and again for the rest of its life. ``draws`` of uncertain rates and
+    loads tell how far the remaining life may lie; ``parts``: state that of every component too. ``horizon`` [h]: how
+    far ahead failures to come are looked for.
+    Raises RobophmError where the robot lacks what a task, plan or knowledge names, or ``draws`` are no number
+    of them, or too many.
+    """
+    draws = affordable(draws, plant.robot)
+    if horizon is not None:
+        horizon = number(horizon, "horizon [h]", above=True, high=LONGEST)
+    now = health_now(plant, exposure, ledger, task=task, future=future, plan=plan, knowledge=knowledge)
+    return replace(
+        look_ahead(now, remaining_life=remaining_life, parts=parts),
+        uncertainty=_uncertainty(plant, ledger, now.outlooks["sensor_based"], plan, draws),
+        horizon=horizon,
+    )
+
+
+def health_now(
+    plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
+    task: Task | None = None, future: FutureName = "recent",
+    plan: Plan | None = None, knowledge: Knowledge | None = None,
+) -> HealthReport:  # fmt: skip
+    """Hazard rates and reliabilities alone, quickly; ``look_ahead`` of it gives the rest."""
+    robot = plant.robot
+    one_of(future, get_args(FutureName), "future")
+    if task is not None:
+        check_task(task, robot)
+    if plan is not None:
+        check_plan(plan, robot)
+    if knowledge is not None:
+        check_knowledge(knowledge, robot)
+    views = outlooks(plant, exposure, ledger, future=future, knowledge=knowledge)
+    if plan:
+        views = {view: replace(outlook, plan=plan_future(outlook, plan)) for view, outlook in views.items()}
+    lived = views["sensor_based"]
+    silent = exposure.silent(ledger) if ledger.integrated_to is not None else {}  # else a mere look ahead
+    odometers = {signal for clock in robot.clocks.values() for signal in clock.signals}
+    rates = [views[view].component_hazard_rates() for view in VIEWS]
+    survival = [views[view].component_survival() for view in VIEWS]
+    numbers = np.stack([*rates, *(works for works, _ in survival), *(failed for _, failed in survival)], axis=1)
+    clocks = ledger.clocks.value
+    return HealthReport(
+        robot.name,
+        robot.design_hash,
+        ledger.integrated_to,
+        {name: float(total) for name, total in zip(("operating", "calendar", *robot.clocks), clocks, strict=True)},
+        tuple(
+            _subject(
+                system,
+                _marks(
+                    (robot.modes[i] for i in plant.system(system.diagram).modes),
+                    ledger,
+                    silent,
+                    *(odometers if system.kind == "robot" else ()),
+                ).with_unknown(unknown(lived, system.diagram)),
+                {view: figures_now(views[view], system.diagram) for view in VIEWS},
+            )
+            for system in systems(robot)
+        ),
+        tuple(
+            ComponentHealth(
+                component.path,
+                component.quantity,
+                *(rate, lived_rate, works, lived_works, failed, lived_failed),
+                flags=(*marks.flags, *(["unknown rate"] if component.unknown else [])),
+                silence=marks.silence,
+                unknown=component.unknown,
+            )
+            for component, (rate, lived_rate, works, lived_works, failed, lived_failed) in zip(
+                plant.components, numbers.tolist(), strict=True
+            )
+            for marks in (_marks(component.modes, ledger, silent),)
+        ),
+        task or robot.task,
+        not_taken(ledger),
+        views,
+    )
+
+
+def look_ahead(
+    now: HealthReport, *, remaining_life: bool = True, parts: bool = False, pause: Callable[[], None] = lambda: None
+) -> HealthReport:
+    """A report with what is to come: completion of the task, and remaining lives, which are the slow part.
+
+    ``pause`` is called after each subject and component.
+    """
+    lived = now.outlooks["sensor_based"]
+    subjects, components = [], list(now.components)
+    for one, system in zip(now.subjects, systems(lived.plant.robot), strict=True):
+        whole = system.kind == "robot"
+        ahead = {
+            view: looking_ahead(
+                getattr(one, view), now.outlooks[view], system.diagram, now.task,
+                remaining_life=remaining_life, whole=whole,
+            )
+            for view in VIEWS
+        }  # fmt: skip
+        subjects.append(_subject(system, one, ahead))
+        pause()
+    for i, diagram in enumerate(lived.plant.alone if parts else ()):
+        components[i] = replace(components[i], remaining_life=lived.remaining_life(diagram))
+        pause()
+    return replace(now, subjects=tuple(subjects), components=tuple(components))
+
+
+def beside(now: HealthReport, earlier: HealthReport) -> HealthReport:
+    """A report with the remaining lives and completions of an earlier look, which takes longer to have."""
+    found = replace(
+        now,
+        subjects=tuple(
+            _subject(system, one, {view: getattr(one, view).beside(getattr(before, view)) for view in VIEWS})
+            for one, before, system in zip(now.subjects, earlier.subjects, systems(now.design), strict=True)
+        ),
+        components=tuple(
+            replace(one, remaining_life=before.remaining_life)
+            for one, before in zip(now.components, earlier.components, strict=True)
+        ),
+    )
+    if "failures_to_come" in vars(earlier):
+        vars(found)["failures_to_come"] = earlier.failures_to_come
+    return found
+
+
+class _Marks(NamedTuple):
+    flags: tuple[str, ...] = ()
+    silence: str = ""
+    unknown: PartsOfUnknownRate | None = None
+
+    def with_unknown(self, left_out: PartsOfUnknownRate | None) -> _Marks:
+        """And what parts of unknown rate make of the figures."""
+        return _Marks((*self.flags, left_out.words), self.silence, left_out) if left_out else self
+
+
+def _subject(system: System, marked: Subject | _Marks, of: Mapping[View, Figures]) -> Subject:
+    lived, limits = of["sensor_based"], system.thresholds
+    breaches, warnings = (tuple(breached(one, lived)) for one in (limits, limits.warning))
+    marks = marked.flags, breaches, warnings, marked.silence, marked.unknown
+    return Subject(system.kind, system.path, of["nominal"], lived, *marks)
+
+
+def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None, draws: int) -> LifeUncertainty | None:
+    """None where nothing is uncertain: rates as stated, and a plan or too short a past."""
+    loads = draw_loads(plant, ledger, SCENARIOS, seed=0) if draws and not plan else []
+    if not draws or not (loads or any(mode.uncertainty for mode in plant.robot.modes)):
+        return None
+    return life_uncertainty(lived, plant.robot.diagram, loads=loads, draws=draws)
+
+
+def _marks(modes: Iterable[FailureMode], ledger: Ledger, silent: Mapping[str, int | None], *signals: str) -> _Marks:
+    """What of the past qualifies failure modes: the silent signals that they hang on, models outside their range."""
+    mixed = {key.removeprefix(REORDERED) for key in ledger.counts if key.startswith(REORDERED)}
+    if not silent and not mixed and not any(ledger.extrapolated.values()):
+        return _Marks()
+    heard_by, extrapolated = {*signals}, False
+    for mode in modes:
+        heard_by |= {channel.signal for stress in mode.stresses for channel in stress.channels.values()}
+        heard_by |= set(mode.measured_clock.signals if mode.measured_clock else ())
+        extrapolated |= bool(ledger.extrapolated[mode.path])
+    own = {signal: last for signal, last in silent.items() if signal in heard_by}
+    flags = (
+        *(f"{STALE}{signal}" for signal in own),
+        *(f"{REORDERED}{signal}" for signal in sorted(heard_by & mixed)),
+        *(["extrapolated"] if extrapolated else []),
+    )
+    return _Marks(flags, silence(own))

@@ -1,0 +1,74 @@
+"""What remains of a robot of which some parts are seen to wear: their wear beside the hazards of all else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.blocks.diagram import Block
+from robophm.core.errors import RobophmError
+from robophm.health.prognosis import Outlook, RemainingLife
+from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
+from robophm.health.worn import Worn, remaining_life
+from robophm.learning.wear.worn_mode import WornMode
+
+Array = npt.NDArray[np.float64]
+
+
+class Life(NamedTuple):
+    """A remaining life, and what parts of unknown rate make of it."""
+
+    life: RemainingLife
+    unknown: PartsOfUnknownRate | None
+
+
+class WornLife(NamedTuple):
+    """What remains of a failure mode that wears, or of the robot."""
+
+    by_hazard: Life
+    """By hazard rates alone."""
+    with_wear: Life
+    """With the wear in the place of the hazards of the failure modes that it is of."""
+    holds: bool
+    """Whether no trend of that wear bends; else the life with wear is as if it did not."""
+
+
+def worn_lives(outlook: Outlook, found: Sequence[WornMode]) -> dict[str, WornLife]:
+    """Of the part of each failure mode alone, under the mode's path, then of the robot under its name, all together.
+
+    Readings without dates are on the clock of their part, which goes on as the outlook's future does. Raises
+    RobophmError where that clock stands, or a part is a member of a group of dependent parts.
+    """
+    plant = outlook.plant
+    robot = plant.robot
+    worn = {_index(outlook, one): _hazard(outlook, one) for one in found}
+
+    def lives(diagram: Block, some: Worn, of: Sequence[WornMode]) -> WornLife:
+        seen = {robot.modes[i].path for i in some}
+        return WornLife(
+            Life(outlook.remaining_life(diagram), unknown(outlook, diagram)),
+            Life(remaining_life(outlook, diagram, some), unknown(outlook, diagram, seen=seen)),
+            not any(one.wear.bend.direction for one in of),
+        )
+
+    parts = {
+        robot.modes[i].path: lives(plant.alone[int(plant.part[i])], {i: hazard}, [one])
+        for (i, hazard), one in zip(worn.items(), found, strict=True)
+    }
+    return {**parts, robot.name: lives(robot.diagram, worn, found)}
+
+
+def _index(outlook: Outlook, one: WornMode) -> int:
+    return next(k for k, mode in enumerate(outlook.plant.robot.modes) if mode.path == one.mode.path)
+
+
+def _hazard(outlook: Outlook, one: WornMode) -> Callable[[Array], Array]:
+    """Its cumulative hazard by its wear, after hours of calendar time from now."""
+    future, i = outlook.future, _index(outlook, one)
+    pace = 1.0 if one.readings.dated else float(future.advance[i, -1] / future.hours[-1])
+    if not pace > 0:
+        raise RobophmError(f"'{one.mode.path}' does not age by the design's usage; expected dates (column 'when')")
+    return lambda hours: one.wear.cumulative_hazard(np.asarray(hours) * pace)

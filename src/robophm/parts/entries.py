@@ -1,0 +1,170 @@
+"""The entries of the library: what one is, the reader of their files, and all that are there."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from typing import Any
+
+from robophm.core.errors import DesignError, PlugError, nearest
+from robophm.core.registry import entry_points
+from robophm.core.yaml_values import Lines, located, values
+
+FIGURES = ("rate", "mtbf", "mttf", "l10", "b10")
+"""How a design states how often a part fails: a failure mode has one of them, or a hazard model, or a life."""
+
+GRADES: Mapping[str, str] = {
+    "A": "a maker's statement about a part of this kind",
+    "B": "a handbook or a standard",
+    "C": "an estimate, with its reasoning",
+}
+"""How good the source of an entry is."""
+
+_OF_A_MODE = (*FIGURES, "hazard", "life", "clock", "scaling", "acceleration", "uncertainty", "source")
+_KEYS = ("title", "words", "grade", "statement", "source", "reasoning", "part")
+_NEEDED = tuple(key for key in _KEYS if key != "reasoning")
+_NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+_GROUP = "robophm.parts"
+_ORIGIN = "library: "
+
+Place = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One kind of part, as its file has it."""
+
+    name: str
+    kind: str
+    """The name of its file: bearings, lidars …"""
+    title: str
+    words: tuple[str, ...]
+    """What people type who look for it; the first are closest."""
+    grade: str
+    """A, B or C: see ``GRADES``."""
+    statement: str
+    """The figure as its source has it, with unit and condition."""
+    source: str
+    reasoning: str
+    """How the figures follow from the statement; "" where they are what it says."""
+    part: Mapping[str, Any]
+    """A component as a design file has it, ready for its schema; its environment is where the robot states none."""
+
+    @property
+    def origin(self) -> str:
+        """What a design that takes it says of its rate."""
+        return f"{_ORIGIN}{self.name}, grade {self.grade}: {self.source}"
+
+
+def graded(source: str) -> str:
+    """Of the source of a rate its entry and grade, "lidar_2d, grade A"; "" where it is not of the library."""
+    return source.removeprefix(_ORIGIN).partition(": ")[0] if source.startswith(_ORIGIN) else ""
+
+
+@cache
+def library() -> Mapping[str, Entry]:
+    """All entries by name, kinds and then names in the order of the alphabet.
+
+    Raises DesignError with file and line for what is wrong in one, PlugError where somebody's package cannot be had.
+    """
+    found: dict[str, Entry] = {}
+    homes: dict[str, str] = {}
+    for folder in _folders():
+        for file in folder.iterdir():
+            if not file.name.endswith(".yaml"):
+                continue
+            for entry in read_entries(file.read_text(encoding="utf-8"), str(file), file.name.removesuffix(".yaml")):
+                if entry.name in found:
+                    raise DesignError(f"{file}: '{entry.name}' is in {homes[entry.name]} too; expected another name")
+                found[entry.name], homes[entry.name] = entry, str(file)
+    return {entry.name: entry for entry in sorted(found.values(), key=lambda one: (one.kind, one.name))}
+
+
+def part(name: str) -> Entry:
+    """One entry. Raises PlugError with the nearest names where there is none of that name."""
+    if isinstance(name, str) and name in library():
+        return library()[name]
+    raise PlugError(f"no part '{name!s:.60}' in the library{nearest(str(name), library())}")
+
+
+def _folders() -> Iterator[Traversable]:
+    """Where files of entries are: our own folder, then those of other packages."""
+    yield files("robophm.parts") / "library"
+    for point in entry_points(group=_GROUP):
+        try:
+            yield files(point.load())
+        except (ImportError, TypeError) as error:
+            raise PlugError(f"parts of '{point.name}' ({point.value}) cannot be had: {error}") from error
+
+
+def read_entries(text: str, file: str, kind: str) -> Iterator[Entry]:
+    """The entries of one file, checked key by key. Raises DesignError with the line of the first fault."""
+    data, lines = values(text, file)
+    reader = _Reader(file, lines)
+    for name, said in reader.mapping((), data).items():
+        yield reader.entry(name, said, kind)
+
+
+class _Reader:
+    def __init__(self, file: str, lines: Lines) -> None:
+        self.file, self.lines = file, lines
+
+    def entry(self, name: str, said: Any, kind: str) -> Entry:
+        if not _NAME.fullmatch(name):
+            raise self.wrong((name,), "is no name of an entry; expected lower case with underscores, e.g. ball_bearing")
+        self.keys((name,), said, _KEYS, needed=_NEEDED)
+        text = {key: self.text((name, key), said[key]) for key in ("title", "grade", "statement", "source")}
+        if text["grade"] not in GRADES:
+            raise self.wrong((name, "grade"), f"'{text['grade']}'; expected one of {', '.join(GRADES)}")
+        reasoning = self.text((name, "reasoning"), said["reasoning"]) if "reasoning" in said else ""
+        if text["grade"] == "C" and not reasoning:
+            raise self.wrong((name,), "needs 'reasoning': it is an estimate")
+        return Entry(
+            name=name, kind=kind, words=self.words((name, "words"), said["words"]), reasoning=reasoning,
+            part=self.component((name, "part"), said["part"]), **text,
+        )  # fmt: skip
+
+    def words(self, place: Place, said: Any) -> tuple[str, ...]:
+        if not isinstance(said, list) or not said:
+            raise self.wrong(place, "expected a list of what people type")
+        return tuple(self.text((*place, str(i)), word) for i, word in enumerate(said))
+
+    def component(self, place: Place, said: Any) -> dict[str, Any]:
+        """A component with one statement of its rate, or with failure modes that have one each."""
+        if "failure_modes" not in self.mapping(place, said):
+            return self.mode(place, said, ("environment",))
+        self.keys(place, said, ("failure_modes", "uncertainty", "environment"))
+        for name, mode in self.mapping((*place, "failure_modes"), said["failure_modes"]).items():
+            self.mode((*place, "failure_modes", name), mode)
+        return dict(said)
+
+    def mode(self, place: Place, said: Any, more: tuple[str, ...] = ()) -> dict[str, Any]:
+        self.keys(place, said, (*_OF_A_MODE, *more))
+        if len(said.keys() & {*FIGURES, "hazard"}) != 1:
+            raise self.wrong(place, f"expected exactly one of {', '.join(FIGURES)}, hazard")
+        return dict(said)
+
+    def keys(self, place: Place, said: Any, known: tuple[str, ...], needed: tuple[str, ...] = ()) -> None:
+        for key in self.mapping(place, said):
+            if key not in known:
+                raise self.wrong((*place, key), f"unknown key '{key}'{nearest(key, known)}")
+        for key in needed:
+            if key not in said:
+                raise self.wrong(place, f"needs '{key}'")
+
+    def mapping(self, place: Place, said: Any) -> dict[str, Any]:
+        if not isinstance(said, dict) or not said:
+            raise self.wrong(place, f"expected keys with values, not {said!r:.60}")
+        return said
+
+    def text(self, place: Place, said: Any) -> str:
+        if not isinstance(said, str) or not said.strip():
+            raise self.wrong(place, f"{said!r:.60}; expected text, in quotes where it looks like a number")
+        return " ".join(said.split())
+
+    def wrong(self, place: Place, message: str) -> DesignError:
+        return DesignError(located(self.file, self.lines, place, message))

@@ -1,0 +1,52 @@
+"""What a robot that runs says in a while: of each topic the last value of each of its numbers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from robophm.core.signal import CLOCK, Sample, split_signal
+from robophm.transports.signals.element_names import names_in
+from robophm.transports.signals.source import LiveSource, TopicInfo, WholeMessage
+
+
+@dataclass(frozen=True)
+class HeardTopic:
+    """One topic after the while."""
+
+    info: TopicInfo
+    fields: Sequence[str]
+    """That were listened to: of an array its first element, ``effort[0]``."""
+    values: Mapping[str, float]
+    """The last of each field of which one was heard."""
+    names: Mapping[str, Sequence[str]]
+    """What messages call the elements of an array, by its field, ``effort[]``."""
+
+
+def listen_for(source: LiveSource, seconds: float) -> list[HeardTopic]:
+    """What comes on all topics in so many seconds, all numbers but the stamps by which messages are ordered.
+
+    Raises SourceError as ``listen``.
+    """
+    fields = {info.topic: _numbers(info) for info in source.topics()}
+    values: dict[str, dict[str, float]] = {topic: {} for topic in fields}
+    names: dict[str, dict[str, list[str]]] = {}
+    arrays = [topic for topic, some in fields.items() if any("[" in field for field in some)]
+    end = time.monotonic() + seconds
+    for heard in source.listen([f"{topic}.{field}" for topic, some in fields.items() for field in some], arrays):
+        if isinstance(heard, Sample) and heard.signal != CLOCK:
+            topic, field = split_signal(heard.signal)
+            values[topic][field] = heard.value
+        elif isinstance(heard, WholeMessage) and heard.message is not None:
+            names.setdefault(heard.topic, {}).update(names_in(heard.message))
+        if time.monotonic() >= end:  # clock samples come in silence too
+            break
+    return [
+        HeardTopic(info, fields.get(info.topic, ()), values.get(info.topic, {}), names.get(info.topic, {}))
+        for info in source.topics()
+    ]
+
+
+def _numbers(info: TopicInfo) -> Sequence[str]:
+    return [field.replace("[]", "[0]") for field in info.fields if not field.startswith(("header.stamp", "header.seq"))]

@@ -1,0 +1,38 @@
+"""Texts of a design checked: what is wrong or odd in each, and the robot that it describes."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from dataclasses import replace
+
+from robophm.design.problems import Checked, Problem, check
+from robophm.health.refusal import refusal
+
+_KEPT = 6
+
+
+class CheckedTexts:
+    """The latest few texts that were checked; for any number of threads."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._found: OrderedDict[str, Checked] = OrderedDict()
+
+    def of(self, text: str) -> Checked:
+        """All that can be said of a text, found now or remembered."""
+        with self._lock:
+            if text not in self._found:
+                self._found[text] = _checked(text)
+                while len(self._found) > _KEPT:
+                    self._found.popitem(last=False)
+            self._found.move_to_end(text)
+            return self._found[text]
+
+
+def _checked(text: str) -> Checked:
+    """What is wrong or odd in a text, and why no figures can be given for the robot that it describes."""
+    found = check(text)
+    if found.robot is None or (says := refusal(found.robot)) is None:
+        return found
+    return replace(found, problems=(Problem("error", (), says, None), *found.problems))
