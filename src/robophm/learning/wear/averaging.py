@@ -1,0 +1,224 @@
+"""When wear reaches its threshold, by all degradation models, weighted by how well each foretold the unit's past.
+
+No model is picked by its fit: each foretells, from earlier readings of the unit, the next one and several at once, and
+the logarithmic scores of that weigh them (Dawid, J. R. Stat. Soc. A 147, 1984). That wear goes on by the law that it
+had is known from nothing; so the rest of life is off by a factor besides, whose deviation is ``LAW``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.core.errors import DataError
+from robophm.learning.wear.models import candidates_of, degradation_models
+from robophm.learning.wear.models.candidates import Array, Candidates, course_of
+from robophm.learning.wear.trend_bend import Bend, bend_of_wiener
+from robophm.learning.wear.wiener_and_gamma import DRAWS, WIDEST, Interval, interval_of
+
+FEWEST = 4
+"""Readings from which models are told apart at all."""
+
+LAW = {0: 0.15, 1: 0.25, -1: 0.25}
+"""Deviation of ln(rest of life) for the law that may change: of wear that is straight so far, that goes ever faster or
+slower. Of real wear it is some 0.1 to 0.6 for each unit; docs/theory/wear.md has where it is from."""
+
+STEEPER = -0.2
+"""Mean of the same where wear goes ever faster: near its end it mostly goes faster still than its law so far says."""
+
+UNFOLLOWED = 0.05
+"""Probability of the last reading as foretold, below which no model is said to follow the wear."""
+
+EVENT, RENEWED = 5.0, 0.5
+"""Deviations of a step, and share of all wear so far, by which it falls back at once after a rest or maintenance."""
+
+AWAY = 0.5
+"""Share of draws that never reach the threshold, from which on no remaining life is said."""
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What is known of the wear of a part now, as equally likely draws; shapes (draws,)."""
+
+    threshold: float
+    """Upwards, as wear counts."""
+    passage: Array
+    """Times from now to the threshold; infinite where it is never reached."""
+    drift: Array
+    """Wear per unit of time, now."""
+    noise: float
+    """Median standard deviation of a reading."""
+    bend: Bend
+    """Whether the trend so far is straight."""
+    weights: Mapping[str, float]
+    """Of models, by name; they sum to 1."""
+    surprise: float
+    """Probability that the last reading lies so far from what was foretold of it."""
+    reached: float | None = None
+    """When the readings first were at the threshold for good."""
+    events: tuple[float, ...] = ()
+    """Times of sudden recoveries."""
+    turned: bool = False
+    """Whether the signal falls as wear grows."""
+
+    @property
+    def remaining(self) -> Interval:
+        """Time until the threshold is reached, with all that is not known."""
+        return interval_of(self.passage)
+
+    @property
+    def trend(self) -> Interval:
+        """Speed of the signal now, as it is, not turned round."""
+        low, median, high = np.quantile((-1 if self.turned else 1) * self.drift, [0.05, 0.5, 0.95])
+        return Interval(float(low), float(median), float(high))
+
+    @property
+    def followed(self) -> bool:
+        """Whether the models foretell what was read last."""
+        return self.surprise >= UNFOLLOWED
+
+    @property
+    def said(self) -> bool:
+        """Whether a remaining life can be said at all: the threshold is reached more likely than not."""
+        return bool(np.mean(np.isinf(self.passage)) <= AWAY)
+
+    def reached_by(self, time: npt.ArrayLike) -> Array:
+        """P(the threshold is reached by a time from now); shape of ``time``; beyond all draws it goes on as a power."""
+        ends = np.sort(self.passage[np.isfinite(self.passage)])
+        t, n = np.asarray(time, dtype=float), len(self.passage)
+        if not len(ends):
+            return np.zeros(t.shape)
+        shares = np.interp(t, ends, (np.arange(len(ends)) + 0.5) / n, left=0.0)
+        tail = len(ends) == n and ends[-1] > 0
+        beyond = 1 - 0.5 / n * (np.maximum(t, ends[-1]) / ends[-1]) ** -8.0 if tail else shares
+        result: Array = np.where((t <= 0) & (ends[0] > 0), 0.0, np.where(t > ends[-1], beyond, shares))
+        return np.where(ends[len(ends) // 2] == 0, 1.0, result)
+
+    def cumulative_hazard(self, time: Array) -> Array:
+        """−ln P(not reached by a time from now); shape of ``time``."""
+        with np.errstate(divide="ignore"):
+            result: Array = -np.log1p(-np.minimum(self.reached_by(time), 1.0))
+        return result
+
+
+def forecast(
+    times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, *, falls: bool = False, deviation: float = 0.0,
+    seed: int = 0, draws: int = DRAWS,
+) -> Forecast:  # fmt: skip
+    """When readings will reach a threshold, itself known to a ``deviation``; ``falls``: the signal falls as wear grows.
+
+    Raises DataError where there are too few readings, or they cannot be wear towards that threshold.
+    """
+    t, y, threshold = checked(times, values, threshold, deviation, falls=falls)
+    rng = np.random.default_rng(seed)
+    if (reached := first_passage(t, y, threshold)) is not None:
+        return _ended(t, y, threshold, reached, falls, draws)
+    events, renewed = recoveries(t, y)
+    if np.sum(t >= renewed) >= FEWEST:
+        t, y = t[t >= renewed], y[t >= renewed]
+    course = course_of(t, y, threshold, float(t[-1]))
+    found = {name: one for name in degradation_models() if (one := candidates_of(name, course)) is not None}
+    weights = averaged(list(found.values()))
+    chosen = rng.multinomial(draws, [float(one.sum()) for one in weights])
+    goals = 1 + deviation / abs(threshold - y[0]) * rng.standard_normal(draws)
+    passage, drift, accelerates, noise = (np.empty(draws) for _ in range(4))
+    start = 0
+    for one, share, count in zip(found.values(), weights, chosen.tolist(), strict=True):
+        here = slice(start, start := start + count)
+        if not count:
+            continue
+        which = rng.choice(len(share), count, p=share / share.sum())
+        passage[here] = one.passages(which, goals[here], rng)
+        drift[here], noise[here] = one.speed(which, rng), one.noise()[which]
+        accelerates[here] = one.accelerates[which]
+    law = np.select([accelerates == 0, accelerates > 0], [LAW[0], LAW[1]], LAW[-1]) * rng.standard_normal(draws)
+    passage = passage * np.exp(law + STEEPER * (accelerates > 0))
+    span = abs(threshold - float(y[0]))
+    since = float(t[-1]) - float(course.times[-1]) * course.reference  # of many readings the last is a mean's
+    return Forecast(
+        threshold, np.maximum(passage * course.reference - since, 0.0), drift * span / course.reference,
+        float(np.median(noise)) * span, bend_of_wiener(t, y, 0.0) if len(t) > FEWEST else Bend(1.0, False),
+        {name: float(share.sum()) for name, share in zip(found, weights, strict=True)},
+        float(sum(share @ one.surprise() for one, share in zip(found.values(), weights, strict=True))),
+        events=tuple(events.tolist()), turned=falls,
+    )  # fmt: skip
+
+
+def checked(
+    times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, deviation: float = 0.0, *, falls: bool = False
+) -> tuple[Array, Array, float]:
+    """Times, and values and threshold turned so that wear grows. Raises DataError for what is no course of wear."""
+    t, y = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
+    if t.shape != y.shape or t.ndim != 1:
+        raise DataError(f"{t.size} times and {y.size} values; expected as many")
+    if not (np.isfinite(t).all() and np.isfinite(y).all() and math.isfinite(threshold)):
+        raise DataError("a time, a value or the threshold is no number; expected finite ones")
+    if not (math.isfinite(deviation) and deviation >= 0):
+        raise DataError(f"a threshold known to {deviation:g}; expected a deviation of at least 0")
+    if len(t) < FEWEST:
+        raise DataError(f"{len(t)} readings: when they reach a threshold cannot be said; expected at least {FEWEST}")
+    if np.any(np.diff(t) <= 0):
+        raise DataError("times do not ascend; expected each reading later than the one before")
+    if t[0] < 0:
+        raise DataError(f"the first reading is at {t[0]:g}; expected times of the part's clock, at least 0")
+    if max(np.abs(y).max(), abs(threshold)) > WIDEST:
+        raise DataError(f"a value or the threshold is beyond {WIDEST:g}: no sensor says that; expected smaller ones")
+    if np.ptp(y) == 0:
+        raise DataError(
+            f"the signal is {y[0]:g} all the time: no trend, and no wear to be seen; expected one that changes"
+        )
+    if falls:
+        y, threshold = -y, -threshold
+    if y[0] >= threshold:
+        raise DataError("the first reading is at or past the threshold already; expected wear that has yet to reach it")
+    return t, y, threshold
+
+
+def first_passage(times: Array, wear: Array, threshold: float) -> float | None:
+    """When readings came to the threshold for good, between two of them; None where the last ones are short of it.
+
+    One reading beyond it among others that are not is noise: the median of the last three decides.
+    """
+    if np.median(wear[-3:]) < threshold:
+        return None
+    over = wear >= threshold
+    k = int(np.argmax(over & np.array([np.median(wear[i : i + 3]) >= threshold for i in range(len(wear))])))
+    if k == 0:
+        return float(times[0])
+    share = (threshold - wear[k - 1]) / (wear[k] - wear[k - 1]) if wear[k] > wear[k - 1] else 1.0
+    return float(times[k - 1] + min(max(share, 0.0), 1.0) * (times[k] - times[k - 1]))
+
+
+def averaged(found: list[Candidates]) -> list[Array]:
+    """Weights of candidates of each model, which together sum to 1; models are alike a priori."""
+    logs = [np.log(np.maximum(one.prior, 1e-300)) + one.scores for one in found]
+    top = max(float(one.max()) for one in logs)
+    shares = [np.exp(one - top) for one in logs]
+    total = sum(float(one.sum()) for one in shares)
+    return [one / total for one in shares]
+
+
+def recoveries(times: Array, wear: Array) -> tuple[Array, float]:
+    """When wear fell back at once, by more than ``EVENT`` deviations of its steps, and since when it is as if renewed.
+
+    After maintenance, which takes off ``RENEWED`` of all wear and more, what was before says nothing of what comes; a
+    battery that rested goes on as before, and its recoveries are part of its trend.
+    """
+    steps = np.diff(wear)
+    usual = 1.4826 * float(np.median(np.abs(steps - np.median(steps)))) + 1e-12 * float(np.ptp(wear))
+    fell = np.flatnonzero(-steps > EVENT * usual)
+    large = [k for k in fell.tolist() if -steps[k] > RENEWED * (wear[: k + 1].max() - wear[0])]
+    # It stays down: otherwise it was one bad reading.
+    large = [k for k in large if np.median(wear[k + 1 : k + 4]) < wear[k] + steps[k] / 2]
+    return times[fell + 1], float(times[large[-1] + 1]) if large else -math.inf
+
+
+def _ended(t: Array, y: Array, threshold: float, reached: float, falls: bool, draws: int) -> Forecast:
+    """Of wear that is at its threshold: there is nothing to foretell."""
+    speed = (y[-1] - y[0]) / (t[-1] - t[0])
+    bend = bend_of_wiener(t, y, 0.0)
+    return Forecast(threshold, np.zeros(draws), np.full(draws, speed), 0.0, bend, {}, 1.0, reached, turned=falls)

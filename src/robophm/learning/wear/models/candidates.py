@@ -1,0 +1,139 @@
+"""A course of wear, and what a model at a grid of its parameters says of it: the interface of degradation models."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+
+MOST = 120
+"""Readings of a course; of more, means of neighbours."""
+
+COUNTS = 20.0
+"""What all readings together count as, at most, in one-step scores: a law is only nearly the model's, however densely
+it is read (the coarsened posterior of Miller and Dunson, J. Am. Stat. Assoc. 114, 2019)."""
+
+HALF_LIFE = 0.25
+"""Of scores, as a share of the readings: the law that holds now counts (forgetting, as Raftery, Kárný and Ettler's
+dynamic model averaging, Technometrics 52, 2010)."""
+
+SEVERAL = 5.0
+"""What the scores of several steps together count as: all look at the same late readings."""
+
+ORIGINS, AHEAD = 10, 8
+"""Readings from which several steps are foretold, and how many of the later ones are looked at from each."""
+
+FAR = 60.0
+"""Reference times beyond which nothing is said to be reached."""
+
+
+@dataclass(frozen=True)
+class DegradationPath:
+    """Wear over time: 0 at the first reading, 1 at the threshold, whichever way the signal goes; shapes (readings,)."""
+
+    times: Array
+    """In units of the reference, from the clock's zero."""
+    wear: Array
+    reference: float
+    """How long the unit of time is: the time until now, or of a fleet a typical life."""
+    gain: float | None
+    """(threshold − first reading) / first reading, where the signal's own zero is one of wear; None where it is not."""
+
+    @property
+    def smooth(self) -> Array:
+        """Wear as means of five readings, where slopes of a scale are taken: noise has none of its own."""
+        width = min(5, (len(self.wear) - 1) // 2 * 2 + 1)
+        padded = np.pad(self.wear, width // 2, "edge")
+        result: Array = np.convolve(padded, np.full(width, 1 / width), "valid")
+        return result
+
+
+def course_of(times: Array, values: Array, threshold: float, reference: float, most: int = MOST) -> DegradationPath:
+    """The course of readings towards a threshold. Shapes (readings,)."""
+    if len(times) > most:
+        groups = np.array_split(np.arange(len(times)), most)
+        times, values = (np.array([one[g].mean() for g in groups]) for one in (times, values))
+    first = float(values[0])
+    gain = None
+    if first != 0 and bool(np.all(values / first > 0)) and threshold / first > 0:
+        gain = (threshold - first) / first
+        gain = gain if 1e-3 < abs(gain) < 1e3 else None
+    return DegradationPath(times / reference, (values - first) / (threshold - first), reference, gain)
+
+
+class Candidates(Protocol):
+    """A model at a grid of parameters; shapes (candidates,) unless said."""
+
+    @property
+    def prior(self) -> Array:
+        """Weights before any reading; they sum to 1."""
+        ...
+
+    @property
+    def scores(self) -> Array:
+        """Logarithmic scores of what was foretold of the unit's own past [nats of wear]."""
+        ...
+
+    @property
+    def accelerates(self) -> Indices:
+        """1 where wear goes ever faster, −1 where ever slower, 0 where neither."""
+        ...
+
+    def speed(self, which: Indices, rng: np.random.Generator) -> Array:
+        """Wear per reference time now, one draw of each of some candidates; shape of ``which``."""
+        ...
+
+    def noise(self) -> Array:
+        """Standard deviation of a reading [wear]."""
+        ...
+
+    def surprise(self) -> Array:
+        """Probability that the last reading lies so far from what was foretold at three quarters of the readings."""
+        ...
+
+    def passages(self, which: Indices, goals: Array, rng: np.random.Generator) -> Array:
+        """Reference times from the last reading until wear reaches goals, one draw of each candidate; shape of both.
+
+        Infinite where it is not reached within ``FAR``.
+        """
+        ...
+
+
+def origins(readings: int, first: int) -> Indices:
+    """Readings from which later ones are foretold."""
+    if readings < first + 3:
+        return np.array([], dtype=np.int64)
+    found: Indices = np.unique(np.linspace(max(first, readings // 4), readings - 2, ORIGINS).astype(np.int64))
+    return found
+
+
+def ahead_of(origin: int, readings: int) -> Indices:
+    """Readings that are foretold from one."""
+    found: Indices = np.unique(np.linspace(origin + 1, readings - 1, AHEAD).astype(np.int64))
+    return found
+
+
+def scored(one_step: Array, several: dict[int, Array], first: int, half_life: float = HALF_LIFE) -> Array:
+    """The score of each candidate, of one-step log densities (readings, candidates) and of means of several steps'."""
+    n = len(one_step)
+    if n <= first:
+        return np.zeros(one_step.shape[1])
+    lasting = np.exp2(-(n - 1 - np.arange(n)) / (half_life * n))
+    shares = lasting[first:] / lasting[first:].sum()
+    score: Array = min(COUNTS, n - first) * (shares @ one_step[first:])
+    total = sum(lasting[o] for o in several)
+    for origin, mean in several.items():
+        score = score + SEVERAL * mean * lasting[origin] / total
+    return score
+
+
+def prior_over(grid: Array, centre: float, deviation: float) -> Array:
+    """Weights of a normal prior on a grid; they sum to 1."""
+    weights = np.exp(-0.5 * ((grid - centre) / deviation) ** 2)
+    result: Array = weights / weights.sum()
+    return result

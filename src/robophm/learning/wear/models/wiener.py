@@ -1,0 +1,18 @@
+"""Wear that goes straight, on average: the Wiener process with noise, dX = μ dt + σ dW."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from robophm.learning.wear.models.candidates import DegradationPath
+from robophm.learning.wear.models.scaled_wiener import Scale, ScaledWiener, as_it_is
+
+
+def scales(course: DegradationPath) -> list[Scale]:
+    """Wear and time as they are."""
+    return [Scale(1.0, as_it_is)]
+
+
+def candidates(course: DegradationPath, fleet: Sequence[DegradationPath] = ()) -> ScaledWiener:
+    """Of any course."""
+    return ScaledWiener(course, scales(course))
