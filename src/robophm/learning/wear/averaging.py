@@ -123,7 +123,8 @@ def forecast(
     course = course_of(t, y, threshold, float(t[-1]))
     found = {name: one for name in degradation_models() if (one := candidates_of(name, course)) is not None}
     weights = averaged(list(found.values()))
-    chosen = rng.multinomial(draws, [float(one.sum()) for one in weights])
+    shares = np.array([one.sum() for one in weights])
+    chosen = rng.multinomial(draws, shares / shares.sum())  # rounded, a share could be above 1
     goals = 1 + deviation / abs(threshold - y[0]) * rng.standard_normal(draws)
     passage, drift, accelerates, noise = (np.empty(draws) for _ in range(4))
     start = 0

@@ -1,0 +1,290 @@
+"""When wear reaches its threshold, by the unit's own past and by others of its kind, worn out or still running.
+
+Three ways of foretelling are weighed by how well each foretells the others, one by one, from where the unit is now:
+
+- its own past, by all degradation models (``averaging.py``), with the lives of the others as a prior;
+- the lives of the others, whatever the signal says;
+- how long others went on from the level where it is now, by how fast each had come there: from new, and through the
+  last part of the way. That is similarity to their courses, with as much of it kept as the others themselves show.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.core.errors import DataError
+from robophm.learning.wear.averaging import Forecast, checked, forecast
+from robophm.learning.wear.log_regression import Array, LogStudent, lasting
+from robophm.learning.wear.wiener_and_gamma import DRAWS
+
+PARTS = (0.0, 0.5, 0.8)
+"""From which share of the present level on the way to it is looked at."""
+
+ASKED = 8
+"""Of how many others the unit's own models foretell what is known by now, to be weighed."""
+
+STEADY = 0.02
+"""Noise of a level, as a share of the way to the threshold, down to which readings are averaged."""
+
+SPIKE = 6.0
+"""Usual steps by which one reading alone may be off before it is left out."""
+
+WORST = -20.0
+"""Log density below which it does not matter how wrong a way of foretelling was."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """Readings of another unit; shapes (readings,)."""
+
+    times: Array
+    values: Array
+    threshold: float | None = None
+    """Its own; None: that of the unit that is asked about."""
+    failed: float | None = None
+    """When it failed, if that is known from elsewhere; None: when its readings first are at the threshold, if ever."""
+
+
+@dataclass(frozen=True)
+class _Trajectory:
+    """Levels that rise from 0 when new to 1 at the threshold, and how long it went on, from its first reading."""
+
+    times: Array
+    wear: Array
+    level: Array
+    duration: float
+    ended: bool
+
+    def reached(self, level: float) -> float | None:
+        """Time since its first reading; None where it never came so far."""
+        if level > self.level[-1]:
+            return None
+        k = int(np.argmax(self.level >= level))
+        if k == 0:
+            return 0.0
+        share = (level - self.level[k - 1]) / (self.level[k] - self.level[k - 1])
+        return float(self.times[k - 1] + share * (self.times[k] - self.times[k - 1]) - self.times[0])
+
+    def until(self, time: float) -> _Trajectory:
+        """What was known of it at a time since its first reading."""
+        known = max(int(np.searchsorted(self.times - self.times[0], time, side="right")), 2)
+        return replace(self, times=self.times[:known], wear=self.wear[:known], level=self.level[:known])
+
+
+def forecast_among(
+    others: Sequence[Unit], times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, *, falls: bool = False,
+    deviation: float = 0.0, seed: int = 0, draws: int = DRAWS,
+) -> Forecast:  # fmt: skip
+    """When readings will reach a threshold, with others of the same kind as teachers; else as ``forecast``.
+
+    ``weights`` of what is returned has "others' lives" and "others from here" beside the unit's own models. Raises
+    DataError as ``forecast`` does, and for others without two readings.
+    """
+    alone = forecast(times, values, threshold, falls=falls, deviation=deviation, seed=seed, draws=draws)
+    if alone.reached is not None or not others:
+        return alone
+    t, y, goal = checked(times, values, threshold, deviation, falls=falls)
+    turned = [_turned(one, threshold, k, falls=falls) for k, one in enumerate(others)]
+    new = float(np.median([y[0], *(wear[0] for _, wear, _, _ in turned)]))
+    own_way = goal - new if goal > new else goal - float(y[0])
+    levels = [1 - (limit - wear) / own_way for _, wear, limit, _ in turned]
+    mine = 1 - (goal - y) / own_way
+    width = _width([*levels, mine])
+    courses = [_course(one[0], wear, width, one[3]) for one, wear in zip(turned, levels, strict=True)]
+    now = _Trajectory(t, mine, _level(mine, width), float(t[-1] - t[0]), False)
+    ways = _ways(now, courses, _Own(alone.passage))
+    if "others' lives" not in ways:
+        return alone
+    weights = _weights(now, courses, ways)
+    rng = np.random.default_rng(seed)
+    counts = rng.multinomial(draws, list(weights.values()))
+    passage = np.concatenate([ways[name].quantile(rng.random(n)) for name, n in zip(weights, counts, strict=True)])
+    said = {name: weights["its own past"] * share for name, share in alone.weights.items()}
+    said["others' lives"] = weights["others' lives"]
+    said["others from here"] = sum(share for name, share in weights.items() if name.startswith("from"))
+    return replace(alone, passage=passage, weights=said, surprise=max(alone.surprise, 1 - weights["its own past"]))
+
+
+class _Own:
+    """What the unit's own models say, as draws of what remains."""
+
+    def __init__(self, passage: Array, prior: LogStudent | None = None) -> None:
+        ends = np.sort(passage[np.isfinite(passage)])
+        self.share = len(ends) / len(passage)
+        if prior and len(ends) > 20:
+            weights = np.exp(prior.log_density(np.maximum(ends, 1e-9)))
+            if weights.sum() > 0:
+                shares = np.cumsum(weights) / weights.sum()
+                level = (np.arange(len(passage)) + 0.5) / len(passage)
+                ends = ends[np.minimum(np.searchsorted(shares, level), len(ends) - 1)]
+                self.share = 1.0
+        self.ends = ends
+
+    def quantile(self, share: Array) -> Array:
+        """Infinite for the share of draws that never reach the threshold."""
+        if not len(self.ends):
+            return np.full(share.shape, np.inf)
+        at = np.minimum((share / self.share * len(self.ends)).astype(int), len(self.ends) - 1)
+        result: Array = np.where(share < self.share, self.ends[at], np.inf)
+        return result
+
+    def log_density(self, remaining: npt.ArrayLike) -> Array:
+        """Of ln(remaining), as Student's t of five degrees through the quartiles and more of the draws."""
+        logs = np.log(self.ends[self.ends > 0])
+        if len(logs) < 20:
+            return np.full(np.shape(remaining), WORST)
+        low, middle, high = np.quantile(logs, [0.05, 0.5, 0.95])
+        fitted = LogStudent(float(middle), max(float(high - low) / 4.03, 0.02), 5.0)
+        result: Array = fitted.log_density(remaining) + np.log(max(self.share, 1e-3))
+        return result
+
+
+_Way = _Own | LogStudent
+
+
+def _turned(one: Unit, threshold: float, k: int, *, falls: bool) -> tuple[Array, Array, float, float | None]:
+    """Times, wear that grows, threshold, and the end that is told."""
+    t, y = np.asarray(one.times, dtype=float), np.asarray(one.values, dtype=float)
+    if t.shape != y.shape or t.ndim != 1 or len(t) < 2 or np.any(np.diff(t) <= 0):
+        raise DataError(f"unit {k + 1} of the others: expected two readings or more, each later than the one before")
+    if not (np.isfinite(t).all() and np.isfinite(y).all()):
+        raise DataError(f"unit {k + 1} of the others: a time or value is no number; expected finite ones")
+    sign = -1.0 if falls else 1.0
+    return t, sign * y, sign * (threshold if one.threshold is None else one.threshold), one.failed
+
+
+def _course(times: Array, wear: Array, width: int, failed: float | None) -> _Trajectory:
+    level = _level(wear, width)
+    over = np.flatnonzero(wear >= 1)
+    if failed is None and len(over):
+        k = int(over[0])
+        share = (1 - wear[k - 1]) / (wear[k] - wear[k - 1]) if k else 0.0
+        failed = float(times[k - 1] + share * (times[k] - times[k - 1])) if k else float(times[0])
+    end = float(times[-1]) if failed is None else failed
+    return _Trajectory(times, wear, level, end - float(times[0]), failed is not None)
+
+
+def _level(wear: Array, width: int) -> Array:
+    """The highest mean of the last readings so far; a reading far off by itself is left out."""
+    kept = np.where(_spikes(wear), _before(wear, 4), wear) if len(wear) > 8 else wear
+    sums = np.concatenate([[0.0], np.cumsum(kept)])
+    after = np.arange(1, len(wear) + 1)
+    first = np.maximum(after - width, 0)
+    result: Array = np.maximum.accumulate((sums[after] - sums[first]) / (after - first))
+    return result
+
+
+def _spikes(wear: Array) -> npt.NDArray[np.bool_]:
+    """Which readings are far off the four before them and the one before: those that are not noise of a usual kind."""
+    steps = np.abs(np.diff(wear, prepend=wear[0]))
+    usual = SPIKE * _before(steps, 50) + 1e-12
+    found: npt.NDArray[np.bool_] = (np.abs(wear - _before(wear, 4)) > usual) & (steps > usual)
+    found[:3] = False
+    return found
+
+
+def _before(values: Array, count: int) -> Array:
+    """The median of so many values before each, of fewer at the start; shape of ``values``."""
+    padded = np.concatenate([np.full(count, np.nan), values[:-1]])
+    windows = np.lib.stride_tricks.sliding_window_view(padded, count).copy()
+    windows[0, -1] = values[0]
+    result: Array = np.nanmedian(windows, axis=1)
+    return result
+
+
+def _width(levels: Sequence[Array]) -> int:
+    """How many readings make a level: so many that their mean is steady, of a tenth of the readings at most."""
+    rough = [1.4826 / np.sqrt(6) * np.median(np.abs(np.diff(one, 2))) for one in levels if len(one) > 4]
+    wanted = (float(np.median(rough)) / STEADY) ** 2 if rough else 1.0
+    return max(1, min(int(np.ceil(wanted)), int(np.median([len(one) for one in levels])) // 10))
+
+
+def _ways(now: _Trajectory, others: Sequence[_Trajectory], own: _Own | None) -> dict[str, _Way]:
+    """All that can be said of what remains, by name."""
+    passed = float(now.times[-1] - now.times[0])
+    ended = np.array([one.ended for one in others], dtype=bool)
+    lives = np.array([one.duration for one in others])
+    none = np.zeros((len(others), 0))
+    ways: dict[str, _Way] = {}
+    lived = lasting(np.maximum(lives, 1e-12), ended, none, none[0], passed) if len(others) else None
+    if lived:
+        ways["others' lives"] = lived
+    level = float(now.level[-1])
+    for part in PARTS:
+        if from_here := _from_here(now, others, level, part * level if level > 0 else None, passed):
+            ways[f"from {part:g}"] = from_here
+    if own:
+        ways["its own past"] = _Own(np.append(own.ends, np.full(_infinite(own), np.inf)), lived)
+    return ways
+
+
+def _infinite(own: _Own) -> int:
+    return round(len(own.ends) * (1 / own.share - 1)) if own.share else 1
+
+
+def _from_here(
+    now: _Trajectory, others: Sequence[_Trajectory], level: float, start: float | None, passed: float
+) -> LogStudent | None:
+    mine = now.reached(level)
+    assert mine is not None
+    rows, features, ended = [], [], []
+    for one in others:
+        came = one.reached(level)
+        if came is None or came >= one.duration:
+            continue
+        rows.append(one.duration - came)
+        features.append(_took(one, came, start))
+        ended.append(one.ended)
+    if not rows:
+        return None
+    own = _took(now, mine, start)
+    known = len(own) if mine > 0 else 0
+    return lasting(np.array(rows), np.array(ended), np.array(features)[:, :known], own[:known], passed - mine)
+
+
+def _took(one: _Trajectory, came: float, start: float | None) -> Array:
+    """The logarithm of how long the way from a level took, none from nothing."""
+    if start is None:
+        return np.zeros(0)
+    since = (one.reached(start) or 0.0) if start > 0 else 0.0
+    return np.array([np.log(max(came - since, 1e-9 * max(one.duration, 1e-300)))])
+
+
+def _weights(now: _Trajectory, others: Sequence[_Trajectory], ways: dict[str, _Way]) -> dict[str, float]:
+    """How well each way foretells the others that ended, from where they were as the unit is; they sum to 1."""
+    from_here = [name for name in ways if name.startswith("from")]
+    prior = {name: 1 / 3 / (len(from_here) if name in from_here else 1) for name in ways}
+    scores: dict[str, list[float]] = {name: [] for name in ways}
+    asked = 0
+    for one in [other for other in others if other.ended] if len(others) > 1 else ():
+        came = one.reached(float(now.level[-1]))
+        if came is None or came >= one.duration:
+            continue
+        then = one.until(came)
+        rest = one.duration - float(then.times[-1] - then.times[0])
+        if rest <= 0:
+            continue
+        own = _own_of(then) if asked < ASKED else None
+        asked += own is not None
+        for name, way in _ways(then, [other for other in others if other is not one], own).items():
+            if name in scores:
+                scores[name].append(max(float(way.log_density(rest)), WORST))
+    means = {name: float(np.mean(found)) for name, found in scores.items() if found}
+    count = max((len(found) for found in scores.values()), default=0)
+    usual = float(np.mean(list(means.values()))) if means else 0.0
+    logs = {name: np.log(prior[name]) + count * means.get(name, usual) for name in ways}
+    top = max(logs.values())
+    shares = {name: float(np.exp(one - top)) for name, one in logs.items()}
+    return {name: share / sum(shares.values()) for name, share in shares.items()}
+
+
+def _own_of(then: _Trajectory) -> _Own | None:
+    """What another's own models had said of it; None where they had too little to go by."""
+    try:
+        return _Own(forecast(then.times, then.wear, 1.0, draws=1000).passage)
+    except DataError:
+        return None

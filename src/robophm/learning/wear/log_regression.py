@@ -1,0 +1,95 @@
+"""How long something lasts, by what is known of it and of others that lasted: a Bayesian regression of the logarithm.
+
+ln(duration) = intercept + slopes·(features − their mean) + error. Slopes are normal and the error's variance is inverse
+gamma a priori (Gelman and others, Bayesian Data Analysis, 3rd ed., §14.2 and §14.8), so that a duration yet to come is
+Student's t on the scale of logarithms. Of others that still last it is known that they lasted at least so long: what
+they will come to is filled in by its expectation, again and again until it stays (the EM algorithm of Tobit's model;
+Tanner, Tools for Statistical Inference, §4.2).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy import special, stats
+
+Array = npt.NDArray[np.float64]
+
+SCATTER, COUNTS = 0.25, 3.0
+"""Deviation of ln(duration) that is expected before others are seen, and how many of them that is worth."""
+
+SLOPE, SLOPE_DEVIATION = 0.8, 0.4
+"""Of all features together: a unit that was slow so far mostly stays slow, if not quite as slow."""
+
+_ROUNDS, _SETTLED = 200, 1e-9
+
+
+@dataclass(frozen=True)
+class LogStudent:
+    """A duration whose logarithm is Student's t, of which ``passed`` has gone by."""
+
+    centre: float
+    deviation: float
+    degrees: float
+    passed: float = 0.0
+
+    def quantile(self, share: Array) -> Array:
+        """What remains, given that it has not ended yet; shape of ``share``."""
+        over = (1 - share) * stats.t.sf(self._start, self.degrees)
+        with np.errstate(over="ignore"):
+            total = np.exp(self.centre + self.deviation * stats.t.isf(over, self.degrees))
+        result: Array = np.maximum(total - self.passed, 0.0)
+        return result
+
+    def log_density(self, remaining: npt.ArrayLike) -> Array:
+        """Log density of ln(remaining), given that it has not ended yet; shape of ``remaining``."""
+        rest = np.maximum(np.asarray(remaining, dtype=float), 1e-300)
+        total = rest + self.passed
+        found = stats.t.logpdf((np.log(total) - self.centre) / self.deviation, self.degrees) - math.log(self.deviation)
+        result: Array = found - stats.t.logsf(self._start, self.degrees) + np.log(rest / total)
+        return result
+
+    @property
+    def _start(self) -> float:
+        return (math.log(self.passed) - self.centre) / self.deviation if self.passed > 0 else -math.inf
+
+
+def lasting(
+    durations: Array, ended: npt.NDArray[np.bool_], features: Array, own: Array, passed: float
+) -> LogStudent | None:
+    """What is known of a duration with features of its ``own`` of which ``passed`` has gone by; None where none ended.
+
+    ``durations`` > 0 of others, shape (others,), each ended or going on still; ``features``, shape (others, features).
+    """
+    if not ended.any():
+        return None
+    y = np.log(durations)
+    n, count = features.shape
+    middle = features.mean(axis=0)
+    design = np.column_stack([np.ones(n), features - middle])
+    slopes = np.full(count, SLOPE / max(count, 1))
+    precision = np.diag(np.concatenate([[0.0], np.full(count, (SCATTER / SLOPE_DEVIATION) ** 2)]))
+    normal = design.T @ design + precision
+    degrees = COUNTS + n - 1
+    filled, more, before = y.copy(), 0.0, math.inf
+    for _ in range(_ROUNDS):
+        pull = np.concatenate([[0.0], slopes])
+        found = np.linalg.solve(normal, design.T @ filled + precision @ pull)
+        fitted = design @ found
+        squares = float(np.sum((filled - fitted) ** 2) + (found - pull) @ precision @ (found - pull)) + more
+        variance = (COUNTS * SCATTER**2 + squares) / degrees
+        if ended.all() or abs(variance / before - 1) < _SETTLED:
+            break
+        before = variance
+        deviation = math.sqrt(variance)
+        start = (y - fitted) / deviation
+        ratio = np.exp(-0.5 * start**2 - 0.5 * math.log(2 * math.pi) - special.log_ndtr(-start))
+        filled = np.where(ended, y, fitted + deviation * ratio)
+        more = float(np.sum(np.where(ended, 0.0, variance * (1 + start * ratio - ratio**2))))
+    at = np.concatenate([[1.0], own - middle])
+    spread = math.sqrt(variance * (1 + at @ np.linalg.solve(normal, at)))
+    # Others that still go on say less than those that ended.
+    return LogStudent(float(at @ found), spread, COUNTS + float(ended.sum()) - 1, passed)
