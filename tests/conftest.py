@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import csv
 import importlib.util
 import os
 import subprocess
@@ -9,6 +10,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import settings
 
@@ -33,6 +35,19 @@ def shared() -> Path:
     if not folder.is_dir():
         (pytest.fail if os.environ.get("CI") == "true" else pytest.skip)(NO_SHARED)
     return folder
+
+
+@pytest.fixture(scope="session")
+def measured_wear(shared: Path) -> Callable[[str], dict[str, tuple[Any, Any]]]:
+    """Real wear by the name of its file in shared/degradation: times and values of each unit, in order of time."""
+
+    def read(name: str) -> dict[str, tuple[Any, Any]]:
+        with (shared / "degradation" / f"{name}.csv").open(newline="") as file:
+            rows = [(row["unit"], float(row["time"]), float(row["value"])) for row in csv.DictReader(file)]
+        units = {unit: sorted(row[1:] for row in rows if row[0] == unit) for unit in dict.fromkeys(r[0] for r in rows)}
+        return {unit: tuple(np.array(column) for column in zip(*said, strict=True)) for unit, said in units.items()}
+
+    return read
 
 
 @pytest.fixture(scope="session")

@@ -29,10 +29,10 @@ components:
 ROBOT = parse(DESIGN)
 
 
-def rising(robot: Robot, path: str, *, bends: bool = False, dated: bool = False) -> WornMode:
-    """Wear by 1e-3 an hour, which reaches 3 some 1500 h from now."""
+def rising(robot: Robot, path: str, *, knee: bool = False, dated: bool = False) -> WornMode:
+    """Wear by 1e-3 an hour, which reaches 3 some 1500 h from now; with a ``knee`` of which nothing was to be seen."""
     hours = np.arange(300) * 5.0
-    values = hours**2 * 1e-3 / 1495 if bends else hours * 1e-3
+    values = hours * 1e-3 + (0.04 * np.maximum(np.arange(300) - 280, 0) if knee else 0.0)
     values = values + 0.01 * np.random.default_rng(4).standard_normal(300)
     mode = next(one for one in robot.modes if one.path == path)
     return worn_mode(mode, path, Readings(hours, values, None, dated=dated), 3.0)
@@ -70,8 +70,8 @@ def test_wear_says_what_no_rate_does() -> None:
     assert found["board"].with_wear.unknown is found["courier"].with_wear.unknown is None
 
 
-def test_a_bend_is_of_the_part_and_of_the_robot_alone() -> None:
-    found = worn_lives(as_designed(Plant(ROBOT)), [rising(ROBOT, "battery", bends=True), rising(ROBOT, "computer")])
+def test_wear_that_no_model_follows_is_of_the_part_and_of_the_robot_alone() -> None:
+    found = worn_lives(as_designed(Plant(ROBOT)), [rising(ROBOT, "battery", knee=True), rising(ROBOT, "computer")])
     assert {name: one.holds for name, one in found.items()} == {"battery": False, "computer": True, "courier": False}
 
 

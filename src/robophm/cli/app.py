@@ -14,8 +14,7 @@ COMMANDS = {
     "service": "Tell a robot's ledger that a part was replaced, or repaired.",
     "fit": "Fit life data: distributions, lives at stress, repaired systems (needs robophm[fit]).",
     "maintain": "When to replace which part, with which spares, at what cost; whether watching it pays.",
-    "wear": "The wear that signals show: trend, change, and what remains of parts and robot; exit code 1 at "
-            "a threshold.",
+    "wear": "The wear that signals show: trend, change, and what remains of parts and robot.",
     "fmeca": "Failure modes, effects and criticality, the effects from the robot's structure.",
     "diagnose": "What sees which failure, which it is given the alarms, and which sensor would tell most.",
     "serve": "The page: design a robot, bind its sensors and watch its health, in any browser.",

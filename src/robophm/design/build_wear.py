@@ -29,6 +29,12 @@ def build_wear(place: Path, said: schema.Wear, quantity: int) -> WearSignal:
         in_reading = ""
     elif unit in ("degC", "degF") and (said.ambient or said.reading == "rms"):
         in_reading = f"delta_{unit}"
+    deviation = 0.0
+    if said.threshold_deviation is not None:
+        difference = f"delta_{unit}" if in_reading in ("degC", "degF") else in_reading
+        deviation = written((*place, "threshold_deviation"), said.threshold_deviation, difference)
+    if deviation < 0:
+        raise Fault((*place, "threshold_deviation"), f"{said.threshold_deviation} is negative; expected at least 0")
     return WearSignal(
         _gauge(place, said.topic, said.field, said.range, 0.0),
         unit,
@@ -37,6 +43,7 @@ def build_wear(place: Path, said: schema.Wear, quantity: int) -> WearSignal:
         _beside((*place, "ambient"), said.ambient),
         _beside((*place, "load"), said.load),
         written((*place, "threshold"), said.threshold, in_reading),
+        deviation,
     )
 
 

@@ -161,6 +161,8 @@ class WearSignal:
     """Within whose range samples count."""
     threshold: float
     """In the unit of the reading: that of the signal, none of a kurtosis."""
+    threshold_deviation: float = 0.0
+    """How well the threshold is known, a standard deviation in that unit."""
 
 
 @dataclass(frozen=True)

@@ -183,6 +183,9 @@ class Wear(Strict):
     ambient: WearGauge | None = Field(None, description="is taken off each sample, e.g. the temperature of the air")
     load: WearGauge | None = Field(None, description="samples count only while this is within its range")
     threshold: Written = Field(description="at which the part is worn out, e.g. 6 A; a signal that falls falls to it")
+    threshold_deviation: Written | None = Field(
+        None, description="how well that is known, a standard deviation, e.g. 0.3 A; default exactly"
+    )
 
     @model_validator(mode="after")
     def _load_has_a_range(self) -> Wear:

@@ -90,7 +90,9 @@ def _worn(mode: FailureMode, history: WearHistory, options: WearOptions) -> Worn
     source = f"{mode.path}, {said.reading} of {said.gauge.signal}"
     source += f" above {said.ambient.signal}" if said.ambient else ""
     source += f" at {said.load.signal} {said.load.low:g} … {said.load.high:g}" if said.load else ""
-    return worn_mode(mode, source, history.readings[mode.path], said.threshold, options=options)
+    return worn_mode(
+        mode, source, history.readings[mode.path], said.threshold, deviation=said.threshold_deviation, options=options
+    )
 
 
 def wear_history(
@@ -134,10 +136,9 @@ def wear_history(
         said: Counter[str] = reducer.notes
         reduced = reducer.stretches.readings(reducer.wear.reading, said)
         if len(reduced.times):
-            here = on_a_clock(reduced, reducer.wear.every, [(when, float(ages[k])) for when, ages in looks], said)
+            here = on_a_clock(reduced, [(when, float(ages[k])) for when, ages in looks], said)
             found[mode.path] = Readings(
-                here.ages, reduced.values[here.rows], None, dated=False, when=reduced.times[here.rows],
-                width=0.0 if reducer.wear.reading in ("highest", "lowest") else here.width,
+                here.ages, reduced.values[here.rows], None, dated=False, when=reduced.times[here.rows]
             )  # fmt: skip
         notes.update({f"{mode.path}: {what}": count for what, count in said.items()})
     return WearHistory(found, monitor, notes + monitor.ledger.counts)

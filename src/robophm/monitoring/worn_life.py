@@ -33,7 +33,7 @@ class WornLife(NamedTuple):
     with_wear: Life
     """With the wear in the place of the hazards of the failure modes that it is of."""
     holds: bool
-    """Whether no trend of that wear bends; else the life with wear is as if it did not."""
+    """Whether models follow that wear so far; else the life with wear is not to be believed."""
 
 
 def worn_lives(outlook: Outlook, found: Sequence[WornMode]) -> dict[str, WornLife]:
@@ -51,7 +51,7 @@ def worn_lives(outlook: Outlook, found: Sequence[WornMode]) -> dict[str, WornLif
         return WornLife(
             Life(outlook.remaining_life(diagram), unknown(outlook, diagram)),
             Life(remaining_life(outlook, diagram, some), unknown(outlook, diagram, seen=seen)),
-            not any(one.wear.bend.direction for one in of),
+            all(one.wear.followed for one in of),
         )
 
     parts = {

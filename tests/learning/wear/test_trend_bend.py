@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from scipy.stats import binomtest, linregress
 
-from robophm.learning.wear.trend_bend import FALSE_ALARMS, bend_of_gamma, bend_of_wiener
-from robophm.learning.wear.wiener_and_gamma import wear
+from robophm.learning.wear.averaging import forecast
+from robophm.learning.wear.trend_bend import FALSE_ALARMS, bend_of_wiener
 
 
 def told(draw, count, seed):
     """Directions that are told of so many signals."""
     rng = np.random.default_rng(seed)
-    found = [bend_of_wiener(*draw(rng), 0.0).direction for _ in range(count)]
+    found = [bend_of_wiener(*draw(rng)).direction for _ in range(count)]
     return [one for one in found if one]
 
 
@@ -44,7 +44,7 @@ def test_without_noise_it_is_a_regression_of_increments():
     y = np.cumsum(0.5 + 0.01 * np.arange(80) + rng.standard_normal(80))
     t = np.arange(80.0)
     alone = linregress((t[1:] + t[:-1]) / 2, np.diff(y))
-    found = bend_of_wiener(t, y, 0.0)
+    found = bend_of_wiener(t, y)
     assert found.p_value == pytest.approx(alone.pvalue, abs=0.15)
     assert found.rises == (alone.slope > 0)
 
@@ -62,31 +62,17 @@ def test_bent_wear_is_told_with_its_direction(power, direction, noise):
     assert set(found) == {direction}
 
 
-def test_of_falling_signals_and_of_many_readings():
-    """A capacity that falls ever faster accelerates; of thousands means of neighbours are looked at."""
+def test_of_falling_signals():
+    """A capacity that falls ever faster accelerates."""
     rng = np.random.default_rng(1)
-    t = np.arange(5000.0)
-    y = 1 - 1e-8 * t**2 + 0.002 * rng.standard_normal(5000)
-    assert wear(t, y, 0.5, falls=True).bend.direction == "accelerating"
-    assert wear(t, -y, -0.5).bend.direction == "accelerating"
-    assert wear(t, 1e-5 * t + 0.01 * rng.standard_normal(5000), 1.0).bend.direction is None
-
-
-def test_gamma_processes():
-    rng = np.random.default_rng(2)
-    t = np.arange(61.0)
-    false = [bend_of_gamma(t, np.r_[0.0, np.cumsum(rng.gamma(1.5, 0.05, 60))]).direction for _ in range(200)]
-    assert binomtest(sum(one is not None for one in false), 200, FALSE_ALARMS, "greater").pvalue > 0.01
-    for slope, direction in ((1.0, "accelerating"), (-1.0, "slowing")):
-        shapes = 1.5 * np.exp(np.linspace(-slope, slope, 60))
-        found = [bend_of_gamma(t, np.r_[0.0, np.cumsum(rng.gamma(shapes, 0.05))]).direction for _ in range(20)]
-        assert found.count(direction) >= 18
-    grown = wear(t, np.r_[0.0, np.cumsum(rng.gamma(1.5 * np.exp(np.linspace(-1, 1, 60)), 0.05))], 20.0, process="gamma")
-    assert grown.bend.direction == "accelerating"
+    t = np.arange(2000.0)
+    y = 1 - 6e-8 * t**2 + 0.002 * rng.standard_normal(2000)
+    assert forecast(t, y, 0.5, falls=True).bend.direction == "accelerating"
+    assert forecast(t, -y, -0.5).bend.direction == "accelerating"
+    assert forecast(t, 1e-5 * t + 0.01 * rng.standard_normal(2000), 1.0).bend.direction is None
 
 
 def test_a_crack():
     """A specimen of Alloy-A (Meeker and Escobar 1998, table C.14), which grows ever faster [inch, million cycles]."""
-    length = [0.90, 0.94, 0.98, 1.03, 1.07, 1.12, 1.19, 1.24, 1.34, 1.43, 1.55, 1.71]
-    found = wear(np.arange(12) * 0.01, length, 1.8)
-    assert found.bend.direction == "accelerating"
+    length = np.array([0.90, 0.94, 0.98, 1.03, 1.07, 1.12, 1.19, 1.24, 1.34, 1.43, 1.55, 1.71])
+    assert bend_of_wiener(np.arange(12) * 0.01, length).direction == "accelerating"

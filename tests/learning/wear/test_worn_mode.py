@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -43,14 +45,64 @@ def test_a_signal_that_falls_reaches_its_threshold_from_above(falling: Path) -> 
     assert found.wear.remaining.low < (1 - 1e-4 * 1495 - 0.7) / 1e-4 < found.wear.remaining.high
     assert (found.wear.worn_out, found.wear.signal_threshold) == (False, 0.7)
     assert found.wear.never < 0.01
-    assert found.wear.bend.life_is == "that of a straight trend"
-    assert 500 <= found.alarmed[0] <= 1200  # the baseline ends at 495 h
+    assert found.wear.bend.direction is None
+    assert found.wear.followed
+    assert not found.critical
+    later = table(
+        falling.parent / "later.csv",
+        "time [h],value",
+        [
+            (5 * i, 1 - 5e-4 * max(i - 100, 0) + 0.004 * one)
+            for i, one in enumerate(np.random.default_rng(1).standard_normal(300))
+        ],
+    )
+    found = worn_mode_of_table(ROBOT, later, "battery", threshold=0.7)
+    assert 500 <= found.alarmed[0] <= 700  # the baseline ends at 495 h, and what comes then is wear
+    assert found.detector is not None
+    assert found.detector.promised
     assert found.alarmed == [found.readings.times[i] for i in found.alarms]
 
 
 def test_a_threshold_that_is_passed_is_reached(falling: Path) -> None:
     found = worn_mode_of_table(ROBOT, falling, "battery", threshold=0.9)
     assert found.wear.worn_out
+    assert found.critical
+    assert found.wear.reached == pytest.approx(1000, abs=60)
+
+
+def test_few_readings_have_a_trend_and_a_life_but_no_alarms(falling: Path) -> None:
+    """Four suffice; changes are looked for as soon as there is one reading beyond the baseline."""
+    few = table(falling.parent / "few.csv", "time [h],value", [(5 * i, 1 - 0.05 * i) for i in range(4)])
+    found = worn_mode_of_table(ROBOT, few, "battery", threshold=0.7)
+    assert found.wear.remaining.low < 15 < found.wear.remaining.high
+    assert (found.detector, found.alarms) == (None, ())
+    assert found.unlooked == "4 readings, and a baseline needs 100 before the first one judged"
+    for baseline, looked in ((299, True), (300, False)):
+        options = WearOptions(baseline=baseline)
+        found = worn_mode_of_table(ROBOT, falling, "battery", threshold=0.7, options=options)
+        assert (found.detector is not None) == looked
+    still = [(5 * i, 1 if i < 100 else 0.9) for i in range(150)]
+    found = worn_mode_of_table(
+        ROBOT, table(falling.parent / "still.csv", "time [h],value", still), "battery", threshold=0.7
+    )
+    assert "the baseline is 1 all the time" in found.unlooked
+
+
+def test_rising_and_falling_are_told_of_few_readings() -> None:
+    """Of four readings that go on past the threshold the first one says from where."""
+    for sign in (1, -1):
+        readings = Readings(np.arange(4.0), sign * np.array([1.0, 2.0, 3.0, 4.0]), None, dated=False)
+        found = worn_mode(ROBOT.modes[0], "the gauge", readings, sign * 1.5)
+        assert found.wear.reached == pytest.approx(0.5)
+        assert found.wear.turned == (sign < 0)
+
+
+def test_dates_of_what_is_told(tmp_path: Path) -> None:
+    rows = [(f"2024-03-{1 + i:02}", 1 + i) for i in range(12)]
+    found = worn_mode_of_table(ROBOT, table(tmp_path / "d.csv", "when,value", rows), "battery", threshold=8.5)
+    assert found.wear.reached is not None
+    assert found.when(found.wear.reached) == datetime(2024, 3, 8, 12, tzinfo=UTC).timestamp() * 1e9
+    assert worn_mode(ROBOT.modes[0], "", replace(found.readings, when=None), 8.5).when(3.0) is None
 
 
 def test_dates_count_hours_and_what_is_around_is_taken_off(tmp_path: Path) -> None:
@@ -86,7 +138,6 @@ def test_what_the_load_does_is_not_taken_for_noise(tmp_path: Path) -> None:
         ("wheels", {"threshold": 0.7}, "'wheels' is 2 equal parts"),
         ("battery", {}, "at which value is 'battery' worn out"),
         ("battery", {"threshold": 0.7, "load": 1.0}, "a column 'load' and --load"),
-        ("battery", {"threshold": 0.7, "options": WearOptions(baseline=300)}, "300 readings, and a baseline of 300"),
     ],
 )
 def test_what_says_too_little_is_refused(falling: Path, path: str, words: dict[str, object], says: str) -> None:

@@ -17,9 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.core.errors import DataError
-from robophm.learning.wear.averaging import Forecast, checked, forecast
+from robophm.learning.wear.averaging import DRAWS, Forecast, checked, forecast
 from robophm.learning.wear.log_regression import Array, LogStudent, lasting
-from robophm.learning.wear.wiener_and_gamma import DRAWS
 
 PARTS = (0.0, 0.5, 0.8)
 """From which share of the present level on the way to it is looked at."""

@@ -9,17 +9,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from robophm.core.errors import DataError
 from robophm.learning.wear.models import candidates_of, degradation_models
-from robophm.learning.wear.models.candidates import Array, Candidates, course_of
+from robophm.learning.wear.models.candidates import Array, Candidates, DegradationPath, course_of, origin_of_surprise
+from robophm.learning.wear.readings_table import WIDEST
 from robophm.learning.wear.trend_bend import Bend, bend_of_wiener
-from robophm.learning.wear.wiener_and_gamma import DRAWS, WIDEST, Interval, interval_of
 
+DRAWS = 4000
 FEWEST = 4
 """Readings from which models are told apart at all."""
 
@@ -30,14 +32,30 @@ slower. Of real wear it is some 0.1 to 0.6 for each unit; docs/theory/wear.md ha
 STEEPER = -0.2
 """Mean of the same where wear goes ever faster: near its end it mostly goes faster still than its law so far says."""
 
-UNFOLLOWED = 0.05
-"""Probability of the last reading as foretold, below which no model is said to follow the wear."""
+UNFOLLOWED = 0.01
+"""Probability of the last reading as foretold, below which no model is said to follow the wear. Of simulated wear that
+keeps its law 0 to 5 % fall below it (``tests/learning/wear/test_averaging.py``)."""
 
-EVENT, RENEWED = 5.0, 0.5
-"""Deviations of a step, and share of all wear so far, by which it falls back at once after a rest or maintenance."""
+EVENT, RENEWED, MATTERS = 5.0, 0.5, 0.2
+"""By how much wear falls back at once: deviations of a step after a rest; after maintenance also shares of all wear so
+far, and of that from the first reading to the threshold."""
 
 AWAY = 0.5
 """Share of draws that never reach the threshold, from which on no remaining life is said."""
+
+
+class Interval(NamedTuple):
+    """5 %, 50 % and 95 % quantile."""
+
+    low: float
+    median: float
+    high: float
+
+
+def interval_of(draws: Array) -> Interval:
+    """Of draws, some of which may be infinite."""
+    low, median, high = np.quantile(draws, [0.05, 0.5, 0.95], method="inverted_cdf")
+    return Interval(float(low), float(median), float(high))
 
 
 @dataclass(frozen=True)
@@ -59,7 +77,12 @@ class Forecast:
     surprise: float
     """Probability that the last reading lies so far from what was foretold of it."""
     reached: float | None = None
-    """When the readings first were at the threshold for good."""
+    """When readings first came to the threshold and stayed there for more than one of them, or the last of them, beyond
+    all noise; None: not yet."""
+    recovered: float | None = None
+    """Since when they have been short of it again, as a battery's that rested: it had reached it all the same."""
+    renewed: float | None = None
+    """Since when it is as if new, after maintenance; what was read before does not count for what is to come."""
     events: tuple[float, ...] = ()
     """Times of sudden recoveries."""
     turned: bool = False
@@ -82,9 +105,24 @@ class Forecast:
         return self.surprise >= UNFOLLOWED
 
     @property
+    def worn_out(self) -> bool:
+        """Whether the threshold is reached already."""
+        return self.remaining.median == 0
+
+    @property
+    def never(self) -> float:
+        """Share of what is drawn in which the threshold is not reached within the models' horizon."""
+        return float(np.mean(np.isinf(self.passage)))
+
+    @property
+    def signal_threshold(self) -> float:
+        """The threshold of the signal as it is, not turned round."""
+        return -self.threshold if self.turned else self.threshold
+
+    @property
     def said(self) -> bool:
         """Whether a remaining life can be said at all: the threshold is reached more likely than not."""
-        return bool(np.mean(np.isinf(self.passage)) <= AWAY)
+        return self.never <= AWAY
 
     def reached_by(self, time: npt.ArrayLike) -> Array:
         """P(the threshold is reached by a time from now); shape of ``time``; beyond all draws it goes on as a power."""
@@ -114,12 +152,25 @@ def forecast(
     Raises DataError where there are too few readings, or they cannot be wear towards that threshold.
     """
     t, y, threshold = checked(times, values, threshold, deviation, falls=falls)
-    rng = np.random.default_rng(seed)
-    if (reached := first_passage(t, y, threshold)) is not None:
-        return _ended(t, y, threshold, reached, falls, draws)
-    events, renewed = recoveries(t, y)
-    if np.sum(t >= renewed) >= FEWEST:
-        t, y = t[t >= renewed], y[t >= renewed]
+    events, renewed = recoveries(t, y, threshold)
+    reached = first_passage(t, y, threshold)
+    since = t >= renewed
+    if anew := bool(np.any(~since)) and np.sum(since) >= FEWEST and y[since][0] < threshold:
+        t, y = t[since], y[since]
+    if first_passage(t, y, threshold) is None:
+        found = _to_come(t, y, threshold, deviation, np.random.default_rng(seed), draws)
+        if found.worn_out and reached is None:  # one reading that stands high above all noise
+            reached = _crossing(t, y, threshold, len(y) - 1) if y[-1] >= threshold else float(t[-1])
+    else:
+        found = _ended(t, y, threshold, draws)
+    return replace(
+        found, reached=reached, recovered=None if reached is None else _recovered(t, y, threshold, reached),
+        renewed=renewed if anew else None, events=tuple(events.tolist()), turned=falls,
+    )  # fmt: skip
+
+
+def _to_come(t: Array, y: Array, threshold: float, deviation: float, rng: np.random.Generator, draws: int) -> Forecast:
+    """Of wear that has yet to reach its threshold."""
     course = course_of(t, y, threshold, float(t[-1]))
     found = {name: one for name in degradation_models() if (one := candidates_of(name, course)) is not None}
     weights = averaged(list(found.values()))
@@ -142,11 +193,19 @@ def forecast(
     since = float(t[-1]) - float(course.times[-1]) * course.reference  # of many readings the last is a mean's
     return Forecast(
         threshold, np.maximum(passage * course.reference - since, 0.0), drift * span / course.reference,
-        float(np.median(noise)) * span, bend_of_wiener(t, y, 0.0) if len(t) > FEWEST else Bend(1.0, False),
+        float(np.median(noise)) * span, bend_of_wiener(t, y) if len(t) > FEWEST else Bend(1.0, False),
         {name: float(share.sum()) for name, share in zip(found, weights, strict=True)},
-        float(sum(share @ one.surprise() for one, share in zip(found.values(), weights, strict=True))),
-        events=tuple(events.tolist()), turned=falls,
+        _surprise(course, found),
     )  # fmt: skip
+
+
+def _surprise(course: DegradationPath, found: Mapping[str, Candidates]) -> float:
+    """Of the last reading, by models weighted by what they had foretold when it was foretold, and not by it itself."""
+    n = origin_of_surprise(len(course.times)) + 1
+    early = replace(course, times=course.times[:n], wear=course.wear[:n])
+    then = {name: one for name in found if (one := candidates_of(name, early)) is not None}
+    weights = averaged(list(then.values()))
+    return float(sum(share @ found[name].surprise() for name, share in zip(then, weights, strict=True)))
 
 
 def checked(
@@ -161,7 +220,8 @@ def checked(
     if not (math.isfinite(deviation) and deviation >= 0):
         raise DataError(f"a threshold known to {deviation:g}; expected a deviation of at least 0")
     if len(t) < FEWEST:
-        raise DataError(f"{len(t)} readings: when they reach a threshold cannot be said; expected at least {FEWEST}")
+        few = f"{len(t)} reading{'s' if len(t) != 1 else ''}"
+        raise DataError(f"{few}: when a threshold is reached cannot be said; expected at least {FEWEST}")
     if np.any(np.diff(t) <= 0):
         raise DataError("times do not ascend; expected each reading later than the one before")
     if t[0] < 0:
@@ -180,18 +240,42 @@ def checked(
 
 
 def first_passage(times: Array, wear: Array, threshold: float) -> float | None:
-    """When readings came to the threshold for good, between two of them; None where the last ones are short of it.
+    """When readings first came to the threshold, between two of them, whether they stayed there since or not.
 
-    One reading beyond it among others that are not is noise: the median of the last three decides.
+    One reading beyond it among others that are not is noise: of three, from that one on, most must be beyond. None
+    where they never came.
     """
-    if np.median(wear[-3:]) < threshold:
+    if not np.any(lasted := _lasts(wear, threshold)):
         return None
+    return _crossing(times, wear, threshold, int(np.argmax(lasted)))
+
+
+def _lasts(wear: Array, threshold: float) -> npt.NDArray[np.bool_]:
+    """Which readings are at the threshold with most of the three from them on, or of the last three."""
     over = wear >= threshold
-    k = int(np.argmax(over & np.array([np.median(wear[i : i + 3]) >= threshold for i in range(len(wear))])))
-    if k == 0:
-        return float(times[0])
-    share = (threshold - wear[k - 1]) / (wear[k] - wear[k - 1]) if wear[k] > wear[k - 1] else 1.0
+    width = min(3, len(over))
+    of_three = np.convolve(over, np.ones(width), "valid")
+    result: npt.NDArray[np.bool_] = over & (np.pad(of_three, (0, width - 1), "edge") > width / 2)
+    return result
+
+
+def _crossing(times: Array, wear: Array, threshold: float, k: int) -> float:
+    """When wear passed the threshold before its reading k, which is beyond."""
+    if k == 0 or not wear[k] > wear[k - 1]:
+        return float(times[k])
+    share = (threshold - wear[k - 1]) / (wear[k] - wear[k - 1])
     return float(times[k - 1] + min(max(share, 0.0), 1.0) * (times[k] - times[k - 1]))
+
+
+def _recovered(times: Array, wear: Array, threshold: float, reached: float) -> float | None:
+    """Since when wear has been short again of a threshold that it had reached; None where it is not."""
+    if times[0] > reached:  # renewed since
+        return float(times[0])
+    short = np.flatnonzero(wear < threshold)
+    lasted = np.flatnonzero(_lasts(wear, threshold))
+    if not len(lasted) or np.sum(wear[-3:] >= threshold) >= 2:
+        return None
+    return float(times[short[short > lasted[-1]][0]])
 
 
 def averaged(found: list[Candidates]) -> list[Array]:
@@ -203,23 +287,24 @@ def averaged(found: list[Candidates]) -> list[Array]:
     return [one / total for one in shares]
 
 
-def recoveries(times: Array, wear: Array) -> tuple[Array, float]:
+def recoveries(times: Array, wear: Array, threshold: float) -> tuple[Array, float]:
     """When wear fell back at once, by more than ``EVENT`` deviations of its steps, and since when it is as if renewed.
 
-    After maintenance, which takes off ``RENEWED`` of all wear and more, what was before says nothing of what comes; a
-    battery that rested goes on as before, and its recoveries are part of its trend.
+    After maintenance, which takes off ``RENEWED`` of all wear and ``MATTERS`` of the way to the threshold or more, what
+    was before says nothing of what comes; a battery that rested goes on as before, and its recoveries are part of its
+    trend.
     """
     steps = np.diff(wear)
     usual = 1.4826 * float(np.median(np.abs(steps - np.median(steps)))) + 1e-12 * float(np.ptp(wear))
     fell = np.flatnonzero(-steps > EVENT * usual)
-    large = [k for k in fell.tolist() if -steps[k] > RENEWED * (wear[: k + 1].max() - wear[0])]
+    matters = MATTERS * (threshold - wear[0])
+    large = [k for k in fell.tolist() if -steps[k] > max(RENEWED * (wear[: k + 1].max() - wear[0]), matters)]
     # It stays down: otherwise it was one bad reading.
     large = [k for k in large if np.median(wear[k + 1 : k + 4]) < wear[k] + steps[k] / 2]
     return times[fell + 1], float(times[large[-1] + 1]) if large else -math.inf
 
 
-def _ended(t: Array, y: Array, threshold: float, reached: float, falls: bool, draws: int) -> Forecast:
+def _ended(t: Array, y: Array, threshold: float, draws: int) -> Forecast:
     """Of wear that is at its threshold: there is nothing to foretell."""
     speed = (y[-1] - y[0]) / (t[-1] - t[0])
-    bend = bend_of_wiener(t, y, 0.0)
-    return Forecast(threshold, np.zeros(draws), np.full(draws, speed), 0.0, bend, {}, 1.0, reached, turned=falls)
+    return Forecast(threshold, np.zeros(draws), np.full(draws, speed), 0.0, bend_of_wiener(t, y), {}, 1.0)

@@ -1,20 +1,21 @@
 """Change against a robot's own baseline: CUSUM, with its false-alarm rate stated, and how soon it sees a shift.
 
-Readings are standardised by the baseline's mean and deviation. Page's sum S ← max(0, S + z − k) alarms above h; run
-lengths are exact to the grid of a Markov chain (Brook and Evans, Biometrika 59, 1972), and h is chosen so that the rate
-of false alarms is as stated on average over what a baseline of n readings does not know of its own mean and deviation.
+Readings are standardised by the baseline's mean and deviation. Page's sum S ← max(0, S + z − k) alarms above h.
+Readings follow one another: an autoregression is fitted to the baseline (its order by Akaike's criterion), and courses
+are drawn from it, with coefficients as uncertain as the baseline leaves them and its own residuals (the sieve
+bootstrap, Bühlmann, Bernoulli 3, 1997). Each begins with a baseline of its own; h is chosen so that false alarms come
+as stated on average over all of them.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
-from scipy.stats import norm
+from scipy.signal import lfilter
 
 from robophm.core.errors import DataError
 
@@ -23,10 +24,20 @@ Array = npt.NDArray[np.float64]
 FEWEST = 30
 """Readings of a baseline."""
 
-CORRELATED = 0.3
-"""Correlation of a reading with the next, from which on false alarms are more than stated."""
+INDEPENDENT, SURE = 20.0, 0.9
+"""What a baseline must be worth, in independent readings, for a rate of false alarms to be promised, and how surely."""
 
-_STATES = 60
+MOST_ORDER = 8
+"""Of the autoregression."""
+
+NEAREST_TO_WALK = 0.995
+"""Root of an autoregression beyond which it is drawn back: past it readings wander for ever."""
+
+COURSES = 300
+"""That are drawn."""
+
+_READINGS = 3_000_000  # of all courses together
+_SETTLING = 200  # readings of a course before its first
 
 
 @dataclass(frozen=True)
@@ -43,14 +54,21 @@ class Cusum:
     between_false_alarms: float
     """Readings, in the mean."""
     delay: float
-    """Readings, in the mean, until a shift of 2·k is seen."""
-    correlation: float
-    """Of a baseline's reading with the next."""
+    """Readings within which half of all shifts of 2·k are seen; infinite where fewer are in as many as were drawn."""
+    correlation_length: float
+    """Readings of the baseline that are worth one independent one, at most: so sure as ``SURE``."""
+    readings: int
+    """Of the baseline."""
 
     @property
-    def correlated(self) -> bool:
-        """Whether the baseline's readings follow one another, so that false alarms come more often than stated."""
-        return abs(self.correlation) > CORRELATED
+    def independent(self) -> float:
+        """How many independent readings the baseline is worth, at least."""
+        return self.readings / self.correlation_length
+
+    @property
+    def promised(self) -> bool:
+        """Whether that is enough to promise how often it alarms falsely."""
+        return self.independent >= INDEPENDENT
 
     def alarms(self, values: npt.ArrayLike) -> tuple[Array, list[int]]:
         """The larger of the two sums after each reading, and where it alarmed; the sums begin anew at an alarm."""
@@ -65,7 +83,7 @@ class Cusum:
         return np.array(sums), found
 
 
-def design(baseline: npt.ArrayLike, between_false_alarms: float, shift: float = 1.0) -> Cusum:
+def design(baseline: npt.ArrayLike, between_false_alarms: float, shift: float = 1.0, seed: int = 0) -> Cusum:
     """A detector of shifts of so many deviations, up or down, that alarms falsely once in so many readings.
 
     Raises DataError where the baseline is too short or does not vary, or nothing can be designed so.
@@ -85,37 +103,111 @@ def design(baseline: npt.ArrayLike, between_false_alarms: float, shift: float = 
             f"a false alarm in {between_false_alarms:g} readings, shifts of {shift:g} deviations; expected at least 10 "
             "readings, and 0.1 … 10 deviations"
         )
-    centred = y - y.mean()
-    correlation = float(centred[1:] @ centred[:-1] / (centred @ centred))
+    rng = np.random.default_rng(seed)
+    fitted = Autoregression.of((y - y.mean()) / deviation)
+    coefficients = fitted.drawn(COURSES, rng)
     k, n = shift / 2, len(y)
-    h = brentq(lambda h: false_alarm_rate(h, k, n) - 1 / between_false_alarms, 0.05, 60.0, xtol=1e-4)
+    length = int(min(max(2 * between_false_alarms, 50), 20_000))
+    parts = max(1, min(8, _READINGS // COURSES // length))
+    courses = fitted.courses(coefficients, n + parts * length, rng)
+    own = courses[:, :n]
+    z = (courses[:, n:] - own.mean(axis=1)[:, None]) / own.std(axis=1, ddof=1)[:, None]
+    z = z.reshape(COURSES, parts, length)
+    highest = highest_sums(z, k)
+    limit = _limit_for(highest, 1 / between_false_alarms)
+    seen = np.sum(highest_sums(z + shift, k) <= limit, axis=-1) + 1
+    delay = float(np.median(seen))
     return Cusum(
-        float(y.mean()), deviation, k, float(h), between_false_alarms, run_length(float(h), k, shift), correlation
-    )
+        float(y.mean()), deviation, k, limit, between_false_alarms, delay if delay <= length else math.inf,
+        float(np.quantile([correlation_length(one) for one in coefficients], SURE)), n,
+    )  # fmt: skip
 
 
-def run_length(limit: float, reference: float, shift: float = 0.0, scale: float = 1.0) -> float:
-    """Mean readings of a one-sided sum to its alarm from 0, z ~ N(shift, scale²)."""
-    width = limit / (_STATES - 0.5)
-    # State 0 is zero itself; state i is its interval around i·width.
-    states = np.arange(_STATES) * width
-    ends = states + width / 2
-    steps = (ends[None, :] - states[:, None] + reference - shift) / scale
-    reached = norm.cdf(steps)
-    chain = np.diff(reached, prepend=0.0, axis=1)
-    chain[:, 0] = reached[:, 0]
-    lengths = np.linalg.solve(np.eye(_STATES) - chain, np.ones(_STATES))
-    return float(lengths[0])
+def highest_sums(z: Array, reference: float) -> Array:
+    """The larger of the two sums so far, of sums that never begin anew; shape of ``z``, time last."""
+    found = np.zeros_like(z)
+    for sign in (1.0, -1.0):
+        total = np.cumsum(sign * z - reference, axis=-1)
+        lowest = np.minimum(np.minimum.accumulate(total, axis=-1), 0.0)
+        found = np.maximum(found, total - lowest)
+    result: Array = np.maximum.accumulate(found, axis=-1)
+    return result
 
 
-@lru_cache(10_000)
-def false_alarm_rate(limit: float, reference: float, baseline: int) -> float:
-    """Of both sums per reading, on average over what a baseline of so many readings may be off by."""
-    nodes, weights = np.polynomial.hermite_e.hermegauss(7)
-    total = 0.0
-    for x, wx in zip(nodes.tolist(), weights.tolist(), strict=True):
-        for v, wv in zip(nodes.tolist(), weights.tolist(), strict=True):
-            scale = max(1 + v / math.sqrt(2 * (baseline - 1)), 0.2)  # true over estimated deviation
-            off = x / math.sqrt(baseline)
-            total += wx * wv * 2 / run_length(limit, reference, off, scale)
-    return total / float(weights.sum()) ** 2
+def false_alarm_rate(highest: Array, limit: float) -> float:
+    """Per reading, on average over courses; ``highest``: of parts of courses, shape (courses, parts, readings)."""
+    length = highest.shape[-1]
+    quiet = np.sum(highest <= limit, axis=-1)
+    alarms, time = np.sum(quiet < length, axis=-1), np.sum(np.minimum(quiet + 1, length), axis=-1)
+    return float(np.mean(alarms / time))
+
+
+def _limit_for(highest: Array, rate: float) -> float:
+    return float(brentq(lambda h: false_alarm_rate(highest, h) - rate, 1e-3, max(float(highest.max()), 1.0), xtol=1e-3))
+
+
+@dataclass(frozen=True)
+class Autoregression:
+    """z[t] = Σ φ[j]·z[t−j] + e[t], fitted by least squares; shapes (order,), (order, order), (residuals,)."""
+
+    coefficients: Array
+    covariance: Array
+    residuals: Array
+
+    @classmethod
+    def of(cls, z: Array) -> Autoregression:
+        """Of a centred series, with the order of the least AIC; all orders are compared on the same readings."""
+        most = min(MOST_ORDER, len(z) // 8)
+        seen = z[most:]
+        before = np.column_stack([z[most - j : len(z) - j] for j in range(1, most + 1)])
+        best, least = None, math.inf
+        for order in range(most + 1):
+            x = before[:, :order]
+            phi: Array = np.asarray(np.linalg.lstsq(x, seen, rcond=None)[0] if order else np.zeros(0), dtype=float)
+            rest: Array = seen - x @ phi
+            variance = float(rest @ rest) / (len(seen) - order)
+            criterion = len(seen) * math.log(max(float(rest @ rest), 1e-300)) + 2 * order
+            if criterion < least:
+                least = criterion
+                spread: Array = np.asarray(variance * np.linalg.pinv(x.T @ x), dtype=float)
+                best = cls(phi, spread, rest * math.sqrt(len(seen) / (len(seen) - order)))
+        assert best is not None
+        return best
+
+    def drawn(self, count: int, rng: np.random.Generator) -> Array:
+        """Coefficients as they may be as well, none of which wanders for ever; shape (count, order)."""
+        if not len(self.coefficients):
+            return np.zeros((count, 0))
+        return _drawn_back(rng.multivariate_normal(self.coefficients, self.covariance, count, method="eigh"))
+
+    def courses(self, coefficients: Array, length: int, rng: np.random.Generator) -> Array:
+        """A series for each row of coefficients, with its residuals; shape (rows, length)."""
+        count, order = coefficients.shape
+        if order == 0:
+            return rng.choice(self.residuals, (count, length))
+        drawn = rng.choice(self.residuals, (_SETTLING + length, count))
+        series = np.zeros((order + _SETTLING + length, count))
+        turned = coefficients.T[::-1]  # the oldest first, as in the series
+        for t in range(_SETTLING + length):
+            series[order + t] = np.einsum("jc,jc->c", turned, series[t : t + order]) + drawn[t]
+        result: Array = series[order + _SETTLING :].T
+        return result
+
+
+def correlation_length(coefficients: Array) -> float:
+    """Of an autoregression, the variance of a long mean times its readings over that of a reading; at least 1."""
+    answer = lfilter([1.0], np.concatenate(([1.0], -coefficients)), np.eye(1, 4000)[0])
+    return max(float(answer.sum() ** 2 / (answer @ answer)), 1.0)
+
+
+def _drawn_back(phi: Array) -> Array:
+    """Coefficients whose largest root is at most ``NEAREST_TO_WALK``; shape (courses, order)."""
+    count, order = phi.shape
+    if order == 0:
+        return phi
+    companion = np.zeros((count, order, order))
+    companion[:, 0], companion[:, range(1, order), range(order - 1)] = phi, 1.0
+    radius = np.abs(np.linalg.eigvals(companion)).max(axis=1)
+    share = np.minimum(1.0, NEAREST_TO_WALK / np.maximum(radius, 1e-300))
+    result: Array = phi * share[:, None] ** np.arange(1, order + 1)
+    return result

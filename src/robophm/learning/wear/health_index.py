@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.core.errors import DataError
-from robophm.learning.wear.wiener_and_gamma import DRAWS, Interval, interval_of
+from robophm.learning.wear.averaging import DRAWS, Interval, interval_of
 
 Array = npt.NDArray[np.float64]
 

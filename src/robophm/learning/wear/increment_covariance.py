@@ -1,7 +1,7 @@
 """Increments of readings of a Wiener process with noise: their covariance at ratios of noise to wandering.
 
 Y = X + ε of dX = μ dt + σ dW: from one reading to the next, increments vary by dt + 2τ and follow on by −τ [σ²], where
-τ is the variance of the noise. A mean of a wandering level over w wanders less, by w/3, and follows on by w/6.
+τ is the variance of the noise.
 """
 
 from __future__ import annotations
@@ -21,15 +21,14 @@ wandering over noise does (Gelman, Bayesian Analysis 1, 2006). Were it flat ther
 does not wander at all, and intervals would be too narrow."""
 
 
-def root_of_covariance(dt: Array, width: float, tau: float) -> Array:
+def root_of_covariance(dt: Array, tau: float) -> Array:
     """The upper band of a Cholesky factor of the increments' covariance [σ²]; shape (2, increments).
 
-    ``width``: of the stretch over which each reading is a mean [time]; ``tau``: variance of its noise [σ²].
+    ``tau``: variance of a reading's noise [σ²].
     """
-    within = np.minimum(width, dt)
     band = np.zeros((2, len(dt)))
-    band[1] = dt - within / 3 + 2 * tau
-    band[0, 1:] = np.minimum(within[1:], within[:-1]) / 6 - tau
+    band[1] = dt + 2 * tau
+    band[0, 1:] = -tau
     result: Array = cholesky_banded(band)
     return result
 

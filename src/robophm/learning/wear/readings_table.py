@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from robophm.core.errors import DataError
+from robophm.core.signal import SECOND
 from robophm.learning.table import Row, date_of, read_table
 
 Array = npt.NDArray[np.float64]
@@ -19,8 +21,14 @@ COLUMNS: Mapping[str, Sequence[str]] = {
     "value": ("signal", "reading", "y"),
     "load": ("x",),
     "ambient": (),
+    "unit": ("specimen",),
 }
-"""What a table may say of a signal; ``ambient`` is taken off its value, as of a bearing's temperature."""
+"""What a table may say of a signal; ``ambient`` is taken off its value, as of a bearing's temperature; ``unit``: of
+which of several equal things the row is."""
+
+
+WIDEST = 1e60
+"""What a reading may be, up or down: its powers are numbers too."""
 
 
 @dataclass(frozen=True)
@@ -34,26 +42,46 @@ class Readings:
     dated: bool
     """Whether its times are dates, and so the calendar's."""
     when: npt.NDArray[np.int64] | None = None
-    """Of recordings [ns since the epoch]."""
-    width: float = 0.0
-    """Of recordings, the stretch of the clock over which each is a mean."""
+    """Of recordings, and of a table with dates [ns since the epoch]."""
 
 
 def read_readings(path: Path, unit: str) -> Readings:
-    """Readings in order of time, on a clock that counts a unit. Raises DataError, with the line."""
+    """Readings of one part in order of time, on a clock that counts a unit. Raises DataError, with the line."""
     rows = read_table(path, COLUMNS, "readings")
     dated = "when" in rows[0].cells
-    times = [_date(row) if dated else _age(row, unit) for row in rows]
+    for row in rows:
+        if row.text("unit") != rows[0].text("unit"):
+            raise row.error(
+                f"is {row.text('unit')!r:.40}, and {rows[0].text('unit')!r:.40} before; expected readings of one part",
+                "unit",
+            )
+    dates = [date_of(row, "when").timestamp() for row in rows] if dated else []
+    times = [(date - dates[0]) / 3600 for date in dates] if dated else [_age(row, unit) for row in rows]
     for before, after, row in zip(times, times[1:], rows[1:], strict=False):
         if not after > before:
             column = "when" if dated else "time"
-            raise row.error("is no later than the reading before; expected readings in order of time", column)
+            raise row.error(
+                "is no later than the reading before; expected readings of one part, in order of time", column
+            )
     with_load = any("load" in row.cells for row in rows)
     load = np.array([row.number("load") for row in rows]) if with_load else None
-    origin = times[0] if dated else 0.0
     with_ambient = any("ambient" in row.cells for row in rows)  # one that is missing is not 0
     values = [row.number("value") - (row.number("ambient") if with_ambient else 0.0) for row in rows]
-    return Readings(np.array(times) - origin, np.array(values), load, dated)
+    when = np.array([round(date * SECOND) for date in dates], dtype=np.int64) if dated else None
+    return Readings(np.array(times), np.array(values), load, dated, when)
+
+
+def at_load(values: npt.ArrayLike, load: npt.ArrayLike, baseline: int, reference: float) -> Array:
+    """A signal that answers to load (a motor's current), as it would be at a reference load; shape of ``values``.
+
+    The line of signal over load is of the first ``baseline`` readings. Raises DataError where load did not change then.
+    """
+    y, x = np.asarray(values, dtype=float), np.asarray(load, dtype=float)
+    if baseline < 3 or np.ptp(x[:baseline]) == 0:
+        raise DataError("the load does not change in the baseline: what of the signal is load cannot be told")
+    slope = np.polyfit(x[:baseline], y[:baseline], 1)[0]
+    result: Array = y - slope * (x - reference)
+    return result
 
 
 def _age(row: Row, unit: str) -> float:
@@ -61,7 +89,3 @@ def _age(row: Row, unit: str) -> float:
     if value < 0:
         raise row.error(f"{row.text('time')} is negative; expected the age of the part, at least 0", "time")
     return value
-
-
-def _date(row: Row) -> float:
-    return date_of(row, "when").timestamp() / 3600

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from robophm.core.errors import DataError
 from robophm.core.signal import SECOND
 from robophm.design.robot import Gauge, WearSignal
-from robophm.learning.wear.wiener_and_gamma import WIDEST
+from robophm.learning.wear.readings_table import WIDEST
 
 Array = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]
@@ -193,12 +193,10 @@ class OnClock(NamedTuple):
     """Those that are later on it than the one before."""
     ages: Array
     """Where it stood."""
-    width: float
-    """How far it usually went in a stretch."""
 
 
-def on_a_clock(reduced: Reduced, every: int, looks: Sequence[tuple[int, float]], notes: Counter[str]) -> OnClock:
-    """Readings of stretches of ``every`` [ns] on a clock that was looked at [ns, ascending; age].
+def on_a_clock(reduced: Reduced, looks: Sequence[tuple[int, float]], notes: Counter[str]) -> OnClock:
+    """Readings of stretches on a clock that was looked at [ns, ascending; age].
 
     Between two looks the clock is taken to go evenly.
     """
@@ -208,8 +206,8 @@ def on_a_clock(reduced: Reduced, every: int, looks: Sequence[tuple[int, float]],
     def at(times: Times) -> Array:
         return np.asarray(np.interp((times - when[0]) / SECOND, (when - when[0]) / SECOND, ages))
 
-    stood, begin = at(reduced.times), reduced.times // every * every
+    stood = at(reduced.times)
     later = np.diff(np.maximum.accumulate(stood), prepend=-math.inf) > 0
     if still := int((~later).sum()):
         notes["readings while the part did not age, left out"] += still
-    return OnClock(np.flatnonzero(later), stood[later], float(np.median((at(begin + every) - at(begin))[later])))
+    return OnClock(np.flatnonzero(later), stood[later])

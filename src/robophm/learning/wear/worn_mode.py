@@ -10,16 +10,18 @@ import numpy as np
 from robophm.core.errors import DataError
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
 from robophm.learning.failure_mode_edits import named_mode
+from robophm.learning.wear.averaging import Forecast, forecast
 from robophm.learning.wear.cusum import Cusum, design
-from robophm.learning.wear.readings_table import Readings, read_readings
-from robophm.learning.wear.wiener_and_gamma import FEWEST, Array, Process, Wear, at_load, wear
+from robophm.learning.wear.readings_table import Array, Readings, at_load, read_readings
+
+FIRST = 8
+"""Readings, or a quarter of them if that is less, whose median says on which side of the threshold a signal begins."""
 
 
 @dataclass(frozen=True)
 class WearOptions:
     """How readings are taken."""
 
-    process: Process = "wiener"
     baseline: int = 100
     """Readings at the start that were sound."""
     between_false_alarms: float = 1000.0
@@ -40,8 +42,13 @@ class WornMode:
     readings: Readings
     values: Array
     """The readings, as they would be at the load at which they are compared; shape (readings,)."""
-    wear: Wear
-    detector: Cusum
+    deviation: float
+    """How well the threshold is known."""
+    wear: Forecast
+    detector: Cusum | None
+    """Of change; None where it could not be looked for."""
+    unlooked: str
+    """Why it could not; empty where it could."""
     alarms: tuple[int, ...]
     """Which readings say that something has changed."""
 
@@ -55,42 +62,62 @@ class WornMode:
         """When something had changed [``unit``]."""
         return [float(self.readings.times[i]) for i in self.alarms]
 
+    @property
+    def critical(self) -> bool:
+        """Whether its threshold is or was reached, or no model follows it."""
+        return self.wear.worn_out or not self.wear.followed
+
+    def when(self, time: float) -> int | None:
+        """The date of a time of its clock, between two readings evenly [ns since the epoch]; None without dates."""
+        if self.readings.when is None:
+            return None
+        first = int(self.readings.when[0])
+        return first + round(float(np.interp(time, self.readings.times, self.readings.when - first)))
+
 
 _USUAL = WearOptions()
 
 
 def worn_mode(
-    mode: FailureMode, source: str, readings: Readings, threshold: float, *, load: float | None = None,
-    options: WearOptions = _USUAL,
+    mode: FailureMode, source: str, readings: Readings, threshold: float, *, deviation: float = 0.0,
+    load: float | None = None, options: WearOptions = _USUAL,
 ) -> WornMode:  # fmt: skip
     """Of readings that begin below or above the threshold, and so rise or fall to it.
 
-    ``load`` is that at which readings are compared, where they come with their loads. Raises DataError, with the
-    source, where they are too few or say nothing of a trend.
+    ``deviation``: how well the threshold is known; ``load``: that at which readings are compared, where they come with
+    their loads. Raises DataError, with the source, where they are too few or cannot be wear.
     """
-    values, baseline = readings.values, options.baseline
-    if len(values) <= baseline:
-        raise DataError(f"{source}: {len(values)} readings, and a baseline of {baseline} (--baseline); expected more")
+    values = readings.values
     try:
         if readings.load is not None and load is not None:
-            values = at_load(values, readings.load, baseline, load)
-        begun = float(np.median(values[:FEWEST]))
+            values = at_load(values, readings.load, options.baseline, load)
+        begun = float(np.median(values[: min(FIRST, max(len(values) // 4, 1))]))
         if threshold == begun:
             raise DataError(f"the signal begins at its threshold, {threshold:g}; expected one that it has yet to reach")
-        found = wear(
-            readings.times, values, threshold, process=options.process, falls=threshold < begun,
-            width=readings.width, seed=options.seed,
-        )  # fmt: skip
-        detector = design(values[:baseline], options.between_false_alarms, options.shift)
+        found = forecast(
+            readings.times, values, threshold, falls=threshold < begun, deviation=deviation, seed=options.seed
+        )
     except DataError as error:
         raise DataError(f"{source}: {error}") from None
-    alarms = tuple(baseline + i for i in detector.alarms(values[baseline:])[1])
-    return WornMode(mode, source, readings, values, found, detector, alarms)
+    detector, unlooked, alarms = _changes(values, options)
+    return WornMode(mode, source, readings, values, deviation, found, detector, unlooked, alarms)
+
+
+def _changes(values: Array, options: WearOptions) -> tuple[Cusum | None, str, tuple[int, ...]]:
+    """What looks for changes, or why none are looked for, and which readings alarm."""
+    baseline = options.baseline
+    if len(values) <= baseline:
+        return None, f"{len(values)} readings, and a baseline needs {baseline} before the first one judged", ()
+    try:
+        detector = design(values[:baseline], options.between_false_alarms, options.shift, options.seed)
+    except DataError as error:
+        return None, str(error), ()
+    return detector, "", tuple(baseline + i for i in detector.alarms(values[baseline:])[1])
 
 
 def worn_mode_of_table(
-    robot: Robot, path: Path, part: str, *, threshold: float | None = None, load: float | None = None,
-    options: WearOptions = _USUAL,
+    robot: Robot, path: Path, part: str, *, threshold: float | None = None, deviation: float | None = None,
+    load: float | None = None, options: WearOptions = _USUAL,
 ) -> WornMode:  # fmt: skip
     """Of a table of readings of one part, or failure mode, by its path; the threshold is the design's unless given.
 
@@ -104,9 +131,10 @@ def worn_mode_of_table(
         )
     if threshold is None and mode.wear:
         threshold = mode.wear.threshold
+        deviation = mode.wear.threshold_deviation if deviation is None else deviation
     if threshold is None:
         raise DataError(f"{path}: at which value is '{mode.path}' worn out? expected --threshold")
     readings = read_readings(path, CLOCK_UNITS[mode.clock])
     if (readings.load is None) != (load is None):
         raise DataError(f"{path}: a column 'load' and --load, the load at which readings are compared: expected both")
-    return worn_mode(mode, str(path), readings, threshold, load=load, options=options)
+    return worn_mode(mode, str(path), readings, threshold, deviation=deviation or 0.0, load=load, options=options)

@@ -112,6 +112,11 @@ def origins(readings: int, first: int) -> Indices:
     return found
 
 
+def origin_of_surprise(readings: int) -> int:
+    """The reading from which the last one is foretold, to see whether the wear is followed."""
+    return 3 * readings // 4
+
+
 def ahead_of(origin: int, readings: int) -> Indices:
     """Readings that are foretold from one."""
     found: Indices = np.unique(np.linspace(origin + 1, readings - 1, AHEAD).astype(np.int64))

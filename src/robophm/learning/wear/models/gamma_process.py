@@ -18,6 +18,7 @@ from robophm.learning.wear.models.candidates import (
     DegradationPath,
     Indices,
     ahead_of,
+    origin_of_surprise,
     origins,
     prior_over,
     scored,
@@ -65,7 +66,7 @@ class GammaProcess:
         n = len(self.shape)
         if n < _FIRST + 5:
             return np.ones(self.shape.shape[1])
-        o = 3 * n // 4
+        o = origin_of_surprise(n)
         more = float(self.course.wear[-1] - self.course.wear[o])
         below = betainc(self.shape[-1] - self.shape[o], self.degrees[o], more / (more + self.total[o]))
         result: Array = 2 * np.minimum(below, 1 - below)

@@ -15,7 +15,16 @@ import numpy as np
 from scipy.special import gammaln
 from scipy.stats import t as student
 
-from robophm.learning.wear.models.candidates import FAR, Array, DegradationPath, Indices, ahead_of, origins, scored
+from robophm.learning.wear.models.candidates import (
+    FAR,
+    Array,
+    DegradationPath,
+    Indices,
+    ahead_of,
+    origin_of_surprise,
+    origins,
+    scored,
+)  # fmt: skip
 
 NOISE = np.array([1e-5, 1e-3, 1e-2, 1e-1, 1.0, 10.0, 1e3])
 """Variance of a reading over that of wandering in one reference time."""
@@ -169,7 +178,7 @@ class ScaledWiener:
         n = len(self.z)
         if n < self.first + 5:
             return np.ones(self.z.shape[1])
-        off, variance, degrees = self._ahead(3 * n // 4, np.array([n - 1]))
+        off, variance, degrees = self._ahead(origin_of_surprise(n), np.array([n - 1]))
         result: Array = 2 * student.sf(np.abs(off[0]) / np.sqrt(variance[0]), degrees)
         return result
 

@@ -1,0 +1,201 @@
+"""What readings say of wear, in words and as JSON."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+
+from robophm.cli.shared.output import print_table, table
+from robophm.health.prognosis import RemainingLife
+from robophm.health.unknown_rates import marked, marks
+from robophm.learning.wear.averaging import UNFOLLOWED, Interval
+from robophm.learning.wear.cusum import Cusum
+from robophm.learning.wear.trend_bend import FALSE_ALARMS
+from robophm.learning.wear.worn_mode import WornMode
+from robophm.monitoring.worn_life import Life, WornLife
+from robophm.report.curve import sparkline
+from robophm.report.words import duration_text, moment_text, more_text, number_text, percent_text
+
+TOLD = 4
+"""Times of events or alarms that are listed."""
+
+_BEYOND = "–"
+
+
+def print_worn(out: Console, found: WornMode) -> None:
+    """Trend, time to the threshold, events and changes of one failure mode."""
+
+    def say(text: str, style: str = "") -> None:
+        out.print(text, style=style, markup=False, soft_wrap=True)
+
+    unit, values, wear = found.unit, found.values, found.wear
+    first, last = (number_text(float(values[i])) for i in (0, -1))
+    span = number_text(float(np.ptp(found.readings.times)))
+    say(f"{found.source}: {len(values)} readings over {span} {unit}, {first} to {last}", "bold")
+    say(sparkline(values, 60))
+    low, median, high = (number_text(1000 * one, 3) for one in wear.trend)
+    bend = f"; so far it is {wear.bend.direction} (p = {number_text(wear.bend.p_value, 2)})"
+    noise = f"; noise of a reading {number_text(wear.noise, 2)}" if wear.noise else ""
+    if np.ptp(wear.drift) == 0:  # worn out: nothing is foretold
+        say(f"Trend over all readings: {median} per 1000 {unit}{bend if wear.bend.direction else ''}")
+    else:
+        say(f"Trend now: {median} per 1000 {unit}, 90 % between {low} and {high}"
+            f"{bend if wear.bend.direction else ''}{noise}")  # fmt: skip
+    if wear.events:
+        say(f"Wear fell back at once: {_times(found, wear.events)}")
+    if wear.renewed is not None:
+        say(f"As if new since {_time(found, wear.renewed)}: readings before that do not count for its life")
+    say(_threshold_text(found), "bold red" if wear.worn_out else "")
+    if not wear.followed:
+        say(f"No model follows this wear: it went where it was foretold to go with {percent_text(wear.surprise)}, less "
+            f"than {percent_text(UNFOLLOWED)}; its life is not to be believed", "bold red")  # fmt: skip
+    elif wear.weights and wear.said:
+        most = sorted(wear.weights.items(), key=lambda one: -one[1])[:3]
+        say(f"By {', '.join(f'{name} {number_text(100 * share, 2)} %' for name, share in most)}")
+    say(*_change_text(found))
+
+
+def _threshold_text(found: WornMode) -> str:
+    wear = found.wear
+    threshold = f"{wear.signal_threshold:g}" + (f" ± {found.deviation:g}" if found.deviation else "")
+    if wear.reached is not None:
+        at = f"reached {threshold} at {_time(found, wear.reached)}"
+        if not wear.worn_out:
+            life = _life_text(found, threshold)
+            return f"Had {at}, before it was as if new; {life[0].lower()}{life[1:]}"
+        if wear.recovered is None:
+            return f"Has {at}"
+        return f"Has {at}; short of it again since {_time(found, wear.recovered)}, and had reached it all the same"
+    text = _life_text(found, threshold)
+    if not wear.said and np.quantile(wear.drift, 0.95) < 0:
+        text += f"; its trend leads away from there, or it was past {threshold} when readings began"
+    return text
+
+
+def _life_text(found: WornMode, threshold: str) -> str:
+    wear, unit = found.wear, found.unit
+    share = f"{number_text(100 * wear.never, 2)} % of what is drawn"
+    if not wear.said:
+        return f"When it reaches {threshold} cannot be said: in {share} it does not come there"
+    low, median, high = (number_text(one, 3) for one in wear.remaining)
+    if math.isinf(wear.remaining.high):
+        return f"Reaches {threshold} in {median} {unit}; 5 % by {low}, and in {share} it does not come there"
+    return f"Reaches {threshold} in {median} {unit}, 90 % between {low} and {high}"
+
+
+def _change_text(found: WornMode) -> tuple[str, str]:
+    """What is said of changes, and its style."""
+    detector = found.detector
+    if detector is None:
+        return f"Change: not looked for: {found.unlooked}", ""
+    at = _times(found, found.alarmed) if found.alarms else "none"
+    delay = f"within {number_text(detector.delay, 3)}" if math.isfinite(detector.delay) else "later than is of use"
+    text = f"Change against the first {detector.readings} readings: {at}"
+    shift = f"{2 * detector.reference:g} deviation{'s' if detector.reference != 0.5 else ''}"
+    meant = f"CUSUM for shifts of {shift}, half of them seen {delay} readings"
+    if detector.promised:
+        return f"{text} ({meant}; falsely once in {detector.between_false_alarms:g} while all is as then)", ""
+    worth = number_text(max(detector.independent, 1.0), 2)
+    why = f"those follow one another or drift already, and are worth {worth} independent"
+    return f"{text} ({meant}; how often falsely cannot be promised: {why})", "yellow"
+
+
+def _time(found: WornMode, time: float) -> str:
+    when = found.when(time)
+    return f"{number_text(time)} {found.unit}" + (f", {moment_text(when)[:19]}" if when is not None else "")
+
+
+def _times(found: WornMode, times: Sequence[float]) -> str:
+    """The first of them, and how many more there are."""
+    more = len(times) - TOLD
+    listed = "; ".join(_time(found, time) for time in times[:TOLD])
+    return f"{listed}; {more_text(more, 'listed')}" if more > 0 else listed
+
+
+def print_lives(out: Console, lives: Mapping[str, WornLife]) -> None:
+    """By hazard alone, and with wear."""
+    rows, unsaid = [], False
+    for name, both in lives.items():
+        with_wear = "with its wear" if both.holds else "with its wear, which no model follows"
+        for what, (life, left_out) in (("by hazard alone", both.by_hazard), (with_wear, both.with_wear)):
+            times = [duration_text(time) for time in (life.early, life.median, life.late)]
+            if what == with_wear:
+                times = [_BEYOND if math.isinf(one) else said for one, said in zip(_three(life), times, strict=True)]
+                unsaid = unsaid or _BEYOND in times
+            rows.append([f"{name} {what}", *(marked(marks(left_out)[2], one) for one in times)])
+    columns = ["", "5 % by", "median", "95 % by"]
+    print_table(out, table("Remaining life, calendar time", columns, rows, figures=(1, 2, 3)))
+    if unsaid:
+        out.print(f"{_BEYOND}: cannot be said; it may never come", markup=False)
+
+
+def _three(life: RemainingLife) -> tuple[float, float, float]:
+    return life.early, life.median, life.late
+
+
+def worn_json(one: WornMode) -> dict[str, Any]:
+    """Of one failure mode; null is what cannot be said."""
+    wear = one.wear
+    return {
+        "mode": one.mode.path,
+        "unit": one.unit,
+        "readings": len(one.values),
+        "threshold": wear.signal_threshold,
+        "threshold_deviation": one.deviation,
+        "trend": wear.trend._asdict(),
+        "bend": {"direction": wear.bend.direction, "p": wear.bend.p_value, "false_alarms": FALSE_ALARMS},
+        "noise": wear.noise,
+        "remaining": interval_json(wear.remaining),
+        "said": wear.said,
+        "never": wear.never,
+        "reached": wear.reached,
+        "recovered": wear.recovered,
+        "renewed": wear.renewed,
+        "events": wear.events,
+        "followed": wear.followed,
+        "surprise": wear.surprise,
+        "weights": dict(wear.weights),
+        "change": {"not_looked_for": one.unlooked} if one.detector is None else _change_json(one.detector, one.alarmed),
+    }
+
+
+def _change_json(detector: Cusum, alarmed: Sequence[float]) -> dict[str, Any]:
+    return {
+        "mean": detector.mean,
+        "deviation": detector.deviation,
+        "limit": detector.limit,
+        "between_false_alarms": detector.between_false_alarms if detector.promised else None,
+        "delay": _finite(detector.delay),
+        "independent": detector.independent,
+        "alarms": alarmed,
+    }
+
+
+def interval_json(interval: Interval) -> dict[str, float | None]:
+    """Null where it is beyond what can be said."""
+    return {name: _finite(one) for name, one in interval._asdict().items()}
+
+
+def lives_json(lives: Mapping[str, WornLife]) -> dict[str, Any]:
+    """By hazard alone, and with wear; of that null is what cannot be said."""
+
+    def life(one: Life) -> dict[str, Any]:
+        life, left_out = one
+        return {"early": life.early, "median": life.median, "late": life.late, "mean": life.mean,
+                **({"unknown": asdict(left_out)} if left_out else {})}  # fmt: skip
+
+    def fused(one: WornLife) -> dict[str, Any]:
+        found = life(one.with_wear)
+        finite = {name: _finite(said) if isinstance(said, float) else said for name, said in found.items()}
+        return {**finite, "holds": one.holds}
+
+    return {name: {"hazard": life(one.by_hazard), "fused": fused(one)} for name, one in lives.items()}
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
