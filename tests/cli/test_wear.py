@@ -268,3 +268,54 @@ def test_mistakes_about_recordings_are_one_line(inside, listening, tmp_path):
         assert failed.returncode == 3, failed.stdout
         assert said in failed.stderr
         assert failed.stderr.count("\n") == 1
+
+
+def fleet(path, rng, count, heading="unit,time [h],value"):
+    """Batteries whose capacity falls ever faster, each at a speed of its own, until it is below 0.7."""
+    rows = []
+    for unit, life in enumerate(2000 * np.exp(0.2 * rng.standard_normal(count))):
+        t = np.arange(0.0, 1.05 * life, 20.0)
+        y = 1 - 0.3 * (t / life) ** 3 + 0.002 * rng.standard_normal(len(t))
+        rows += [f"b{unit},{a},{b:.5f}" for a, b in zip(t, y, strict=True)]
+    path.write_text(heading + "\n" + "\n".join(rows) + "\n")
+    return path.name
+
+
+def test_others_of_its_kind_are_teachers(inside, robot, tmp_path):
+    """At half of its life a battery that will fall ever faster; thirty others tell when, and that is said."""
+    rng = np.random.default_rng(11)
+    hours = np.arange(0.0, 1000.0, 20.0)
+    readings(tmp_path / "mine.csv", hours, 1 - 0.3 * (hours / 2000) ** 3 + 0.002 * rng.standard_normal(50))
+    words = ("wear", robot, "mine.csv", "--part", "battery", "--threshold", 0.7)
+    others = fleet(tmp_path / "fleet.csv", rng, 30)
+    alone, among = (
+        json.loads(inside(*words, *more, "--json").stdout)["signals"][0] for more in ((), ("--fleet", others))
+    )
+    assert among["others"] == 30
+    assert alone["others"] == 0
+    assert sum(among["weights"].values()) == pytest.approx(1)
+    left = 2000 - hours[-1]
+    assert among["remaining"]["low"] < left < among["remaining"]["high"]
+    assert abs(among["remaining"]["median"] / left - 1) < 0.25
+    told = inside(*words, "--fleet", others)
+    assert told.returncode == 0
+    assert "Beside 30 others of its kind" in told.stdout
+    assert "others from here" in told.stdout
+
+
+def test_what_is_no_fleet(inside, robot, tmp_path):
+    words = ("wear", robot, "capacity.csv", "--part", "battery", "--threshold", 0.7, "--fleet")
+    for text, expected in (
+        ("time [h],value\n1,0.9\n2,0.8\n", "fleet.csv:2: which part is it of? expected a column 'unit'"),
+        ("unit,time [h],value\na,1,0.9\nb,1,0.9\nb,2,0.8\n", "unit 'a' has one reading; expected at least two"),
+        ("unit,time [h],value\na,2,0.9\na,1,0.8\n", "is no later than the reading before"),
+        (
+            "unit,when,value\na,2026-01-01T00:00:00Z,0.9\na,2026-01-02T00:00:00Z,0.8\n",
+            "unit 'a' has dates or ages where",
+        ),
+        ("unit,time [h],value,load\na,1,0.9,3\na,2,0.8,4\n", "come with a load are not compared"),
+    ):
+        (tmp_path / "fleet.csv").write_text(text)
+        told = inside(*words, "fleet.csv")
+        assert told.returncode == 3
+        assert expected in " ".join(told.stderr.split())

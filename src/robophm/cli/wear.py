@@ -36,6 +36,7 @@ class Wishes:
     threshold: float | None
     threshold_deviation: float | None
     load: float | None
+    fleet: Path | None
     options: WearOptions
     store: Path | None
     skip_missing: bool
@@ -65,6 +66,12 @@ def command(
     load: Annotated[
         float | None, typer.Option(help="of a table: at which readings are compared, by their column load")
     ] = None,
+    fleet: Annotated[
+        Path | None,
+        typer.Option(
+            help="of a table: the same signal of other units, worn out or still running, as a prior: unit, time, value"
+        ),
+    ] = None,
     baseline: Annotated[int, typer.Option(help="readings at the start that were sound", min=30)] = 100,
     false_alarms: Annotated[float, typer.Option(help="one in so many readings", min=10)] = 1000.0,
     shift: Annotated[float, typer.Option(help="deviations that shall be seen", min=0.1, max=10)] = 1.0,
@@ -80,7 +87,7 @@ def command(
     Exit code 1 where a threshold is reached, or no model follows the wear.
     """
     options = WearOptions(baseline, false_alarms, shift, seed)
-    wishes = Wishes(part, threshold, threshold_deviation, load, options, store, skip_missing, as_json)
+    wishes = Wishes(part, threshold, threshold_deviation, load, fleet, options, store, skip_missing, as_json)
     if run(design, signals, wishes):
         raise typer.Exit(BREACHED)
 
@@ -90,7 +97,7 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
     robot = load(path)
     fitted = ("part", "baseline", "false_alarms", "shift", "store", "seed")
     if any(signal.suffix.lower() in TABLES for signal in signals):
-        refuse_unused("a table", (*fitted, "threshold", "threshold_deviation", "load"))
+        refuse_unused("a table", (*fitted, "threshold", "threshold_deviation", "load", "fleet"))
         found, monitor = [_of_table(robot, signals, wishes)], Monitor(robot)
     else:
         refuse_unused(
@@ -118,7 +125,7 @@ def _of_table(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> WornMode
         raise DataError(f"{signal}: whose wear is it? expected --part, the path of a part or of its failure mode")
     return worn_mode_of_table(
         robot, signal, wishes.part, threshold=wishes.threshold, deviation=wishes.threshold_deviation,
-        load=wishes.load, options=wishes.options,
+        load=wishes.load, options=wishes.options, fleet=wishes.fleet,
     )  # fmt: skip
 
 

@@ -38,6 +38,8 @@ def print_worn(out: Console, found: WornMode) -> None:
     span = number_text(float(np.ptp(found.readings.times)))
     say(f"{found.source}: {len(values)} readings over {span} {unit}, {first} to {last}", "bold")
     say(sparkline(values, 60))
+    if found.others:
+        say("Beside " + (f"{found.others} others" if found.others > 1 else "one other") + " of its kind")
     low, median, high = (number_text(1000 * one, 3) for one in wear.trend)
     bend = f"; so far it is {wear.bend.direction} (p = {number_text(wear.bend.p_value, 2)})"
     noise = f"; noise of a reading {number_text(wear.noise, 2)}" if wear.noise else ""
@@ -145,6 +147,7 @@ def worn_json(one: WornMode) -> dict[str, Any]:
         "mode": one.mode.path,
         "unit": one.unit,
         "readings": len(one.values),
+        "others": one.others,
         "threshold": wear.signal_threshold,
         "threshold_deviation": one.deviation,
         "trend": wear.trend._asdict(),

@@ -84,9 +84,11 @@ def forecast_among(
     DataError as ``forecast`` does, and for others without two readings.
     """
     alone = forecast(times, values, threshold, falls=falls, deviation=deviation, seed=seed, draws=draws)
-    if alone.reached is not None or not others:
+    if alone.worn_out or not others:
         return alone
     t, y, goal = checked(times, values, threshold, deviation, falls=falls)
+    if alone.renewed is not None:
+        t, y = t[t >= alone.renewed], y[t >= alone.renewed]
     turned = [_turned(one, threshold, k, falls=falls) for k, one in enumerate(others)]
     new = float(np.median([y[0], *(wear[0] for _, wear, _, _ in turned)]))
     own_way = goal - new if goal > new else goal - float(y[0])

@@ -48,13 +48,28 @@ class Readings:
 def read_readings(path: Path, unit: str) -> Readings:
     """Readings of one part in order of time, on a clock that counts a unit. Raises DataError, with the line."""
     rows = read_table(path, COLUMNS, "readings")
-    dated = "when" in rows[0].cells
     for row in rows:
         if row.text("unit") != rows[0].text("unit"):
             raise row.error(
                 f"is {row.text('unit')!r:.40}, and {rows[0].text('unit')!r:.40} before; expected readings of one part",
                 "unit",
             )
+    return _of_rows(rows, unit)
+
+
+def read_units(path: Path, unit: str) -> dict[str, Readings]:
+    """Readings of many parts by their column ``unit``, each in order of time. Raises DataError, with the line."""
+    rows = read_table(path, COLUMNS, "readings")
+    parts: dict[str, list[Row]] = {}
+    for row in rows:
+        if "unit" not in row.cells:
+            raise row.error("which part is it of? expected a column 'unit'")
+        parts.setdefault(row.text("unit"), []).append(row)
+    return {name: _of_rows(of_part, unit) for name, of_part in parts.items()}
+
+
+def _of_rows(rows: Sequence[Row], unit: str) -> Readings:
+    dated = "when" in rows[0].cells
     dates = [date_of(row, "when").timestamp() for row in rows] if dated else []
     times = [(date - dates[0]) / 3600 for date in dates] if dated else [_age(row, unit) for row in rows]
     for before, after, row in zip(times, times[1:], rows[1:], strict=False):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,9 +11,10 @@ import numpy as np
 from robophm.core.errors import DataError
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
 from robophm.learning.failure_mode_edits import named_mode
-from robophm.learning.wear.averaging import Forecast, forecast
+from robophm.learning.wear.among_others import Unit, forecast_among
+from robophm.learning.wear.averaging import Forecast
 from robophm.learning.wear.cusum import Cusum, design
-from robophm.learning.wear.readings_table import Array, Readings, at_load, read_readings
+from robophm.learning.wear.readings_table import Array, Readings, at_load, read_readings, read_units
 
 FIRST = 8
 """Readings, or a quarter of them if that is less, whose median says on which side of the threshold a signal begins."""
@@ -51,6 +53,8 @@ class WornMode:
     """Why it could not; empty where it could."""
     alarms: tuple[int, ...]
     """Which readings say that something has changed."""
+    others: int = 0
+    """How many units of its kind were teachers."""
 
     @property
     def unit(self) -> str:
@@ -80,12 +84,13 @@ _USUAL = WearOptions()
 
 def worn_mode(
     mode: FailureMode, source: str, readings: Readings, threshold: float, *, deviation: float = 0.0,
-    load: float | None = None, options: WearOptions = _USUAL,
+    load: float | None = None, options: WearOptions = _USUAL, others: Sequence[Unit] = (),
 ) -> WornMode:  # fmt: skip
     """Of readings that begin below or above the threshold, and so rise or fall to it.
 
     ``deviation``: how well the threshold is known; ``load``: that at which readings are compared, where they come with
-    their loads. Raises DataError, with the source, where they are too few or cannot be wear.
+    their loads; ``others``: units of its kind, as teachers. Raises DataError, with the source, where readings are too
+    few or cannot be wear.
     """
     values = readings.values
     try:
@@ -94,13 +99,13 @@ def worn_mode(
         begun = float(np.median(values[: min(FIRST, max(len(values) // 4, 1))]))
         if threshold == begun:
             raise DataError(f"the signal begins at its threshold, {threshold:g}; expected one that it has yet to reach")
-        found = forecast(
-            readings.times, values, threshold, falls=threshold < begun, deviation=deviation, seed=options.seed
+        found = forecast_among(
+            others, readings.times, values, threshold, falls=threshold < begun, deviation=deviation, seed=options.seed
         )
     except DataError as error:
         raise DataError(f"{source}: {error}") from None
     detector, unlooked, alarms = _changes(values, options)
-    return WornMode(mode, source, readings, values, deviation, found, detector, unlooked, alarms)
+    return WornMode(mode, source, readings, values, deviation, found, detector, unlooked, alarms, len(others))
 
 
 def _changes(values: Array, options: WearOptions) -> tuple[Cusum | None, str, tuple[int, ...]]:
@@ -117,11 +122,12 @@ def _changes(values: Array, options: WearOptions) -> tuple[Cusum | None, str, tu
 
 def worn_mode_of_table(
     robot: Robot, path: Path, part: str, *, threshold: float | None = None, deviation: float | None = None,
-    load: float | None = None, options: WearOptions = _USUAL,
+    load: float | None = None, options: WearOptions = _USUAL, fleet: Path | None = None,
 ) -> WornMode:  # fmt: skip
     """Of a table of readings of one part, or failure mode, by its path; the threshold is the design's unless given.
 
-    Raises DataError where the table is none, the part is several, or what would be needed is not said.
+    ``fleet``: a table of the same signal of other units, with a column ``unit``. Raises DataError where a table is
+    none, the part is several, or what would be needed is not said.
     """
     mode = named_mode(robot, part)
     if (several := next(one.quantity for one in robot.all_components() if mode in one.modes)) > 1:
@@ -137,4 +143,23 @@ def worn_mode_of_table(
     readings = read_readings(path, CLOCK_UNITS[mode.clock])
     if (readings.load is None) != (load is None):
         raise DataError(f"{path}: a column 'load' and --load, the load at which readings are compared: expected both")
-    return worn_mode(mode, str(path), readings, threshold, deviation=deviation or 0.0, load=load, options=options)
+    others = _others(fleet, CLOCK_UNITS[mode.clock], readings) if fleet else ()
+    return worn_mode(
+        mode, str(path), readings, threshold, deviation=deviation or 0.0, load=load, options=options, others=others
+    )
+
+
+def _others(path: Path, unit: str, readings: Readings) -> list[Unit]:
+    """Units of a table, whose readings must be like those of the one that is asked about."""
+    found = []
+    for name, one in read_units(path, unit).items():
+        if one.load is not None or readings.load is not None:
+            raise DataError(f"{path}: readings that come with a load are not compared between units; expected none")
+        if one.dated != readings.dated:
+            raise DataError(
+                f"{path}: unit {name!r:.40} has dates or ages where the other readings have not; expected alike"
+            )
+        if len(one.times) < 2:
+            raise DataError(f"{path}: unit {name!r:.40} has one reading; expected at least two")
+        found.append(Unit(one.times, one.values))
+    return found
