@@ -21,6 +21,9 @@ from robophm.monitoring.worn_life import Life, WornLife
 from robophm.report.curve import sparkline
 from robophm.report.words import duration_text, moment_text, more_text, number_text, percent_text
 
+TELLING = 0.005
+"""Weight of a model below which it is not listed."""
+
 TOLD = 4
 """Times of events or alarms that are listed."""
 
@@ -57,7 +60,7 @@ def print_worn(out: Console, found: WornMode) -> None:
         say(f"No model follows this wear: it went where it was foretold to go with {percent_text(wear.surprise)}, less "
             f"than {percent_text(UNFOLLOWED)}; its life is not to be believed", "bold red")  # fmt: skip
     elif wear.weights and wear.said:
-        most = sorted(wear.weights.items(), key=lambda one: -one[1])[:3]
+        most = [one for one in sorted(wear.weights.items(), key=lambda one: -one[1]) if one[1] >= TELLING][:3]
         say(f"By {', '.join(f'{name} {number_text(100 * share, 2)} %' for name, share in most)}")
     say(*_change_text(found))
 
