@@ -1,0 +1,82 @@
+"""Each recipe of docs/guides/extending.md, performed in a copy of the project as it is printed there."""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+GUIDE = (ROOT / "docs/guides/extending.md").read_text(encoding="utf-8")
+RECIPES = dict(re.findall(r"^## (A .+?)\n(.*?)(?=^## |\Z)", GUIDE, re.MULTILINE | re.DOTALL))
+BLOCK = re.compile(r"^\*\*([\w./-]+)\*\*(, first in `(\w+)`)?\n\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """The project without what is built, and without the page."""
+    left_out = shutil.ignore_patterns("__pycache__", "static", "*.pyc")
+    for folder in ("src", "tests", "examples"):
+        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=left_out)
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    return tmp_path
+
+
+def write(copy, text):
+    """The files of a recipe."""
+    for name, within, place, block in BLOCK.findall(text):
+        path = copy / name
+        if within:
+            heading = f"{place} = {{\n"
+            before = path.read_text(encoding="utf-8")
+            assert heading in before
+            block = before.replace(heading, heading + block, 1)
+        else:
+            assert not path.exists()
+        path.write_text(block, encoding="utf-8")
+
+
+def test_there_is_a_recipe_for_each():
+    assert [*RECIPES] == ["A hazard model", "A life distribution", "A degradation model", "A command"]
+
+
+@pytest.mark.parametrize("title", RECIPES)
+def test_a_recipe_works(copy, title):
+    """All its commands succeed, and of its suite something is run; without its files they do not."""
+    text = RECIPES[title]
+    (commands,) = re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    environment = {**os.environ, "PYTHONPATH": str(copy / "src"), "PYTHONDONTWRITEBYTECODE": "1"}
+
+    def run(line):
+        program, *words = shlex.split(line)
+        options = ["-q", "-p", "no:cacheprovider", "-p", "no:xdist"] if program == "pytest" else []
+        return subprocess.run(
+            [sys.executable, "-m", program, *options, *words],
+            cwd=copy, env=environment, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+
+    lines = commands.strip().splitlines()
+    assert run(lines[-1]).returncode != 0
+    write(copy, text)
+    for line in lines:
+        done = run(line)
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert "no tests ran" not in done.stdout
+
+
+@pytest.mark.parametrize("title", RECIPES)
+def test_recipes_are_short_and_well_written(copy, title):
+    """Ten lines of code or so: at most sixteen that are neither imports, docstrings nor blank; ruff finds nothing."""
+    write(copy, RECIPES[title])
+    for name, within, _, block in BLOCK.findall(RECIPES[title]):
+        lines = [line.strip() for line in block.splitlines()]
+        code = [line for line in lines if line and not line.startswith(("from ", "import ", '"""'))]
+        assert len(code) <= 16
+        if name.endswith(".py") and not within:
+            command = [sys.executable, "-m", "ruff", "check", "--no-cache", "--quiet", str(copy / name)]
+            found = subprocess.run(command, cwd=copy, capture_output=True, text=True, check=False)
+            assert found.returncode == 0, found.stdout
