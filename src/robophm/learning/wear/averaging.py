@@ -157,12 +157,13 @@ def forecast(
     since = t >= renewed
     if anew := bool(np.any(~since)) and np.sum(since) >= FEWEST and y[since][0] < threshold:
         t, y = t[since], y[since]
-    if first_passage(t, y, threshold) is None:
-        found = _to_come(t, y, threshold, deviation, np.random.default_rng(seed), draws)
-        if found.worn_out and reached is None:  # one reading that stands high above all noise
-            reached = _crossing(t, y, threshold, len(y) - 1) if y[-1] >= threshold else float(t[-1])
-    else:
+    if first_passage(t, y, threshold) is not None:
         found = _ended(t, y, threshold, draws)
+    else:
+        found = _to_come(t, y, threshold, deviation, np.random.default_rng(seed), draws)
+        # One reading that stands above its noise: it is there sooner than the next reading could tell.
+        if y[-1] >= threshold and found.remaining.median <= (t[-1] - t[-2]) / 2:
+            found, reached = _ended(t, y, threshold, draws), reached or _crossing(t, y, threshold, len(y) - 1)
     return replace(
         found, reached=reached, recovered=None if reached is None else _recovered(t, y, threshold, reached),
         renewed=renewed if anew else None, events=tuple(events.tolist()), turned=falls,
