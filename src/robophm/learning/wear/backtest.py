@@ -145,7 +145,9 @@ def backtest(
     found = []
     for n in known:
         try:
-            said = forecast(t[:n], sign * wear[:n], sign * to, falls=falls, deviation=deviation, seed=seed, draws=draws)
+            said = forecast_among(
+                others, t[:n], sign * wear[:n], sign * to, falls=falls, deviation=deviation, seed=seed, draws=draws
+            )
         except DataError:  # it stood still until then
             said = None
         found.append(Cut(float(t[n - 1]), n, said, float(end - t[n - 1])))
