@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from robophm.core.errors import DataError
+from robophm.learning.wear.among_others import Unit, forecast_among
 from robophm.learning.wear.averaging import Forecast, forecast
 from robophm.learning.wear.backtest import Backtest, Cut, backtest
 from robophm.learning.wear.trend_bend import Bend
@@ -67,6 +68,15 @@ def test_wear_short_of_its_threshold_is_foretold_to_where_it_is_now():
     assert done.threshold == 1.55
     assert done.end == 10
     assert max(cut.time for cut in done.cuts) < 10
+
+
+def test_others_of_its_kind_teach_at_each_cut_too():
+    others = [Unit(np.arange(12.0), CRACK * share) for share in (0.98, 1.0, 1.01, 1.02)]
+    alone, among = backtest(np.arange(12), CRACK, 1.6), backtest(np.arange(12), CRACK, 1.6, others=others)
+    for cut in among.cuts:
+        known = np.arange(cut.readings), CRACK[: cut.readings]
+        assert cut.forecast.remaining == forecast_among(others, *known, 1.6, draws=1000).remaining
+    assert among.relative_accuracy > alone.relative_accuracy
 
 
 def test_a_signal_that_stood_still_at_first():
