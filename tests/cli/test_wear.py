@@ -122,6 +122,44 @@ def test_an_uncertain_threshold_is_said_and_widens_life(inside, robot, tmp_path)
     assert "± 0.05" not in inside(*words, 0).stdout
 
 
+CRACK = (0.90, 0.94, 0.98, 1.03, 1.07, 1.12, 1.19, 1.24, 1.34, 1.43, 1.55, 1.71)
+"""A specimen of Alloy-A (Meeker and Escobar 1998, table C.14) [inch]."""
+
+
+def test_what_would_have_been_said_earlier(inside, robot, tmp_path):
+    """Words, JSON and a file that calibrate reads agree; where nothing was reached, with where it is now."""
+    words = ("wear", robot, readings(tmp_path / "crack.csv", range(12), CRACK), "--part", "battery", "--threshold", 1.6)
+    text = inside(*words, "--backtest")
+    assert text.returncode == 1  # reached
+    assert "what would have been said of when 1.6 would be reached; it was at 10.31 h" in text.stdout
+    assert "of 90 % held; relative accuracy 0." in text.stdout
+    found = json.loads(inside(*words, "--backtest", "--predictions", "p.csv", "--json").stdout)
+    done = found["signals"][0]["backtest"]
+    assert done["end"] == pytest.approx(10 + 0.05 / 0.16)
+    held = [cut["remaining"]["low"] <= cut["left"] <= cut["remaining"]["high"] for cut in done["cuts"]]
+    assert [cut["held"] for cut in done["cuts"]] == held
+    assert done["coverage"] == pytest.approx(np.mean(held))
+    off = [abs(cut["remaining"]["median"] - cut["left"]) / cut["left"] for cut in done["cuts"]]
+    assert done["relative_accuracy"] == pytest.approx(1 - np.mean(off))
+    scored = inside("calibrate", "p.csv", "--json")
+    assert scored.returncode == 0, scored.stderr
+    prognosis = json.loads(scored.stdout)["models"][0]["lives"]["prognosis"]
+    assert prognosis["relative_accuracy"] == pytest.approx(done["relative_accuracy"])
+    assert "backtest" not in json.loads(inside(*words, "--json").stdout)["signals"][0]
+    text = inside(*words[:-1], 9, "--backtest").stdout
+    assert "of when it would be where it is now, at 1.55; it was first there at 10 h" in text
+
+
+def test_backtests_that_cannot_be(inside, robot, tmp_path):
+    name = readings(tmp_path / "few.csv", range(5), [1, 0.95, 0.9, 0.3, 0.2])
+    failed = inside("wear", robot, name, "--part", "battery", "--threshold", 0.7, "--backtest")
+    assert failed.returncode == 3
+    assert failed.stderr == "error: few.csv: fewer than 4 readings before 0.7 was reached: expected more of them\n"
+    assert failed.stdout == ""
+    refused = inside("wear", robot, name, "--part", "battery", "--threshold", 0.7, "--predictions", name)
+    assert "is read or kept by this command too" in refused.stderr
+
+
 def test_what_cannot_be_said_is_no_number(inside, robot, tmp_path):
     """A signal that goes away from its threshold, and one that stands: no infinity, in words or in JSON."""
     rng = np.random.default_rng(2)

@@ -11,14 +11,14 @@ from scipy.stats import beta, binom, kstest, kstwo
 
 from robophm.calibration.count import SMALLEST, Array
 from robophm.calibration.predictions import LEVELS, Lives
-from robophm.calibration.prognostics import (
+from robophm.calibration.tasks import LEVEL, POWER
+from robophm.core.prognostics import (
     History,
     alpha_lambda,
     convergence,
     cumulative_relative_accuracy,
     prognostic_horizon,
 )
-from robophm.calibration.tasks import LEVEL, POWER
 
 INTERVALS = (0.5, 0.8, 0.95)
 """Central intervals whose coverage is counted."""

@@ -14,8 +14,9 @@ that the rows of a kind do not need may be missing or empty; other columns are n
 from __future__ import annotations
 
 import csv
+import io
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -115,6 +116,18 @@ def _expect(holds: bool, what: str) -> None:
 
 def _within(values: Array, low: float, high: float = np.inf) -> bool:
     return bool(np.all(np.isfinite(values) & (values >= low) & (values <= high)))
+
+
+def lives_text(robots: Sequence[str], lives: Lives, model: str = OWN) -> str:
+    """A file of predictions of remaining lives, as ``read_predictions`` reads it; ``robots``: names by number."""
+    stream = io.StringIO()
+    rows = csv.writer(stream, lineterminator="\n")
+    rows.writerow(("robot", "model", "kind", "time", *_NEEDED["life"]))
+    columns = (lives.robot, lives.time, lives.quantiles, lives.fraction, lives.observed, lives.censored)
+    for robot, time, quantiles, fraction, observed, censored in zip(*columns, strict=True):
+        said = (float(time) * 3600, *map(float, quantiles), float(fraction), float(observed), int(censored))
+        rows.writerow((robots[int(robot)], model, "life", *said))
+    return stream.getvalue()
 
 
 def read_predictions(path: str | Path) -> Predictions:

@@ -9,16 +9,19 @@ from typing import Annotated
 
 import typer
 
+from robophm.calibration.backtested_wear import lives_of
+from robophm.calibration.predictions import lives_text
 from robophm.cli import BREACHED
 from robophm.cli.shared.options import Design, Json, Store
-from robophm.cli.shared.output import console, print_json, print_unknown, progress_console, warn
+from robophm.cli.shared.output import console, may_write, print_json, print_unknown, progress_console, warn, write
 from robophm.cli.shared.progress import counted
 from robophm.cli.shared.stored_past import kept
 from robophm.cli.shared.unused import refuse_unused
-from robophm.cli.shared.wear_words import lives_json, print_lives, print_worn, worn_json
+from robophm.cli.shared.wear_words import backtest_json, lives_json, print_backtest, print_lives, print_worn, worn_json
 from robophm.core.errors import DataError
 from robophm.design.file import load
 from robophm.design.robot import Robot
+from robophm.learning.wear.backtest import Backtest
 from robophm.learning.wear.worn_mode import WearOptions, WornMode, worn_mode_of_table
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.wear_history import wear_history, worn_in, worn_modes
@@ -40,6 +43,8 @@ class Wishes:
     options: WearOptions
     store: Path | None
     skip_missing: bool
+    backtest: bool
+    predictions: Path | None
     as_json: bool
 
 
@@ -79,6 +84,12 @@ def command(
     skip_missing: Annotated[
         bool, typer.Option("--skip-missing", help="signals that all recordings lack stay silent")
     ] = False,
+    backtest: Annotated[
+        bool, typer.Option("--backtest", help="also what would have been said at earlier readings, and what came")
+    ] = False,
+    predictions: Annotated[
+        Path | None, typer.Option(help="write that to this CSV file, for robophm calibrate", metavar="FILE.CSV")
+    ] = None,
     seed: Annotated[int, typer.Option(help="of what is drawn", min=0)] = 0,
     as_json: Json = False,
 ) -> None:
@@ -87,7 +98,11 @@ def command(
     Exit code 1 where a threshold is reached, or no model follows the wear.
     """
     options = WearOptions(baseline, false_alarms, shift, seed)
-    wishes = Wishes(part, threshold, threshold_deviation, load, fleet, options, store, skip_missing, as_json)
+    may_write(predictions, design, *signals, *([fleet] if fleet else []))
+    wishes = Wishes(
+        part, threshold, threshold_deviation, load, fleet, options, store, skip_missing,
+        backtest or predictions is not None, predictions, as_json,
+    )  # fmt: skip
     if run(design, signals, wishes):
         raise typer.Exit(BREACHED)
 
@@ -95,7 +110,7 @@ def command(
 def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
     """Foretell, look for a change, fuse with the hazards of all else, print; whether anything is critical."""
     robot = load(path)
-    fitted = ("part", "baseline", "false_alarms", "shift", "store", "seed")
+    fitted = ("part", "baseline", "false_alarms", "shift", "store", "backtest", "predictions", "seed")
     if any(signal.suffix.lower() in TABLES for signal in signals):
         refuse_unused("a table", (*fitted, "threshold", "threshold_deviation", "load", "fleet"))
         found, monitor = [_of_table(robot, signals, wishes)], Monitor(robot)
@@ -108,12 +123,38 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
         monitor = Monitor(robot, kept(wishes.store, robot))
     outlook = monitor.report(remaining_life=False).outlooks["sensor_based"]
     lives = worn_lives(outlook, found)
+    done = _backtests(found, wishes) if wishes.backtest else {}
+    if wishes.predictions:
+        write(wishes.predictions, lives_text(list(done), lives_of(list(done.values()))))
     if wishes.as_json:
-        signals_said = [worn_json(one) for one in found]
-        print_json({"robot": robot.name, "signals": signals_said, "remaining_life": lives_json(lives)})
+        said = [worn_json(one) for one in found]
+        for document in said:
+            if document["mode"] in done:
+                document["backtest"] = backtest_json(done[document["mode"]])
+        print_json({"robot": robot.name, "signals": said, "remaining_life": lives_json(lives)})
     else:
         _print(robot, found, lives)
+        for one in found:
+            if one.mode.path in done:
+                console().print()
+                print_backtest(console(), one, done[one.mode.path])
     return any(one.critical for one in found)
+
+
+def _backtests(found: Sequence[WornMode], wishes: Wishes) -> dict[str, Backtest]:
+    """By failure mode; those that cannot be are told, and where none can the first is raised."""
+    done: dict[str, Backtest] = {}
+    missed: list[DataError] = []
+    for one in found:
+        try:
+            done[one.mode.path] = one.backtested(wishes.options.seed)
+        except DataError as error:
+            missed.append(error)
+    if not done:
+        raise missed[0]
+    for why in missed:
+        warn(f"{why}; it has no backtest")
+    return done
 
 
 def _of_table(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> WornMode:

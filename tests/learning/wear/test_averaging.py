@@ -135,13 +135,20 @@ def test_a_knee_that_no_model_foretold_is_said():
     assert not forecast(np.arange(80), knee, 9.0).followed
 
 
-@pytest.mark.parametrize("at", [250, 280, 296])
+@pytest.mark.parametrize("at", [250, 280, 292])
 def test_a_knee_is_not_explained_away_by_the_models_that_it_makes_likely(at):
     """What weighs them is what they had foretold before it."""
     hours = np.arange(300.0)
     wear = 0.005 * hours + 0.01 * np.random.default_rng(4).standard_normal(300)
     assert not forecast(hours, 1 + wear + 0.1 * np.maximum(hours - at, 0), 20.0, draws=50).followed
     assert forecast(hours, 1 + wear, 20.0, draws=50).followed
+
+
+def test_one_bad_reading_is_no_knee():
+    wear = 1 + 0.05 * np.arange(60) + 0.01 * np.random.default_rng(4).standard_normal(60)
+    wear[-1] += 2
+    assert forecast(np.arange(60), wear, 20.0, draws=50).followed
+    assert not forecast(np.arange(61), np.r_[wear, wear[-1] + 0.05], 20.0, draws=50).followed
 
 
 @pytest.mark.parametrize(("bend", "noise"), [(1.0, 0.0), (1.0, 0.1), (2.0, 0.02), (0.7, 0.02)])

@@ -11,9 +11,11 @@ import numpy as np
 from rich.console import Console
 
 from robophm.cli.shared.output import print_table, table
+from robophm.core.prognostics import ALPHA
 from robophm.health.prognosis import RemainingLife
 from robophm.health.unknown_rates import marked, marks
 from robophm.learning.wear.averaging import UNFOLLOWED, Interval
+from robophm.learning.wear.backtest import Backtest
 from robophm.learning.wear.cusum import Cusum
 from robophm.learning.wear.trend_bend import FALSE_ALARMS
 from robophm.learning.wear.worn_mode import WornMode
@@ -42,7 +44,8 @@ def print_worn(out: Console, found: WornMode) -> None:
     say(f"{found.source}: {len(values)} readings over {span} {unit}, {first} to {last}", "bold")
     say(sparkline(values, 60))
     if found.others:
-        say("Beside " + (f"{found.others} others" if found.others > 1 else "one other") + " of its kind")
+        count = len(found.others)
+        say("Beside " + (f"{count} others" if count > 1 else "one other") + " of its kind")
     low, median, high = (number_text(1000 * one, 3) for one in wear.trend)
     bend = f"; so far it is {wear.bend.direction} (p = {number_text(wear.bend.p_value, 2)})"
     noise = f"; noise of a reading {number_text(wear.noise, 2)}" if wear.noise else ""
@@ -122,6 +125,66 @@ def _times(found: WornMode, times: Sequence[float]) -> str:
     return f"{listed}; {more_text(more, 'listed')}" if more > 0 else listed
 
 
+def print_backtest(out: Console, found: WornMode, done: Backtest) -> None:
+    """What would have been said at earlier readings, what came, and how good that was."""
+    unit, end = found.unit, _time(found, done.end)
+    what = f"when {done.threshold:.4g} would be reached; it was at {end}"
+    if not done.reached:
+        what = f"when it would be where it is now, at {done.threshold:.4g}; it was first there at {end}"
+    rows = []
+    for cut in done.cuts:
+        texts = [number_text(cut.time), str(cut.readings), *("–",) * 3, number_text(cut.left, 3), "", ""]
+        if cut.forecast is not None:
+            remaining = cut.forecast.remaining
+            ends = (remaining.median, remaining.low, remaining.high)
+            texts[2:5] = [number_text(one, 3) if math.isfinite(one) else _BEYOND for one in ends]
+            texts[6] = "held" if cut.held else "missed"
+        texts[7] = f"within {100 * ALPHA:g} %" if cut.near else ""
+        rows.append(texts)
+    columns = [f"at [{unit}]", "readings", "median", "5 % by", "95 % by", "it took", "interval", "median is"]
+    title = f"Backtest, {found.mode.path}: what would have been said of {what}"
+    out.print(title, style="bold", markup=False, soft_wrap=True)
+    print_table(out, table("", columns, rows, figures=range(6)))
+    held, of = sum(cut.held for cut in done.foretold), len(done.foretold)
+    kept = f"{held} of {of} intervals of 90 % held"
+    if not done.told:
+        out.print(f"At no cut could a life have been said; {kept}", markup=False)
+        return
+    near = "never for good" if done.near_from is None else f"from {_time(found, done.near_from)} on"
+    horizon = "none" if done.horizon is None else f"{number_text(done.horizon, 3)} {unit}"
+    out.print(
+        f"A life would have been said at {len(done.told)} of {len(done.cuts)} cuts, all of one life; {kept}; "
+        f"relative accuracy {number_text(done.relative_accuracy or 0.0, 2)}; median within {100 * ALPHA:g} % of what "
+        f"was left {near}; prognostic horizon {horizon}", markup=False, soft_wrap=True,
+    )  # fmt: skip
+
+
+def backtest_json(done: Backtest) -> dict[str, Any]:
+    """Null is what cannot be said."""
+    return {
+        "threshold": done.threshold,
+        "reached": done.reached,
+        "end": done.end,
+        "coverage": done.coverage,
+        "relative_accuracy": done.relative_accuracy,
+        "prognostic_horizon": done.horizon,
+        "near_from": done.near_from,
+        "cuts": [
+            {
+                "time": cut.time,
+                "readings": cut.readings,
+                "remaining": interval_json(cut.forecast.remaining) if cut.forecast else None,
+                "said": cut.said,
+                "left": cut.left,
+                "held": cut.held if cut.forecast else None,
+                "relative_accuracy": cut.accuracy,
+                "near": cut.near,
+            }
+            for cut in done.cuts
+        ],
+    }
+
+
 def print_lives(out: Console, lives: Mapping[str, WornLife]) -> None:
     """By hazard alone, and with wear."""
     rows, unsaid = [], False
@@ -150,7 +213,7 @@ def worn_json(one: WornMode) -> dict[str, Any]:
         "mode": one.mode.path,
         "unit": one.unit,
         "readings": len(one.values),
-        "others": one.others,
+        "others": len(one.others),
         "threshold": wear.signal_threshold,
         "threshold_deviation": one.deviation,
         "trend": wear.trend._asdict(),

@@ -75,7 +75,7 @@ class Forecast:
     weights: Mapping[str, float]
     """Of models, by name; they sum to 1."""
     surprise: float
-    """Probability that the last reading lies so far from what was foretold of it."""
+    """Probability that the last reading, or the one before, lies so far from what was foretold of it."""
     reached: float | None = None
     """When readings first came to the threshold and stayed there for more than one of them, or the last of them, beyond
     all noise; None: not yet."""
@@ -157,12 +157,13 @@ def forecast(
     since = t >= renewed
     if anew := bool(np.any(~since)) and np.sum(since) >= FEWEST and y[since][0] < threshold:
         t, y = t[since], y[since]
-    if first_passage(t, y, threshold) is None:
-        found = _to_come(t, y, threshold, deviation, np.random.default_rng(seed), draws)
-        if found.worn_out and reached is None:  # one reading that stands high above all noise
-            reached = _crossing(t, y, threshold, len(y) - 1) if y[-1] >= threshold else float(t[-1])
-    else:
+    if first_passage(t, y, threshold) is not None:
         found = _ended(t, y, threshold, draws)
+    else:
+        found = _to_come(t, y, threshold, deviation, np.random.default_rng(seed), draws)
+        # One reading that stands above its noise: it is there sooner than the next reading could tell.
+        if y[-1] >= threshold and found.remaining.median <= (t[-1] - t[-2]) / 2:
+            found, reached = _ended(t, y, threshold, draws), reached or _crossing(t, y, threshold, len(y) - 1)
     return replace(
         found, reached=reached, recovered=None if reached is None else _recovered(t, y, threshold, reached),
         renewed=renewed if anew else None, events=tuple(events.tolist()), turned=falls,
@@ -172,7 +173,7 @@ def forecast(
 def _to_come(t: Array, y: Array, threshold: float, deviation: float, rng: np.random.Generator, draws: int) -> Forecast:
     """Of wear that has yet to reach its threshold."""
     course = course_of(t, y, threshold, float(t[-1]))
-    found = {name: one for name in degradation_models() if (one := candidates_of(name, course)) is not None}
+    found = _candidates(course)
     weights = averaged(list(found.values()))
     shares = np.array([one.sum() for one in weights])
     chosen = rng.multinomial(draws, shares / shares.sum())  # rounded, a share could be above 1
@@ -195,17 +196,27 @@ def _to_come(t: Array, y: Array, threshold: float, deviation: float, rng: np.ran
         threshold, np.maximum(passage * course.reference - since, 0.0), drift * span / course.reference,
         float(np.median(noise)) * span, bend_of_wiener(t, y) if len(t) > FEWEST else Bend(1.0, False),
         {name: float(share.sum()) for name, share in zip(found, weights, strict=True)},
-        _surprise(course, found),
+        _surprise(course),
     )  # fmt: skip
 
 
-def _surprise(course: DegradationPath, found: Mapping[str, Candidates]) -> float:
-    """Of the last reading, by models weighted by what they had foretold when it was foretold, and not by it itself."""
-    n = origin_of_surprise(len(course.times)) + 1
-    early = replace(course, times=course.times[:n], wear=course.wear[:n])
-    then = {name: one for name in found if (one := candidates_of(name, early)) is not None}
-    weights = averaged(list(then.values()))
-    return float(sum(share @ found[name].surprise() for name, share in zip(then, weights, strict=True)))
+def _surprise(course: DegradationPath) -> float:
+    """Of the last two readings the larger: one alone that lies far off is a bad reading.
+
+    Models are weighted by what they had foretold when the reading was foretold, and not by itself.
+    """
+    found = []
+    for seen in (course, course.until(len(course.times) - 1)):
+        now, then = (_candidates(one) for one in (seen, seen.until(origin_of_surprise(len(seen.times)) + 1)))
+        weights = averaged([one for name, one in then.items() if name in now])
+        names = [name for name in then if name in now]
+        found.append(sum(float(share @ now[name].surprise()) for name, share in zip(names, weights, strict=True)))
+    return max(found)
+
+
+def _candidates(course: DegradationPath) -> dict[str, Candidates]:
+    """Of all models that apply, by name."""
+    return {name: one for name in degradation_models() if (one := candidates_of(name, course)) is not None}
 
 
 def checked(

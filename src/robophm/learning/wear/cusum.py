@@ -1,16 +1,16 @@
 """Change against a robot's own baseline: CUSUM, with its false-alarm rate stated, and how soon it sees a shift.
 
 Readings are standardised by the baseline's mean and deviation. Page's sum S ← max(0, S + z − k) alarms above h.
-Readings follow one another: an autoregression is fitted to the baseline (its order by Akaike's criterion), and courses
-are drawn from it, with coefficients as uncertain as the baseline leaves them and its own residuals (the sieve
-bootstrap, Bühlmann, Bernoulli 3, 1997). Each begins with a baseline of its own; h is chosen so that false alarms come
-as stated on average over all of them.
+Readings follow one another: an autoregression is fitted to the baseline, its order by Akaike's criterion and its bias
+taken off as by Kilian (Rev. Econ. Stat. 80, 1998), and courses are drawn from it, with coefficients as uncertain as the
+baseline leaves them and its own residuals (the sieve bootstrap, Bühlmann, Bernoulli 3, 1997). Each begins with a
+baseline of its own; h is chosen so that false alarms come as stated on average over all of them.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -34,7 +34,10 @@ NEAREST_TO_WALK = 0.995
 """Root of an autoregression beyond which it is drawn back: past it readings wander for ever."""
 
 COURSES = 300
-"""That are drawn."""
+"""That are drawn; fewer of long baselines."""
+
+EXACT = 1e-6
+"""Deviation of residuals, in deviations of the baseline, below which there is no chance in it."""
 
 _READINGS = 3_000_000  # of all courses together
 _SETTLING = 200  # readings of a course before its first
@@ -104,15 +107,18 @@ def design(baseline: npt.ArrayLike, between_false_alarms: float, shift: float = 
             "readings, and 0.1 … 10 deviations"
         )
     rng = np.random.default_rng(seed)
-    fitted = Autoregression.of((y - y.mean()) / deviation)
-    coefficients = fitted.drawn(COURSES, rng)
     k, n = shift / 2, len(y)
     length = int(min(max(2 * between_false_alarms, 50), 20_000))
     parts = max(1, min(8, _READINGS // COURSES // length))
+    count = min(max(2 * _READINGS // (n + parts * length), 30), COURSES)
+    fitted = Autoregression.of((y - y.mean()) / deviation)
+    if fitted.residuals.std() < EXACT:
+        raise DataError("the baseline goes by a rule and not by chance: no false alarms can be told from it")
+    coefficients = fitted.unbiased(count, n, rng).drawn(count, rng)
     courses = fitted.courses(coefficients, n + parts * length, rng)
     own = courses[:, :n]
     z = (courses[:, n:] - own.mean(axis=1)[:, None]) / own.std(axis=1, ddof=1)[:, None]
-    z = z.reshape(COURSES, parts, length)
+    z = z.reshape(count, parts, length)
     highest = highest_sums(z, k)
     limit = _limit_for(highest, 1 / between_false_alarms)
     seen = np.sum(highest_sums(z + shift, k) <= limit, axis=-1) + 1
@@ -143,7 +149,10 @@ def false_alarm_rate(highest: Array, limit: float) -> float:
 
 
 def _limit_for(highest: Array, rate: float) -> float:
-    return float(brentq(lambda h: false_alarm_rate(highest, h) - rate, 1e-3, max(float(highest.max()), 1.0), xtol=1e-3))
+    least, most = 1e-3, max(float(highest.max()), 1.0)
+    if false_alarm_rate(highest, least) <= rate:  # k alone is enough
+        return least
+    return float(brentq(lambda h: false_alarm_rate(highest, h) - rate, least, most, xtol=1e-3))
 
 
 @dataclass(frozen=True)
@@ -161,9 +170,9 @@ class Autoregression:
         seen = z[most:]
         before = np.column_stack([z[most - j : len(z) - j] for j in range(1, most + 1)])
         best, least = None, math.inf
-        for order in range(most + 1):
+        for order in range(1, most + 1):
             x = before[:, :order]
-            phi: Array = np.asarray(np.linalg.lstsq(x, seen, rcond=None)[0] if order else np.zeros(0), dtype=float)
+            phi: Array = np.asarray(np.linalg.lstsq(x, seen, rcond=None)[0], dtype=float)
             rest: Array = seen - x @ phi
             variance = float(rest @ rest) / (len(seen) - order)
             criterion = len(seen) * math.log(max(float(rest @ rest), 1e-300)) + 2 * order
@@ -174,17 +183,24 @@ class Autoregression:
         assert best is not None
         return best
 
+    def unbiased(self, count: int, readings: int, rng: np.random.Generator) -> Autoregression:
+        """Less what a fit to so few readings is off by, as fits to a ``count`` of its own series show (Kilian 1998)."""
+        order = len(self.coefficients)
+        near = np.tile(_drawn_back(self.coefficients[None, :]), (count, 1))
+        series = self.courses(near, readings, rng)
+        series = series - series.mean(axis=1, keepdims=True)
+        before = np.stack([series[:, order - j : readings - j] for j in range(1, order + 1)], axis=2)
+        moments = np.einsum("cti,ctj->cij", before, before)
+        again = np.linalg.solve(moments, np.einsum("cti,ct->ci", before, series[:, order:])[..., None])[..., 0]
+        return replace(self, coefficients=self.coefficients - (again.mean(axis=0) - near[0]))
+
     def drawn(self, count: int, rng: np.random.Generator) -> Array:
         """Coefficients as they may be as well, none of which wanders for ever; shape (count, order)."""
-        if not len(self.coefficients):
-            return np.zeros((count, 0))
         return _drawn_back(rng.multivariate_normal(self.coefficients, self.covariance, count, method="eigh"))
 
     def courses(self, coefficients: Array, length: int, rng: np.random.Generator) -> Array:
         """A series for each row of coefficients, with its residuals; shape (rows, length)."""
         count, order = coefficients.shape
-        if order == 0:
-            return rng.choice(self.residuals, (count, length))
         drawn = rng.choice(self.residuals, (_SETTLING + length, count))
         series = np.zeros((order + _SETTLING + length, count))
         turned = coefficients.T[::-1]  # the oldest first, as in the series
@@ -203,8 +219,6 @@ def correlation_length(coefficients: Array) -> float:
 def _drawn_back(phi: Array) -> Array:
     """Coefficients whose largest root is at most ``NEAREST_TO_WALK``; shape (courses, order)."""
     count, order = phi.shape
-    if order == 0:
-        return phi
     companion = np.zeros((count, order, order))
     companion[:, 0], companion[:, range(1, order), range(order - 1)] = phi, 1.0
     radius = np.abs(np.linalg.eigvals(companion)).max(axis=1)

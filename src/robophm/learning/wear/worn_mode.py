@@ -13,6 +13,7 @@ from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
 from robophm.learning.failure_mode_edits import named_mode
 from robophm.learning.wear.among_others import Unit, forecast_among
 from robophm.learning.wear.averaging import Forecast
+from robophm.learning.wear.backtest import Backtest, backtest
 from robophm.learning.wear.cusum import Cusum, design
 from robophm.learning.wear.readings_table import Array, Readings, at_load, read_readings, read_units
 
@@ -53,8 +54,8 @@ class WornMode:
     """Why it could not; empty where it could."""
     alarms: tuple[int, ...]
     """Which readings say that something has changed."""
-    others: int = 0
-    """How many units of its kind were teachers."""
+    others: tuple[Unit, ...] = ()
+    """Units of its kind, as teachers."""
 
     @property
     def unit(self) -> str:
@@ -70,6 +71,17 @@ class WornMode:
     def critical(self) -> bool:
         """Whether its threshold is or was reached, or no model follows it."""
         return self.wear.worn_out or not self.wear.followed
+
+    def backtested(self, seed: int = 0) -> Backtest:
+        """What would have been foretold at earlier readings. Raises DataError, with the source, where nothing could."""
+        times, threshold = self.readings.times, self.wear.signal_threshold
+        try:
+            return backtest(
+                times, self.values, threshold, falls=self.wear.turned, deviation=self.deviation, others=self.others,
+                seed=seed,
+            )  # fmt: skip
+        except DataError as error:
+            raise DataError(f"{self.source}: {error}") from None
 
     def when(self, time: float) -> int | None:
         """The date of a time of its clock, between two readings evenly [ns since the epoch]; None without dates."""
@@ -105,7 +117,7 @@ def worn_mode(
     except DataError as error:
         raise DataError(f"{source}: {error}") from None
     detector, unlooked, alarms = _changes(values, options)
-    return WornMode(mode, source, readings, values, deviation, found, detector, unlooked, alarms, len(others))
+    return WornMode(mode, source, readings, values, deviation, found, detector, unlooked, alarms, tuple(others))
 
 
 def _changes(values: Array, options: WearOptions) -> tuple[Cusum | None, str, tuple[int, ...]]:

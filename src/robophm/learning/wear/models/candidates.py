@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -43,6 +43,10 @@ class DegradationPath:
     """How long the unit of time is: the time until now, or of a fleet a typical life."""
     gain: float | None
     """(threshold − first reading) / first reading, where the signal's own zero is one of wear; None where it is not."""
+
+    def until(self, readings: int) -> DegradationPath:
+        """What was known of it after so many readings."""
+        return replace(self, times=self.times[:readings], wear=self.wear[:readings])
 
     @property
     def smooth(self) -> Array:

@@ -5,7 +5,8 @@ import pytest
 
 from robophm.calibration.lives import score_lives
 from robophm.calibration.predictions import LEVELS, Lives
-from robophm.calibration.prognostics import (
+from robophm.core.errors import ModelError
+from robophm.core.prognostics import (
     History,
     alpha_lambda,
     convergence,
@@ -13,7 +14,6 @@ from robophm.calibration.prognostics import (
     prognostic_horizon,
     relative_accuracy,
 )
-from robophm.core.errors import ModelError
 
 # Ends at 100; the errors are 30, 15, 6, 2, 0.
 BY_HAND = History(np.arange(0.0, 100, 20), np.array([130.0, 95, 66, 42, 20]), 100.0)

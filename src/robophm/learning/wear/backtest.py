@@ -1,0 +1,154 @@
+"""What would have been said of wear at earlier readings, and what came: a unit's forecasts against its own course.
+
+At each cut only what was read until then is known. Where the unit has come to its threshold, that is what was to be
+foretold; where it has not, when it would be where it is now. The metrics are those of Saxena and others (2010,
+``core/prognostics.py``), of the medians.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.core.errors import DataError
+from robophm.core.prognostics import ALPHA, History, cumulative_relative_accuracy, prognostic_horizon
+from robophm.learning.wear.among_others import Unit, forecast_among
+from robophm.learning.wear.averaging import FEWEST, Forecast, checked, first_passage, forecast
+from robophm.learning.wear.models.candidates import FAR, Array
+
+CUTS = 15
+DRAWS = 1000
+
+
+@dataclass(frozen=True)
+class Cut:
+    """What was foretold at one reading, and what came."""
+
+    time: float
+    readings: int
+    """That were known."""
+    forecast: Forecast | None
+    """None where nothing could be foretold."""
+    left: float
+    """How long it truly took."""
+
+    @property
+    def said(self) -> bool:
+        """Whether a remaining life was said."""
+        return self.forecast is not None and self.forecast.said
+
+    @property
+    def held(self) -> bool:
+        """Whether the truth lay in the interval of 90 %."""
+        return self.forecast is not None and self.forecast.remaining.low <= self.left <= self.forecast.remaining.high
+
+    @property
+    def median(self) -> float:
+        """Of what was foretold; infinite where nothing was."""
+        return self.forecast.remaining.median if self.forecast is not None else np.inf
+
+    @property
+    def near(self) -> bool:
+        """Whether that was within ± ``ALPHA`` of what was truly left: the α–λ criterion, of medians."""
+        return abs(self.median - self.left) <= ALPHA * self.left
+
+    @property
+    def accuracy(self) -> float | None:
+        """1 − |median − truth| / truth; None where no life was said."""
+        return 1 - abs(self.median - self.left) / self.left if self.said else None
+
+    def quantiles(self, levels: Sequence[float]) -> Array:
+        """Of what was foretold; what is beyond the models' horizon is the horizon. Raises DataError where nothing was.
+
+        The horizon is ``FAR`` times the part's age, or the last that was drawn.
+        """
+        if self.forecast is None:
+            raise DataError("nothing was foretold at this reading")
+        drawn = self.forecast.passage
+        finite = drawn[np.isfinite(drawn)]
+        beyond = max(FAR * self.time, float(finite.max(initial=0.0)))
+        result: Array = np.quantile(np.where(np.isfinite(drawn), drawn, beyond), levels, method="inverted_cdf")
+        return result
+
+
+@dataclass(frozen=True)
+class Backtest:
+    """A unit's forecasts against its own course."""
+
+    threshold: float
+    """Of the signal, to which it was foretold."""
+    reached: bool
+    """Whether that is its threshold; else it is where the unit is now."""
+    end: float
+    """When it came there."""
+    cuts: tuple[Cut, ...]
+
+    @property
+    def told(self) -> tuple[Cut, ...]:
+        """Cuts at which a life was said."""
+        return tuple(cut for cut in self.cuts if cut.said)
+
+    @property
+    def foretold(self) -> tuple[Cut, ...]:
+        """Cuts at which at least an interval could be said, which may be open upwards."""
+        return tuple(cut for cut in self.cuts if cut.forecast is not None)
+
+    @property
+    def coverage(self) -> float | None:
+        """Share of intervals of 90 %, open ones too, that held the truth; None where there is none. All of one life."""
+        return float(np.mean([cut.held for cut in self.foretold])) if self.foretold else None
+
+    @property
+    def relative_accuracy(self) -> float | None:
+        """Mean over the cuts at which a life was said."""
+        return cumulative_relative_accuracy(self._history) if self.told else None
+
+    @property
+    def horizon(self) -> float | None:
+        """How long before the end a median was first within ± ``ALPHA`` of all life from the clock's zero."""
+        return prognostic_horizon(self._history) if self.told else None
+
+    @property
+    def near_from(self) -> float | None:
+        """Time of the cut from which on all medians were within ± ``ALPHA`` of what was truly left; None: of none."""
+        off = [k for k, cut in enumerate(self.cuts) if not cut.near]
+        first = off[-1] + 1 if off else 0
+        return self.cuts[first].time if first < len(self.cuts) else None
+
+    @property
+    def _history(self) -> History:
+        return History(np.array([cut.time for cut in self.told]), np.array([cut.median for cut in self.told]), self.end)
+
+
+def backtest(
+    times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, *, falls: bool = False, deviation: float = 0.0,
+    others: Sequence[Unit] = (), cuts: int = CUTS, seed: int = 0, draws: int = DRAWS,
+) -> Backtest:  # fmt: skip
+    """Forecasts at so many cuts, evenly over the time until the end; arguments as of ``forecast_among``.
+
+    Raises DataError as it does, and where there are too few readings before the end, or no wear yet.
+    """
+    t, wear, goal = checked(times, values, threshold, deviation, falls=falls)
+    to, end = goal, forecast(times, values, threshold, falls=falls, seed=seed, draws=draws).reached
+    if not (reached := end is not None):
+        to, deviation = float(np.median(wear[-3:])), 0.0
+        if to <= wear[0] or (end := first_passage(t, wear, to)) is None:
+            raise DataError("its last readings show no wear: there is nothing that could have been foretold")
+    sign = -1.0 if falls else 1.0
+    due = np.linspace(t[0], end, cuts + 2)[1:-1]
+    known = sorted({int(n) for n in np.searchsorted(t, due, "right") if n >= FEWEST and t[n - 1] < end})
+    if not known:
+        raise DataError(f"fewer than {FEWEST} readings before {sign * to:g} was reached: expected more of them")
+    found = []
+    for n in known:
+        try:
+            said = forecast_among(
+                others, t[:n], sign * wear[:n], sign * to, falls=falls, deviation=deviation, seed=seed, draws=draws
+            )
+        except DataError:  # it stood still until then
+            said = None
+        found.append(Cut(float(t[n - 1]), n, said, float(end - t[n - 1])))
+    return Backtest(sign * to, reached, end, tuple(found))
