@@ -338,6 +338,9 @@ def test_others_of_its_kind_are_teachers(inside, robot, tmp_path):
     told = inside(*words, "--fleet", others)
     assert told.returncode == 0
     assert "Beside 30 others of its kind" in told.stdout
+    backtests = [json.loads(inside(*words, *more, "--backtest", "--json").stdout)["signals"][0]["backtest"]
+                 for more in ((), ("--fleet", others))]  # fmt: skip
+    assert backtests[1]["relative_accuracy"] > backtests[0]["relative_accuracy"]
     assert "others from here" in told.stdout
 
 
