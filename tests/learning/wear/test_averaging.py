@@ -113,6 +113,9 @@ def test_real_batteries_that_rested_had_reached_their_threshold(measured_wear):
 def test_an_uncertain_threshold_widens_what_is_said():
     sharp, blurred = (forecast(np.arange(8), CRACK[:8], 1.6, deviation=one).remaining for one in (0.0, 0.2))
     assert blurred.high - blurred.low > 1.1 * (sharp.high - sharp.low)
+    known_by_nobody = forecast(np.arange(8), CRACK[:8], 1.6, deviation=50.0)
+    assert known_by_nobody.remaining.low > 0  # it still works
+    assert not known_by_nobody.worn_out
 
 
 def test_maintenance_begins_wear_anew_and_rests_do_not():

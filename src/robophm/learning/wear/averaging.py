@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.stats import norm
 
 from robophm.core.errors import DataError
 from robophm.learning.wear.models import candidates_of, degradation_models
@@ -177,7 +178,7 @@ def _to_come(t: Array, y: Array, threshold: float, deviation: float, rng: np.ran
     weights = averaged(list(found.values()))
     shares = np.array([one.sum() for one in weights])
     chosen = rng.multinomial(draws, shares / shares.sum())  # rounded, a share could be above 1
-    goals = 1 + deviation / abs(threshold - y[0]) * rng.standard_normal(draws)
+    goals = _goals(deviation / abs(threshold - float(y[0])), float(course.smooth[-1]), rng, draws)
     passage, drift, accelerates, noise = (np.empty(draws) for _ in range(4))
     start = 0
     for one, share, count in zip(found.values(), weights, chosen.tolist(), strict=True):
@@ -198,6 +199,13 @@ def _to_come(t: Array, y: Array, threshold: float, deviation: float, rng: np.ran
         {name: float(share.sum()) for name, share in zip(found, weights, strict=True)},
         _surprise(course),
     )  # fmt: skip
+
+
+def _goals(deviation: float, now: float, rng: np.random.Generator, draws: int) -> Array:
+    """Thresholds as they may be, around 1, given that the part still works: above where its wear is now."""
+    below = float(norm.cdf(min((now - 1) / deviation, 0.0))) if deviation else 0.0
+    result: Array = 1 + deviation * norm.ppf(np.maximum(below + (1 - below) * rng.random(draws), 1e-15))
+    return result
 
 
 def _surprise(course: DegradationPath) -> float:
