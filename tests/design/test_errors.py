@@ -383,3 +383,13 @@ def test_nothing_in_a_file_is_run(tmp_path):
         with pytest.raises(DesignError):
             parse(f"{HEAD}description: !!python/object/{tag} ['{tmp_path}/made']\n")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("place", ["", "modules: {M: {components: {b: {rate: 1 FIT}}, environment: indoor}}\n"])
+def test_an_environment_that_the_handbook_does_not_have_is_refused_also_where_no_model_asks(place):
+    text = "schema_version: 1\nname: R\n" + (place or "environment: indoor\n") + "components: {a: {rate: 1 FIT}}\n"
+    with pytest.raises(
+        DesignError, match=r"environment: 'indoor' is no symbol of .* Table 3-2; expected one of GB \(ground, "
+    ):
+        parse(text)
+    assert parse(text.replace("indoor", "GF")).name == "R"

@@ -14,6 +14,7 @@ from robophm.core.errors import RobophmError
 from robophm.design.schema_blocks import DependsOn, Diagram
 from robophm.design.schema_fields import LONGEST, Name, Strict, Written, quantity_in
 from robophm.design.schema_task import AnyTask
+from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS
 from robophm.parts import completed
 from robophm.parts import part as library_part
 
@@ -227,6 +228,18 @@ def _in_library(name: str) -> str:
         raise ValueError(str(error)) from None
 
 
+def _of_table_3_2(symbol: str) -> str:
+    if symbol not in ENVIRONMENTS:
+        known = ", ".join(f"{one} ({name.lower()})" for one, name in ENVIRONMENTS.items())
+        raise ValueError(f"{symbol!r:.60} is no symbol of MIL-HDBK-217F Table 3-2; expected one of {known}")
+    return symbol
+
+
+Environment = Annotated[
+    str, AfterValidator(_of_table_3_2), WithJsonSchema({"type": "string", "enum": list(ENVIRONMENTS)})
+]
+"""Where parts work, as the handbook has it; also where no model asks for it, a word that none would know is refused."""
+
 PartName = Annotated[str, AfterValidator(_in_library), WithJsonSchema({"type": "string", "examples": ["lidar_2d"]})]
 """Of an entry of the library of parts."""
 
@@ -240,7 +253,7 @@ class Component(FailureMode):
     description: str | None = None
     quantity: int = Field(1, strict=True, ge=1, le=100_000, description="that many separate parts")
     required: int | None = Field(None, strict=True, ge=1, description="how many of them must work; default all")
-    environment: str | None = None
+    environment: Environment | None = None
     monitored: bool = Field(False, description="known to work until reported failed")
     duty: Duty | None = None
     depends_on: DependsOn | None = Field(None, description="works only while this does: a part, a block, or a list")
@@ -278,7 +291,7 @@ class CommonCause(Strict):
 
 class _Group(Strict):
     description: str | None = None
-    environment: str | None = None
+    environment: Environment | None = None
     ambient: Written | None = Field(
         None, description="temperature around the parts as designed, e.g. 40 degC; default: as parts here state it"
     )
