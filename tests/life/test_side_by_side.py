@@ -1,5 +1,6 @@
 """Many distributions side by side give what each gives alone, in every place and for every number of axes."""
 
+import mpmath as mp
 import numpy as np
 import pytest
 
@@ -50,6 +51,41 @@ def test_an_age_of_all():
     durations = np.random.default_rng(1).uniform(0, 1e4, (len(LATER), 4))
     found = together.increment(np.zeros((1, 1)), durations)
     np.testing.assert_array_equal(found, together.increment(np.zeros_like(durations), durations))
+
+
+@pytest.mark.parametrize(
+    "lives", [LIVES, LATER, LIVES[:1], [Weibull(1e4, 2.0), Weibull(3e3, 0.7)]], ids=["plain", "any", "one", "weibulls"]
+)
+@pytest.mark.parametrize("draws", [1, 3])
+@pytest.mark.parametrize("new", [True, False])
+def test_at_a_pace_as_each_alone(lives, draws, new):
+    rng = np.random.default_rng(draws)
+    times = np.append(0.0, 10 ** rng.uniform(-5, 4.5, 6))
+    age = np.zeros((len(lives), draws)) if new else 10 ** rng.uniform(-2, 4.5, (len(lives), draws))
+    pace = 10 ** rng.uniform(-2, 1, age.shape)
+    pace[-1] = 0.0
+    found = Lives(lives, SHARE[: len(lives)]).at_pace(age, pace)(times)
+    assert found.shape == (len(lives), len(times), draws)
+    for i, life in enumerate(lives):
+        alone = life.increment(age[i], pace[i] * times[:, None])
+        np.testing.assert_allclose(found[i], SHARE[i] * alone, rtol=2e-14)
+
+
+@pytest.mark.parametrize("shape", [0.3, 1.0, 2.5, 8.0])
+def test_new_weibull_parts_at_a_pace_against_mpmath(shape):
+    pace, times = np.array([1e-3, 0.7, 3.0, 100.0]), 10.0 ** np.arange(-4, 5)
+    lives = Lives([Weibull(2e4, shape)] * len(pace))
+    found = lives.at_pace(np.zeros((len(pace), 1)), pace[:, None])(times)[..., 0]
+    with mp.workdps(40):
+        exact = [[float((mp.mpf(p) * mp.mpf(t) / 20000) ** mp.mpf(shape)) for t in times] for p in pace]
+    np.testing.assert_allclose(found, exact, rtol=1e-13)
+
+
+def test_at_a_pace_far_and_near():
+    """Beyond all numbers it is infinite, before all of them 0, and nothing where no time goes by."""
+    lives = Lives([Weibull(1.0, 50.0), Weibull(1.0, 0.5)])
+    found = lives.at_pace(np.zeros((2, 1)), np.ones((2, 1)))(np.array([0.0, 1e-250, 1.0, 1e250]))[..., 0]
+    np.testing.assert_allclose(found, [[0.0, 0.0, 1.0, np.inf], [0.0, 1e-125, 1.0, 1e125]], rtol=1e-13)
 
 
 def test_far_and_near():

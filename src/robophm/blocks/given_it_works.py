@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -90,18 +90,29 @@ class StructureGivenItWorks:
 
         ``more``: what is added to the cumulative hazard of each unit, shape (units, ...).
         """
-        found = self.structure.transition(*chances(known, more))
-        given = np.stack(found.given_works())
+        return self.given(known)(more)
 
-        def anew(one: _One, known: Array, more: Array) -> Array:
-            if one.apart:
-                fails, survives = one.solver.ahead(known, more)
-                return in_series(np.stack((np.zeros_like(fails), survives, fails)))[:0:-1]
-            with decimals():
-                return np.stack(one.solver.exactly(as_decimals(known), as_decimals(more))).astype(float)
+    def given(self, known: Array) -> Callable[[Array], tuple[Array, Array]]:
+        """``ahead`` as a function of ``more``, for much that is asked of what is known."""
+        if not known.any():  # what fails is what fails from now on
+            return partial(self._from_new, known.shape[1:])
+        of_units = _chances_given(known)
 
-        self._repair(given, found.fails + found.survives, anew, known, more)
-        fails, survives = given
+        def ahead(more: Array) -> tuple[Array, Array]:
+            found = self.structure.transition(*of_units(more))
+            given = np.stack(found.given_works())
+            self._repair(given, found.fails + found.survives, _ahead_anew, known, more)
+            fails, survives = given
+            return fails, survives
+
+        return ahead
+
+    def _from_new(self, known: tuple[int, ...], more: Array) -> tuple[Array, Array]:
+        """``ahead`` where nothing has been lived, which broadcasts to the shape of what is ``known``."""
+        shape = np.broadcast_shapes(known, more.shape[1:])
+        rows = np.broadcast_to(more, (len(more), *shape)).reshape(len(more), -1)
+        found = self.structure.lived(rows[self.structure.leaves])
+        fails, survives = found.reshape(*found.shape[:-1], *shape)
         return fails, survives
 
     def rate(self, known: Array, hazard: Array) -> Array:
@@ -206,10 +217,24 @@ class _One(NamedTuple):
     """Whether there are several such blocks."""
 
 
+def _ahead_anew(one: _One, known: Array, more: Array) -> Array:
+    """``ahead`` of one diagram where floats have too few digits; shape (2, columns)."""
+    if one.apart:
+        fails, survives = one.solver.ahead(known, more)
+        return in_series(np.stack((np.zeros_like(fails), survives, fails)))[:0:-1]
+    with decimals():
+        return np.stack(one.solver.exactly(as_decimals(known), as_decimals(more))).astype(float)
+
+
 def chances(known: Array, more: Array) -> tuple[Array, Array, Array]:
     """Of each unit: P(failed by now), P(fails in the task), P(survives it), from cumulative hazards.
 
     Floats or, in ``decimals()``, decimals.
     """
-    works = survival(known)
-    return likely_failed(known), works * likely_failed(more), works * survival(more)
+    return _chances_given(known)(more)
+
+
+def _chances_given(known: Array) -> Callable[[Array], tuple[Array, Array, Array]]:
+    """The same as a function of ``more``."""
+    works, failed = survival(known), likely_failed(known)
+    return lambda more: (failed, works * likely_failed(more), works * survival(more))

@@ -108,13 +108,11 @@ class Ageing(Condition):
         m, hours = modes.modes, future.hours[-1]
         advance, effective = future.advance[m, -1:] / hours, future.effective[m, -1:] / hours
         pace, weight = steady_pace(modes.by_age, advance, effective)
-        pace, age = (ratios * pace)[:, None], (ratios * self.age[m, None])[:, None]
-
-        def added(hours: Array) -> Array:
-            more = modes.lives.increment(age, pace * hours[:, None])
-            return more if weight is None else weight[:, None] * more
-
-        return added
+        more = modes.lives.at_pace(ratios * self.age[m, None], ratios * pace)
+        if weight is None:
+            return more
+        weighing = weight[:, None]
+        return lambda hours: weighing * more(hours)
 
     def groups_along(self, parts: Parts, future: Future) -> Callable[[Array], Array]:
         """What a future adds to the cumulative hazard of the groups of dependent parts; shape (groups, hours)."""

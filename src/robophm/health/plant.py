@@ -280,7 +280,8 @@ class System(Parts):
         """
         if not known.any():  # what fails is what fails from now on
             return lambda of_modes: tuple(self.lived(of_modes))
-        return lambda of_modes: self.conditional.ahead(known, self.of_rows(of_modes))
+        ahead = self.conditional.given(known)
+        return lambda of_modes: ahead(self.of_rows(of_modes))
 
     def lived(self, of_modes: Array, hazard: Array | None = None) -> Array:
         """P(it has failed), P(it works) and its density, as of Structure.lived, from its failure modes' hazards."""

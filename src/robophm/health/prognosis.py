@@ -112,7 +112,8 @@ class Outlook(Ageing):
             more = added(hours[i : i + turn])[..., 0]
             if len(system.groups):
                 more = np.concatenate((more, groups(hours[i : i + turn])))
-            more += lived
+            if lived.any():
+                more += lived
             found[:, i : i + turn] = structure.lived(sums(more))
         return found[1], found[0]
 

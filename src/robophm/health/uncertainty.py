@@ -251,12 +251,8 @@ def predictive_life(outlook: Outlook, diagram: Block, ratios: Array, futures: Se
         groups = [outlook.groups_along(system, future) for future in futures]
         turn = max(1, _AT_ONCE // ratios.size)
         few = max(1, _IN_CACHE // (turn * len(known)))
-        draws = [slice(start, start + few) for start in range(0, ratios.shape[1], few)]
-
-        def ends(more: Array, some: slice) -> Array:
-            given = np.stack(system.conditional.ahead(known[..., some], more))
-            result: Array = given @ drawn.weight[some]
-            return result
+        some = [slice(start, start + few) for start in range(0, ratios.shape[1], few)]
+        draws = [(one, drawn.weight[one], system.conditional.given(known[..., one])) for one in some]
 
         def curve(hours: Array) -> tuple[Array, Array]:
             found = []
@@ -269,7 +265,7 @@ def predictive_life(outlook: Outlook, diagram: Block, ratios: Array, futures: Se
                     [along(hours[now]) for along in others],
                     [one[:, now] for one in dependent],
                 )
-                found.append(sum(ends(more[..., some], some) for some in draws))
+                found.append(sum(np.stack(ahead(more[..., one])) @ weight for one, weight, ahead in draws))
             fails, survives = np.concatenate(found, axis=1)
             return fails, survives
 

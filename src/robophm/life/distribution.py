@@ -77,6 +77,10 @@ class LifeDistribution(ABC):
         closed = np.where(after < 2 * before, self._step(x, d), after - before)
         return np.where(np.isposinf(after), np.inf, closed)
 
+    def _new_at_pace(self, pace: Array) -> Callable[[Array], Array]:
+        """H(pace·t) as a function of times t, shape (times,); shape of ``pace``, (rows, 1, draws), with all times."""
+        return lambda times: self._cumulative_hazard(pace * times[:, None])
+
     def _mean_residual_life(self, x: Array) -> Array:
         return self._residual_moment(x, 1)
 

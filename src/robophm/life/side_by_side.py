@@ -6,7 +6,7 @@ durations are not negative: nothing is checked here, because this is what live t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -56,6 +56,27 @@ class Lives:
             np.copyto(found, 0.0, where=duration == 0)
         return self._weighed(found)
 
+    def at_pace(self, age: Array, pace: Array) -> Callable[[Array], Array]:
+        """H(age + pace·t) − H(age) as a function of times t; shape (distributions, times, draws).
+
+        ``age`` and ``pace`` have shape (distributions, draws).
+        """
+        with limits():
+            along = [
+                (one.rows, _along(one, age[one.rows][:, None], pace[one.rows][:, None])) for one in self._classes(3)
+            ]
+
+        def added(times: Array) -> Array:
+            with limits():
+                if len(along) == 1:
+                    return self._weighed(along[0][1](times))
+                found = np.empty((len(self._lives), len(times), pace.shape[1]))
+                for rows, gathered in along:
+                    found[rows] = gathered(times)
+            return self._weighed(found)
+
+        return added
+
     def hazard(self, age: Array) -> Array:
         """The hazard rates h(age) [1/clock], shape (distributions, ...)."""
         found = np.empty(age.shape)
@@ -97,3 +118,19 @@ class Lives:
                 object.__setattr__(life, name, values.reshape(-1, *[1] * (ndim - 1)))
         plain = life.closed_form and life.lowest == 0 and not np.any(life._origin)
         return _Together(rows, life, plain)
+
+
+def _along(together: _Together, age: Array, pace: Array) -> Callable[[Array], Array]:
+    """``Lives.at_pace`` of one class; arguments of shape (distributions, 1, draws)."""
+    _, life, plain = together
+    if plain and not age.any():
+        return life._new_at_pace(pace)
+
+    def added(times: Array) -> Array:
+        duration = pace * times[:, None]
+        if not plain:
+            return life.increment(age, duration)
+        found = life._increment(age, duration)
+        return found if duration.all() else np.where(duration == 0, 0.0, found)
+
+    return added
