@@ -73,7 +73,7 @@ class Weibull(LifeDistribution):
         terms = np.stack((log, np.broadcast_to(self.shape, log.shape)), axis=-1).reshape(-1, 2)
 
         def gathered(times: Array) -> Array:
-            H = terms @ np.stack((np.ones(len(times)), np.log(times)))
+            H: Array = terms @ np.stack((np.ones(len(times)), np.log(times)))
             np.exp(H, H)
             return H.reshape(len(pace), -1, len(times)).swapaxes(1, 2)
 
