@@ -254,8 +254,9 @@ def test_it_watches_without_a_browser_and_stops_when_told(watched):
         done = [one for one in watched.get("/api/tasks/arrived")["tasks"] if one["actual"]]
     assert done
     assert all(0 < one["actual"]["chance"]["nominal"]["probability"] < 1 for one in done)
-    assert watched.post("/api/monitoring/stop")["state"] == "ended"
+    assert watched.post("/api/monitoring/stop")["state"] == "stopped"
     end = watched.get("/api/health")
+    assert end["state"] != "ok"
     assert end["samples"] >= health["samples"]
     journal = watched.design.with_name("run.journal").read_text().splitlines()
     assert sum(not line.startswith("#") for line in journal) == end["samples"]

@@ -67,6 +67,19 @@ class Fence extends Component<{ children: ReactNode; of: string }, { wrong: stri
   }
 }
 
+const MONITORING: Record<string, string> = { running: "Watching", failed: "Watching failed", stopped: "Stopped", ended: "Recording over" };
+
+/** What is not well stands first in the title, and colours the icon, of a tab that nobody looks at. */
+function useTitle(page: string, name: string | undefined): void {
+  const { health } = useHealth();
+  const state = health?.state ?? "idle";
+  useEffect(() => {
+    const alarming = state === "error" || state === "warn" || state === "stale";
+    document.title = `${alarming ? `${state.toUpperCase()} – ` : ""}${page} – ${name ?? "robophm"}`;
+    document.querySelector("link[rel=icon]")?.setAttribute("href", alarming ? `./icon-${state}.svg` : "./icon.svg");
+  }, [state, page, name]);
+}
+
 function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () => void }): ReactNode {
   const design = useDesign();
   const { monitoring } = useShared(pulse);
@@ -83,7 +96,7 @@ function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () 
       <span className="grow" />
       <span className={`state ${monitoring === "running" ? "ok" : monitoring === "failed" ? "error" : "idle"}`} role="status">
         <Icon name={monitoring === "running" ? "live" : "pause"} />
-        {monitoring === "running" ? "Watching" : monitoring === "failed" ? "Watching failed" : monitoring === "ended" ? "Recording over" : "Not watching"}
+        {MONITORING[monitoring] ?? "Not watching"}
       </span>
       {health && health.state !== "idle" && (
         <a className="health" href="#/overview" aria-label={`Health: ${health.state}`}>
@@ -120,9 +133,7 @@ export function App(): ReactNode {
   const [help, setHelp] = useState(false);
   const shown = PAGES.find((one) => one.id === page) ?? PAGES[0]!;
 
-  useEffect(() => {
-    document.title = `${shown.name} – ${design?.name ?? "robophm"}`;
-  }, [shown.name, design?.name]);
+  useTitle(shown.name, design?.name);
 
   useEffect(() => {
     function key(event: KeyboardEvent): void {

@@ -98,7 +98,7 @@ class TaskWords(Shape):
 class Health(Shape):
     """The health of the robot as it is known now."""
 
-    monitoring: Literal["idle", "running", "ended", "failed"]
+    monitoring: Literal["idle", "running", "stopped", "ended", "failed"]
     source: str
     error: str
     state: Literal["ok", "warn", "error", "stale", "idle"]
@@ -130,8 +130,8 @@ def health_of(
     seen = report if lives is None or lives is report else beside(report, lives)
     told = [*([run.error] if run and run.error else []), *seen.breaches]
     state: Literal["ok", "warn", "error", "stale", "idle"] = "error" if told else seen.state
-    if state == "ok" and run is None:
-        state = "idle"
+    if state == "ok" and (run is None or run.state == "stopped"):
+        state = "idle"  # nobody knows whether it is still well
     return Health(
         monitoring=run.state if run else "idle",
         source=run.source if run else "",

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Literal
 
 from robophm.core.errors import RobophmError, SourceError
-from robophm.core.signal import CLOCK, Sample
+from robophm.core.signal import Sample
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport
@@ -45,7 +45,8 @@ MOST_SUBJECTS = 60
 TASK_TOPICS = known_topics("")
 """That tell of tasks, as `robophm watch` knows them by name."""
 
-State = Literal["idle", "running", "ended", "failed"]
+State = Literal["idle", "running", "stopped", "ended", "failed"]
+"""``stopped`` by a person, or ``ended`` by itself as a recording does."""
 
 
 @dataclass
@@ -58,6 +59,8 @@ class Run:
     """Of the design when it began."""
     state: State = "running"
     error: str = ""
+    stopped: bool = False
+    """Whether a person ended it."""
     report: HealthReport | None = None
     """The latest."""
     lives: HealthReport | None = None
@@ -90,12 +93,11 @@ class _Tapped(LiveSource):
         all_heard: Iterator[LiveItem]
         all_heard = source.listen(signals, topics) if isinstance(source, LiveSource) else source.samples(signals)
         self.notes = source.notes
-        add, run = self._board.add, self._run
+        hear, run = self._board.hear, self._run
         for heard in all_heard:
             if isinstance(heard, Sample):
                 run.samples += 1
-                if heard.signal != CLOCK:
-                    add(heard.signal, heard.time, heard.value)
+                hear(heard)
             yield heard
 
     def close(self) -> None:
@@ -132,7 +134,7 @@ class Monitoring:
             except RobophmError as error:
                 source.close()
                 raise SourceError(str(error)) from None
-            self.board = Board()
+            self.board = Board(robot.max_ages, robot.max_gap)
             self._source = source
             self.run = run = Run(robot, choice.label, design_state)
             said = (run, source, told, self.board)
@@ -142,7 +144,9 @@ class Monitoring:
     def stop(self) -> None:
         """End watching, and wait until all is kept; nothing where it does not watch."""
         with self._lock:
-            source, thread = self._source, self._thread
+            source, thread, run = self._source, self._thread, self.run
+        if run:
+            run.stopped = True
         if source:
             source.stop()
         if thread:
@@ -186,7 +190,7 @@ class Monitoring:
                 monitor.reach_marks()
                 look.at(monitor, full=True)
                 run.notes = dict(source.notes)
-            run.state = "ended"
+            run.state = "stopped" if run.stopped else "ended"
         except (RobophmError, OSError) as error:
             run.error, run.state = str(error), "failed"
         except Exception:  # a fault of ours must be seen on the page, not end in a thread that nobody watches

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import threading
+from collections import deque
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robophm.core.signal import SECOND
+from robophm.core.signal import CLOCK, SECOND, Sample
 
 Floats = NDArray[np.float64]
 
@@ -17,6 +19,12 @@ KEPT = 2**16
 """Points of one series: 22 minutes of 50 a second; older ones make room."""
 
 MOST_SERIES = 500
+
+MOST_GAPS = 200
+"""Silences of one signal that are remembered, the latest."""
+
+Gap = tuple[float, float | None]
+"""A span of time without a value [s since the epoch]; it has no end while it lasts."""
 
 
 class Points(NamedTuple):
@@ -77,13 +85,59 @@ def decimated(points: Points, pixels: int) -> Points:
     return Points(times[keep], values[keep])
 
 
-class Board:
-    """All series by name, made when they first speak; what is beyond MOST_SERIES is counted and not kept."""
+class Silences:
+    """When something had been silent for longer than its last word holds."""
 
-    def __init__(self) -> None:
+    def __init__(self, holds: float) -> None:
+        self._holds = holds
+        self._last: float | None = None
+        self._ended: deque[Gap] = deque(maxlen=MOST_GAPS)
+
+    def heard(self, time: float) -> None:
+        """Note that it was heard at a time [s since the epoch]."""
+        if self._last is not None and time > self._last + self._holds:
+            self._ended.append((self._last + self._holds, time))
+        if self._last is None or time > self._last:
+            self._last = time
+
+    def gaps(self, now: float) -> list[Gap]:
+        """The silences so far, oldest first; the last one has no end if it lasts ``now`` [s since the epoch]."""
+        ended = list(self._ended)
+        if self._last is not None and now > self._last + self._holds:
+            ended.append((self._last + self._holds, None))
+        return ended
+
+
+class Board:
+    """All series by name, made when they first speak; what is beyond MOST_SERIES is counted and not kept.
+
+    ``max_ages`` says how long a value of each signal holds, and ``max_gap`` how long a robot is on after its last
+    sample [ns].
+    """
+
+    def __init__(self, max_ages: Mapping[str, int] | None = None, max_gap: int = 60 * SECOND) -> None:
         self._series: dict[str, Series] = {}
+        self._silences = {signal: Silences(age / SECOND) for signal, age in (max_ages or {}).items()}
+        self._off = Silences(max_gap / SECOND)
+        self.now = -math.inf
+        """The newest time that a sample, of a clock too, told of [s since the epoch]."""
         self._lock = threading.Lock()
         self.refused = 0
+
+    def hear(self, sample: Sample) -> None:
+        """Take a sample as it passes: its value, and how long its signal and the robot had been silent."""
+        time = sample.time / SECOND
+        self.now = max(self.now, time)
+        if sample.signal == CLOCK:
+            return
+        self._off.heard(time)
+        if (silences := self._silences.get(sample.signal)) and math.isfinite(sample.value):
+            silences.heard(time)
+        self.add(sample.signal, sample.time, sample.value)
+
+    def gaps(self, name: str) -> list[Gap]:
+        """When a signal was silent for longer than its value holds; of a figure, when the robot was off."""
+        return self._silences.get(name, self._off).gaps(self.now)
 
     def add(self, name: str, time: int, value: float) -> None:
         """Add a point at a time [ns] to the series of this name."""

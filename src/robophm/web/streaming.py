@@ -3,19 +3,22 @@
 A frame is: the length of its header (uint32, little-endian), the header as JSON in UTF-8 padded with blanks to a
 multiple of 8 bytes together with that length, then for each series of the header its times [s since the epoch] and its
 values, float64, little-endian. The header says ``series``: [[name, number of points], …]; of a ``history`` its ``id``;
-and always the state of monitoring, how often its figures were made, and the revision of the design.
+and always the state of monitoring, how often its figures were made, and the revision of the design. A ``batch`` says
+``gaps`` of the series watched, where they are others than were said last: {name: [[from, to], …]} [s since the epoch],
+the silences of a signal, or when the robot was off; ``to`` is null while one lasts, and ``now`` is the time of the robot.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from robophm.web.series import Points
+from robophm.web.series import Gap, Points
 from robophm.web.service import Service
 
 PERIOD = 0.1
@@ -42,6 +45,8 @@ class Viewer:
         """Of those that were never sent: seconds back, and pixels."""
         self._histories: list[tuple[int, str, float, float, int]] = []
         self._said: tuple[object, ...] = ()
+        self._gaps: dict[str, list[Gap]] = {}
+        """Of each watched series, as last said."""
         self._spoke = 0.0
 
     def hear(self, said: Any) -> None:
@@ -55,6 +60,7 @@ class Viewer:
             seconds, pixels = _number(said.get("seconds", 30.0), 0.0, 1e7), _pixels(said)
             self._seen = {name: seen for name, seen in self._seen.items() if name in names}
             self._first = {name: (seconds, pixels) for name in names if name not in self._seen}
+            self._gaps = {name: gaps for name, gaps in self._gaps.items() if name in self._seen}
         if "history" in said:
             if len(self._histories) >= MOST_HISTORIES:
                 raise ValueError("too many at once")
@@ -67,7 +73,7 @@ class Viewer:
         if board is not self._board:  # monitoring has begun anew
             self._board = board
             self._first |= dict.fromkeys(self._seen, (30.0, 800))
-            self._seen = {}
+            self._seen, self._gaps = {}, {}
         if self._histories:
             number, name, start, end, pixels = self._histories.pop(0)
             series = board.get(name)
@@ -86,12 +92,15 @@ class Viewer:
             if series and last_count > seen and name not in found:
                 found[name] = series.since(seen, last_count)
                 self._seen[name] = last_count
+        gaps = {name: gaps for name in self._seen if (gaps := board.gaps(name)) != self._gaps.get(name, [])}
+        self._gaps |= gaps
         state = self._state()
         said, now = tuple(state.values()), time.monotonic()
-        if not found and said == self._said and now - self._spoke < HEARTBEAT:
+        if not found and not gaps and said == self._said and now - self._spoke < HEARTBEAT:
             return None
         self._said, self._spoke = said, now
-        return encode({"kind": "batch", **state}, found)
+        of_time = {"now": board.now} if math.isfinite(board.now) else {}
+        return encode({"kind": "batch", **state, **of_time, "gaps": gaps}, found)
 
     def _state(self) -> dict[str, Any]:
         run = self._service.monitoring.run

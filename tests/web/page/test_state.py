@@ -164,3 +164,59 @@ def test_a_hand_edit_is_taken_and_undone(served, visit):
         page.get_by_role("button", name="Undo").last.click()
         page.get_by_text("courier.yaml, not saved").wait_for()
         assert "horn" in courier.get("/api/design")["document"]["components"]
+
+
+NIGHT = """\
+schema_version: 1
+name: night shift
+components:
+  motor:
+    rate: 8 FPMH
+    acceleration: {model: q10, reference_temperature: 25 degC}
+    signals: {temperature: {topic: /motor, field: temperature, unit: degC}}
+  fan:
+    rate: 8 FPMH
+    acceleration: {model: q10, reference_temperature: 25 degC}
+    signals: {temperature: {topic: /fan, field: temperature, unit: degC}}
+"""
+
+
+def test_silences_are_those_that_were_heard_and_lines_do_not_cross_a_night(tmp_path, visit):
+    """Two hours, a night, an hour in which the fan's sensor dies; in every window, however few of its points are drawn."""
+    design, table = tmp_path / "robot.yaml", tmp_path / "drive.csv"
+    design.write_text(NIGHT)
+    begin, night, hour = 1_700_000_000, 9 * 3600, 3600
+    rows = [f"{begin + t},{30 + t % 7},{35 + t % 5}" for t in range(0, 2 * hour, 2)]
+    rows += [f"{begin + 2 * hour + night + t},{30 + t % 7},{35 if t < 600 else ''}" for t in range(0, hour, 2)]
+    table.write_text("\n".join(["time,/motor.temperature,/fan.temperature", *rows]) + "\n")
+    off, on = begin + 2 * hour - 2, begin + 2 * hour + night
+    with serving(design, recordings=(table,)) as served:
+        served.post("/api/monitoring/start", {"source": "recordings", "speed": 10_000})
+        look = visit(served)
+        page = look.open("live")
+        page.get_by_text("Recording over").wait_for()
+        board = served.service.monitoring.board
+        assert board.gaps("/motor.temperature") == [(off + 5, on)]
+        assert board.gaps("/fan.temperature") == [(off + 5, on), (on + 598 + 5, None)]
+        assert board.gaps("reliability.nominal:") == [(off + 60, on)]
+        # of all there is: the night, then the hour's rest without the fan; in eight hours, of which the night has the
+        # first seven, and in one, that rest alone
+        truths = {"100000": (night - 5 + 2995) / (3 * hour + night), "28800": 2995 / hour, "3600": 2995 / hour}
+        for window, truth in truths.items():
+            page.get_by_label("Window").select_option(window)
+            plot = page.get_by_role("region", name="Sensors in degC")
+            until, share = time.monotonic() + 60, None
+            while share != pytest.approx(truth, abs=0.02) and time.monotonic() < until:
+                share = plot.locator("canvas").evaluate(SHADED)
+            assert share == pytest.approx(truth, abs=0.02), window
+        assert look.wrong == []
+
+
+SHADED = """
+canvas => {
+  const { width } = canvas, ratio = devicePixelRatio, left = Math.ceil(76 * ratio), right = width - Math.ceil(26 * ratio);
+  const row = canvas.getContext("2d").getImageData(left, Math.round(21 * ratio), right - left, 1).data;
+  return row.filter((_, i) => i % 4 === 3).filter((alpha) => alpha > 0 && alpha < 255).length / (right - left);
+}
+"""
+"""The share of a plot's width that is shaded, seen above its curves, which are opaque."""

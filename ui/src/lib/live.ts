@@ -7,10 +7,15 @@ export interface Points {
   values: number[];
 }
 
+/** A span of time without a value; it has no end while it lasts. */
+export type Gap = [from: number, to: number | null];
+
 interface Header {
   kind: "batch" | "history";
   id?: number;
   series: [string, number][];
+  gaps?: Record<string, Gap[]>;
+  now?: number;
   monitoring: string;
   looks: number;
   revision: number;
@@ -25,12 +30,15 @@ class Live {
   private socket: WebSocket | null = null;
   private wanted = new Map<string, number>();
   private series = new Map<string, Points>();
+  private silences = new Map<string, Gap[]>();
   private waiting = new Map<number, (points: Points) => void>();
   private listeners = new Set<() => void>();
   private delay = 500;
   private nextId = 1;
   private seconds = 60;
   version = 0;
+  /** The newest time that the robot, or its clock, told of. */
+  now = -Infinity;
 
   connect(): void {
     const url = new URL("./api/live", location.href);
@@ -42,6 +50,7 @@ class Live {
       this.delay = 500;
       connected.set("open");
       this.series.clear();
+      this.silences.clear();
       this.tell();
       void refresh().then(() => (unreachable.get() ? refresh() : undefined)); // one that was under way may have failed
     };
@@ -70,7 +79,10 @@ class Live {
     if (now.monitoring !== header.monitoring || now.looks !== header.looks) pulse.set({ monitoring: header.monitoring, looks: header.looks });
     const shown = design.get();
     if (shown && header.revision > shown.revision) void refresh();
-    if (header.series.length && header.kind === "batch") {
+    const gaps = Object.entries(header.gaps ?? {});
+    for (const [name, found] of gaps) this.silences.set(name, found);
+    this.now = header.now ?? this.now;
+    if ((header.series.length || gaps.length) && header.kind === "batch") {
       this.version += 1;
       this.listeners.forEach((listener) => listener());
     }
@@ -108,6 +120,7 @@ class Live {
         else {
           this.wanted.delete(name);
           this.series.delete(name);
+          this.silences.delete(name);
         }
       }
       this.tell();
@@ -123,6 +136,8 @@ class Live {
   }
 
   points = (name: string): Points | undefined => this.series.get(name);
+  /** When the service says that there was no value; one that lasts ends now. */
+  gaps = (name: string): [number, number][] => (this.silences.get(name) ?? []).map(([from, to]) => [from, to ?? Math.max(from, this.now)]);
   listen = (listener: () => void): (() => void) => {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);

@@ -52,13 +52,12 @@ export function Live(): ReactNode {
     for (const one of health?.sensors ?? []) {
       const key = one.unit ?? "";
       const group = found.get(key) ?? { unit: key, curves: [], gaps: [] };
-      const broken = withGaps(shown.clip(one.signal), one.max_age ?? Infinity);
-      group.curves.push({ name: one.signal, x: broken.x, y: broken.y });
-      group.gaps.push(...broken.gaps);
+      group.curves.push({ name: one.signal, ...shown.clip(one.signal) });
+      group.gaps.push(...live.gaps(one.signal));
       found.set(key, group);
     }
     return [...found.values()];
-  }, [shown, health?.sensors.map((one) => `${one.signal}${one.unit}${one.max_age}`).join()]);
+  }, [shown, health?.sensors.map((one) => `${one.signal}${one.unit}`).join()]);
 
   useEffect(() => setPath((old) => (old && health && !modules.includes(old) ? "" : old)), [health]);
   if (!design) return null;
@@ -113,38 +112,37 @@ export function Live(): ReactNode {
   );
 }
 
-type Kept = Map<string, { first: number; length: number; last: number; scale: number; curve: Pick<Curve, "x" | "y"> }>;
+type Kept = Map<string, { of: string; curve: Pick<Curve, "x" | "y"> }>;
 
-/** The points of a series from a time on; the very same arrays as long as they are the same points. */
+/** The points of a series from a time on, broken where there was no value; the very same arrays as long as they are the same points. */
 function clipped(kept: Kept, name: string, from: number, scale: number): Pick<Curve, "x" | "y"> {
   const points = live.points(name);
   if (!points?.times.length) return { x: [], y: [] };
   const { times, values } = points;
-  let [first, beyond] = [0, times.length];
-  while (first < beyond) {
-    const middle = (first + beyond) >> 1;
-    if (times[middle]! < from) first = middle + 1;
-    else beyond = middle;
-  }
-  const now = { first, length: times.length, last: times[times.length - 1]!, scale };
+  const [first, gaps] = [atLeast(times, from), live.gaps(name)];
+  const of = [first, times.length, times.at(-1), scale, gaps.length, gaps.at(-1)].join();
   const old = kept.get(name);
-  if (old && old.first === now.first && old.length === now.length && old.last === now.last && old.scale === scale) return old.curve;
-  const y: (number | null)[] = values.slice(first);
-  for (let i = 0; i < y.length; i++) y[i] = Number.isFinite(y[i]) ? y[i]! * scale : null;
-  const curve = { x: times.slice(first), y };
-  kept.set(name, { ...now, curve });
+  if (old?.of === of) return old.curve;
+  const x = times.slice(first);
+  const y: (number | null)[] = values.slice(first).map((value) => (Number.isFinite(value) ? value * scale : null));
+  for (const [since, until] of gaps) {
+    const after = atLeast(x, until);
+    if (!x.length || x[after - 1]! > since || until <= x[0]!) continue;
+    x.splice(after, 0, after < x.length ? (since + until) / 2 : until);
+    y.splice(after, 0, null);
+  }
+  const curve = { x, y };
+  kept.set(name, { of, curve });
   return curve;
 }
 
-/** A line is not drawn across a silence; where that lasted longer than the value holds, it is shaded. */
-function withGaps({ x, y }: Pick<Curve, "x" | "y">, holds: number): Pick<Curve, "x" | "y"> & { gaps: [number, number][] } {
-  const silences: number[] = [];
-  for (let i = 1; i < x.length; i++) if (x[i]! - x[i - 1]! > holds) silences.push(i);
-  if (!silences.length) return { x, y, gaps: [] };
-  const [times, values] = [[...x], [...y]];
-  for (const i of [...silences].reverse()) {
-    times.splice(i, 0, (x[i]! + x[i - 1]!) / 2);
-    values.splice(i, 0, null);
+/** The place of the first of rising numbers that is not below a bound. */
+function atLeast(rising: number[], bound: number): number {
+  let [first, beyond] = [0, rising.length];
+  while (first < beyond) {
+    const middle = (first + beyond) >> 1;
+    if (rising[middle]! < bound) first = middle + 1;
+    else beyond = middle;
   }
-  return { x: times, y: values, gaps: silences.map((i): [number, number] => [x[i - 1]! + holds, x[i]!]) };
+  return first;
 }
