@@ -48,6 +48,15 @@ def test_without_the_token_there_is_nothing(guarded, path, headers):
     assert "token" in answer.json()["message"]
 
 
+def test_a_person_without_the_token_is_asked_for_it_and_a_program_told(guarded):
+    asking = {"authorization": "", "accept": "text/html,application/xhtml+xml"}
+    page = guarded.client.get("/?token=wrong", headers=asking)
+    assert (page.status_code, page.headers["content-type"]) == (401, "text/html; charset=utf-8")
+    assert 'name="token"' in page.text
+    assert "a secret" not in page.text
+    assert guarded.client.get("/api/health", headers=asking).json()["message"].startswith("expected the token")
+
+
 def test_the_token_opens_and_does_not_stay_in_the_address(guarded):
     client = guarded.client
     answer = client.get("/?token=a+secret+%26+more&x=1", headers={"authorization": ""}, follow_redirects=False)

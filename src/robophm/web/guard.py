@@ -29,6 +29,15 @@ SECURITY = {
     "cross-origin-opener-policy": "same-origin",
     "cross-origin-resource-policy": "same-origin",
 }
+TOKEN_PAGE = b"""<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>robophm: token</title></head>
+<body><main><h1>This service asks for its token</h1>
+<p>It was printed when <code>robophm serve</code> was started. The one that came with this address, if any, is not it.</p>
+<form action="/"><label>Token <input type="password" name="token" required autocomplete="current-password"></label>
+<button>Open</button></form></main></body></html>
+"""
+"""For a person whose browser does not know the token; programs get it in JSON."""
+
 REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
 """Of a stand-alone report, whose style is within."""
 
@@ -178,8 +187,12 @@ async def _refuse(scope: Scope, receive: Receive, send: Send, status: int, why: 
         await receive()
         await send({"type": "websocket.close", "code": 4000 + status, "reason": why[:100]})
         return
-    body = json.dumps({"message": why, "place": []}).encode()
-    headers = [(b"content-type", b"application/json"), (b"content-length", str(len(body)).encode())]
+    asked = Headers(scope=scope).get("accept", "")
+    if status == 401 and "text/html" in asked and not str(scope["path"]).startswith("/api/"):
+        kind, body = b"text/html; charset=utf-8", TOKEN_PAGE
+    else:
+        kind, body = b"application/json", json.dumps({"message": why, "place": []}).encode()
+    headers = [(b"content-type", kind), (b"content-length", str(len(body)).encode()), (b"cache-control", b"no-store")]
     headers += [(name.encode(), value.encode()) for name, value in SECURITY.items()]
     if status == 401:
         headers.append((b"www-authenticate", b"Bearer"))

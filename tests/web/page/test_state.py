@@ -220,3 +220,58 @@ canvas => {
 }
 """
 """The share of a plot's width that is shaded, seen above its curves, which are opaque."""
+
+
+def test_an_address_that_is_no_encoded_text_opens_its_page(served, visit):
+    with served(SMALL) as courier:
+        look = visit(courier)
+        page = look.page
+        page.goto(f"{courier.address}#/design/50%")
+        page.get_by_role("treeitem", name="courier").wait_for()
+        assert look.wrong == []
+
+
+def wait_for_title(page, title):
+    until = time.monotonic() + 60
+    while page.title() != title and time.monotonic() < until:
+        page.wait_for_timeout(50)
+    assert page.title() == title
+
+
+def test_what_is_not_well_is_seen_in_the_tab(served, visit):
+    with served(f"{SMALL}thresholds: {{hazard_rate: 1e-9 /h}}\n") as courier:
+        page = visit(courier).open("design")
+        wait_for_title(page, "ERROR – Design – courier")
+        icon = page.locator("link[rel=icon]").get_attribute("href")
+        assert courier.client.get(icon).headers["content-type"].startswith("image/svg")
+        courier.edit({"op": "put", "path": ["thresholds", "hazard_rate"], "value": "1 /h"})
+        wait_for_title(page, "Design – courier")
+
+
+def test_a_plot_is_taken_along_with_what_it_says(tmp_path, visit):
+    """Its moments as dates; its picture with ground, title and legend."""
+    design, table = tmp_path / "robot.yaml", tmp_path / "drive.csv"
+    design.write_text(NIGHT)
+    table.write_text("time,/motor.temperature,/fan.temperature\n" + "".join(f"{1_700_000_000 + 2 * t},{30 + t % 7},\n" for t in range(600)))
+    with serving(design, recordings=(table,)) as served:
+        served.post("/api/monitoring/start", {"source": "recordings", "speed": 10_000})
+        look = visit(served)
+        page = look.open("live")
+        page.get_by_text("Recording over").wait_for()
+        page.get_by_label("Window").select_option("3600")
+
+        def taken(kind):
+            with page.expect_download() as download:
+                page.get_by_role("button", name=f"Sensors in degC as {kind}").click()
+            return download.value.path().read_bytes()
+
+        rows = taken("CSV").decode().splitlines()
+        assert rows[1].startswith("2023-11-14T22:13:20.000Z,30")
+        picture = taken("SVG").decode()
+        assert re.findall(r">(22:\d\d)</text>", picture) == ["22:15", "22:20", "22:25", "22:30"]
+        png = taken("PNG")
+        width, height = int.from_bytes(png[16:20]), int.from_bytes(png[20:24])
+        canvas = page.get_by_role("region", name="Sensors in degC").locator("canvas").evaluate("c => [c.width, c.height]")
+        assert width == canvas[0]
+        assert height > canvas[1]
+        assert look.wrong == []

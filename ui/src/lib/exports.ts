@@ -1,5 +1,6 @@
 // What a person takes along: a plot as CSV or SVG, any text as a file.
 import type { Curve } from "../parts/Plot";
+import { timeTicks } from "./ticks";
 import { numberText } from "./words";
 
 export function offer(name: string, type: string, content: string | Blob): void {
@@ -11,12 +12,14 @@ export function offer(name: string, type: string, content: string | Blob): void 
   setTimeout(() => URL.revokeObjectURL(url), 10000);
 }
 
-function cell(text: string): string {
+/** Text that a spreadsheet would take for a formula is told to be text. */
+function cell(said: string): string {
+  const text = /^[=+\-@\t\r]/.test(said) ? `'${said}` : said;
   return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }
 
-/** A row for each x that any curve has; an empty cell where a curve has none. */
-export function csvOf(curves: Curve[], xLabel: string): string {
+/** A row for each x that any curve has, a moment by its date; an empty cell where a curve has none. */
+export function csvOf(curves: Curve[], xLabel: string, time = false): string {
   const rows = new Map<number, (number | null)[]>();
   curves.forEach((curve, i) =>
     curve.x.forEach((x, n) => {
@@ -25,7 +28,7 @@ export function csvOf(curves: Curve[], xLabel: string): string {
       rows.set(x, row);
     }),
   );
-  const lines = [...rows].sort(([a], [b]) => a - b).map(([x, row]) => [x, ...row.map((y) => y ?? "")].join(","));
+  const lines = [...rows].sort(([a], [b]) => a - b).map(([x, row]) => [time ? new Date(x * 1000).toISOString() : x, ...row.map((y) => y ?? "")].join(","));
   return [[xLabel, ...curves.map((one) => one.name)].map(cell).join(","), ...lines, ""].join("\n");
 }
 
@@ -35,7 +38,36 @@ function escaped(text: string): string {
   return text.replace(/[&<>"]/g, (one) => `&#${one.charCodeAt(0)};`);
 }
 
-export function svgOf(curves: Curve[], { title, xLabel, yLabel, log }: { title: string; xLabel: string; yLabel: string; log: boolean }): string {
+export interface Labels {
+  title: string;
+  xLabel: string;
+  yLabel: string;
+}
+
+/** A plot as it is on screen, from its canvas, with its ground, title and legend. */
+export function pngOf(canvas: HTMLCanvasElement, curves: Curve[], { title, xLabel, yLabel }: Labels, colors: { ground: string; ink: string; of: (i: number) => string }): Promise<Blob | null> {
+  const ratio = devicePixelRatio;
+  const [line, left] = [18 * ratio, 12 * ratio];
+  const picture = document.createElement("canvas");
+  picture.width = canvas.width;
+  picture.height = canvas.height + (curves.length + 3) * line;
+  const pen = picture.getContext("2d");
+  if (!pen) return Promise.resolve(null);
+  pen.fillStyle = colors.ground;
+  pen.fillRect(0, 0, picture.width, picture.height);
+  const write = (text: string, y: number, color: string, weight = 400): void => {
+    pen.fillStyle = color;
+    pen.font = `${weight} ${13 * ratio}px system-ui, sans-serif`;
+    pen.fillText(text, left, y);
+  };
+  write(`${title}  ${yLabel}`, line, colors.ink, 600);
+  curves.forEach((one, i) => write(`${one.dashed ? "╌╌" : "──"} ${one.name}`, (i + 2) * line, colors.of(one.color ?? i)));
+  pen.drawImage(canvas, 0, (curves.length + 1.5) * line);
+  write(xLabel, picture.height - line / 2, colors.ink);
+  return new Promise((resolve) => picture.toBlob(resolve));
+}
+
+export function svgOf(curves: Curve[], { title, xLabel, yLabel, log, time = false }: Labels & { log: boolean; time?: boolean }): string {
   const [width, height, left, top, right, bottom] = [720, 400, 90, 50, 20, 60];
   const at = (y: number): number => (log ? Math.log10(y) : y);
   const xs = curves.flatMap((one) => one.x);
@@ -66,12 +98,11 @@ export function svgOf(curves: Curve[], { title, xLabel, yLabel, log }: { title: 
     const color = COLORS[(one.color ?? i) % 6];
     return `<path d="${d}" fill="none" stroke="${color}" stroke-width="1.8"${one.dashed ? ' stroke-dasharray="6 4"' : ""}/><text x="${left + 10}" y="${top + 16 + 16 * i}" fill="${color}">${escaped(one.name)}</text>`;
   });
-  const ticks = [0, 0.25, 0.5, 0.75, 1].flatMap((share) => {
-    const [x, y] = [x0 + share * (x1 - x0), y0 + share * (y1 - y0)];
-    return [
-      `<text x="${px(x)}" y="${height - bottom + 18}" text-anchor="middle">${numberText(x, 5)}</text>`,
-      `<text x="${left - 6}" y="${Number(py(y)) + 4}" text-anchor="end">${numberText(log ? 10 ** y : y, 4)}</text>`,
-    ];
-  });
+  const shares = [0, 0.25, 0.5, 0.75, 1];
+  const across = time ? timeTicks(x0, x1, 6) : shares.map((share) => x0 + share * (x1 - x0)).map((at) => ({ at, text: numberText(at, 5) }));
+  const ticks = [
+    ...across.map(({ at: x, text }) => `<text x="${px(x)}" y="${height - bottom + 18}" text-anchor="middle">${text}</text>`),
+    ...shares.map((share) => y0 + share * (y1 - y0)).map((y) => `<text x="${left - 6}" y="${Number(py(y)) + 4}" text-anchor="end">${numberText(log ? 10 ** y : y, 4)}</text>`),
+  ];
   return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${width} ${height}" font-family="sans-serif" font-size="12"><rect width="${width}" height="${height}" fill="#fff"/><text x="${left}" y="22" font-size="15" font-weight="600">${escaped(title)}</text><text x="${left}" y="40">${escaped(yLabel)}</text><text x="${width / 2}" y="${height - 12}" text-anchor="middle">${escaped(xLabel)}</text><path d="M${left} ${top}V${height - bottom}H${width - right}" fill="none" stroke="#8792a2"/>${ticks.join("")}${paths.join("")}</svg>\n`;
 }

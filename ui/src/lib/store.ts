@@ -174,7 +174,13 @@ export const useDesign = (): DesignState | null => useShared(design);
 
 /** The page that is open, and what follows it in the address: #/design/Power/Board. */
 function here(): { page: string; rest: string } {
-  const [, page = "", ...rest] = decodeURIComponent(location.hash).split("/");
+  let said = location.hash;
+  try {
+    said = decodeURIComponent(said);
+  } catch {
+    // an address that a person typed: "50%" is meant as it stands
+  }
+  const [, page = "", ...rest] = said.split("/");
   return { page: page || "overview", rest: rest.join("/") };
 }
 

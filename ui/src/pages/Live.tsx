@@ -94,13 +94,13 @@ export function Live(): ReactNode {
       </div>
       {leftOut && <p className="small">{leftOut.sentence}.</p>}
       <div className="two">
-        <Plot title="Hazard rate" curves={rates} xLabel="time of the samples, UTC" yLabel={`λ [${unit}] of operation`} time empty={empty} />
-        <Plot title={log ? "Probability of having failed since new" : "Reliability"} curves={survival} xLabel="time of the samples, UTC" yLabel={log ? "1 − R(t)" : "R(t), survival since new"} time log={log} empty={empty} />
+        <Plot key={`rate ${seconds}`} title="Hazard rate" curves={rates} xLabel="time of the samples, UTC" yLabel={`λ [${unit}] of operation`} time empty={empty} />
+        <Plot key={`survival ${seconds}`} title={log ? "Probability of having failed since new" : "Reliability"} curves={survival} xLabel="time of the samples, UTC" yLabel={log ? "1 − R(t)" : "R(t), survival since new"} time log={log} empty={empty} />
         {chance.some((one) => one.x.length) && (
-          <Plot title="Probability of completing the task" curves={chance} xLabel="time of the samples, UTC" yLabel="PoTC, given that it works now" time />
+          <Plot key={`task ${seconds}`} title="Probability of completing the task" curves={chance} xLabel="time of the samples, UTC" yLabel="PoTC, given that it works now" time />
         )}
         {groups.map((group) => (
-          <Plot key={group.unit} title={`Sensors${group.unit ? ` in ${group.unit}` : ""}`} curves={group.curves} gaps={group.gaps} xLabel="time of the samples, UTC" yLabel={group.unit ? `[${group.unit}]` : ""} time empty={empty} />
+          <Plot key={`${group.unit} ${seconds}`} title={`Sensors${group.unit ? ` in ${group.unit}` : ""}`} curves={group.curves} gaps={group.gaps} xLabel="time of the samples, UTC" yLabel={group.unit ? `[${group.unit}]` : ""} time empty={empty} />
         ))}
       </div>
       {!signals.length && design.valid && (

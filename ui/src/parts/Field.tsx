@@ -96,7 +96,11 @@ export function FileButton({ label, accept, take }: { label: string; accept: str
   const id = useId();
   return (
     <>
-      <label className="button" htmlFor={id} tabIndex={0} role="button" onKeyDown={(event) => (event.key === "Enter" || event.key === " ") && document.getElementById(id)?.click()}>
+      <label className="button" htmlFor={id} tabIndex={0} role="button" onKeyDown={(event) => {
+          if (event.key !== "Enter" && event.key !== " ") return;
+          event.preventDefault(); // else the space bar chooses once more when it is let go
+          document.getElementById(id)?.click();
+        }}>
         {label}
       </label>
       <input

@@ -2,9 +2,10 @@
 import { type ReactNode, type RefObject, useEffect, useMemo, useRef, useState } from "react";
 import uPlot, { type AlignedData } from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { csvOf, offer, svgOf } from "../lib/exports";
+import { csvOf, offer, pngOf, svgOf } from "../lib/exports";
 import { preferences, useShared } from "../lib/store";
-import { numberText } from "../lib/words";
+import { TIME_STEPS, timeText } from "../lib/ticks";
+import { momentText, numberText } from "../lib/words";
 
 export interface Curve {
   name: string;
@@ -46,10 +47,9 @@ function joined(curves: Curve[], log: boolean): AlignedData {
   return uPlot.join(curves.map((one) => [one.x, sound(one.y)] as AlignedData));
 }
 
-const times = new Intl.DateTimeFormat("en-GB", { hour: "2-digit", minute: "2-digit", second: "2-digit", timeZone: "UTC" });
-
 export function Plot({ title, curves, xLabel, yLabel, time, log = false, height = 230, gaps, empty, children }: PlotProps): ReactNode {
   const box = useRef<HTMLDivElement>(null);
+  const under = useRef<HTMLSpanElement>(null);
   const plot = useRef<uPlot | null>(null);
   const shaded = useRef(gaps);
   shaded.current = gaps;
@@ -72,10 +72,12 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
         width: Math.max(host.clientWidth, 120),
         height,
         legend: { show: false },
-        cursor: { drag: { x: true, y: false }, points: { size: 6 } },
+        cursor: { drag: { x: true, y: false }, points: { size: 6 }, sync: time ? { key: "time" } : undefined },
         scales: { x: { time: false, range: (_, low, high) => (low < high ? [low, high] : [low - 30, high + 30]) }, y: log ? { distr: 3 } : { range: (_, low, high) => spread(low, high) } },
         axes: [
-          { ...axis, values: (_, ticks) => ticks.map((tick) => (time ? times.format(tick * 1000) : numberText(tick, 6))), space: time ? 80 : 60 },
+          time
+            ? { ...axis, incrs: TIME_STEPS, values: (_, ticks, _axis, _space, step) => ticks.map((tick) => timeText(tick, step)), space: 80 }
+            : { ...axis, values: (_, ticks) => ticks.map((tick) => numberText(tick, 6)), space: 60 },
           { ...axis, size: 74, values: (_, ticks) => ticks.map((tick) => (tick == null ? "" : numberText(tick, log ? 2 : 7))) },
         ],
         series: [
@@ -90,6 +92,7 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
         ],
         hooks: {
           drawClear: [(u) => shade(u, shaded.current ?? [])],
+          setCursor: [(u) => void (under.current && (under.current.textContent = underCursor(u, time)))],
           setSelect: [
             () => {
               held.current = true;
@@ -142,6 +145,12 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
     });
   };
 
+  const picture = async (): Promise<void> => {
+    if (!plot.current) return;
+    const blob = await pngOf(plot.current.ctx.canvas, curves, { title, xLabel, yLabel }, { ground: css("--card"), ink: css("--ink"), of: (i) => css(`--c${i % 6}`) });
+    if (blob) offer(`${title}.png`, "image/png", blob);
+  };
+
   const key = `${shape} ${some} ${yLabel}`;
   if (key !== words.current.of || performance.now() - words.current.at > 1000) {
     const last = curves.map((one) => `${one.name} ${numberText(one.y.at(-1), 5)}`).join(", ");
@@ -158,24 +167,40 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
       {some ? <div ref={box} role="img" aria-label={words.current.text} /> : <p className="quiet">{empty ?? "No data yet."}</p>}
       {children}
       <div className="tools">
-        <span className="small quiet grow">{xLabel}</span>
+        <span className="small quiet grow">
+          {xLabel} <span ref={under} className="under" />
+        </span>
         {zoomed && <button onClick={reset}>Whole range</button>}
-        <button disabled={!some} onClick={() => offer(`${title}.csv`, "text/csv", csvOf(visible(), xLabel))} aria-label={`${title} as CSV, the visible range`}>
+        <button disabled={!some} onClick={() => offer(`${title}.csv`, "text/csv", csvOf(visible(), xLabel, time))} aria-label={`${title} as CSV, the visible range`}>
           CSV
         </button>
-        <button disabled={!some} onClick={() => offer(`${title}.svg`, "image/svg+xml", svgOf(visible(), { title, xLabel, yLabel, log }))} aria-label={`${title} as SVG`}>
+        <button disabled={!some} onClick={() => offer(`${title}.svg`, "image/svg+xml", svgOf(visible(), { title, xLabel, yLabel, log, time }))} aria-label={`${title} as SVG`}>
           SVG
         </button>
         <button
           disabled={!some}
           aria-label={`${title} as PNG`}
-          onClick={() => plot.current?.ctx.canvas.toBlob((blob) => blob && offer(`${title}.png`, "image/png", blob))}
+          onClick={() => void picture()}
         >
           PNG
         </button>
       </div>
     </section>
   );
+}
+
+/** What the curves are where the cursor is; the point before it, where a curve has none just there. */
+function underCursor(u: uPlot, time: boolean | undefined): string {
+  const at = u.cursor.idx;
+  const x = at == null ? null : u.data[0][at];
+  if (at == null || x == null) return "";
+  const values = u.series.slice(1).map((one, i) => {
+    const column = u.data[i + 1]!;
+    let row = at;
+    while (row > 0 && column[row] === undefined) row--;
+    return `${String(one.label)} ${numberText(column[row], 5)}`;
+  });
+  return `${time ? momentText(x) : numberText(x, 5)}: ${values.join(", ")}`;
 }
 
 function Legend({ curves }: { curves: Curve[] }): ReactNode {
