@@ -35,6 +35,7 @@ COMMANDS = {
     "cutsets": "The smallest sets of parts whose failure fails a robot, the likeliest first.",
     "fault-tree": "The probability of a fault tree's top event, and its minimal cut sets; of a robot, also "
                   "its fault tree.",
+    "why": "Why a robot's health is as it is: what decides it, and what would restore it.",
     "importance": "What matters most to a robot's health, and what to replace first.",
     "schema": "Print the JSON Schema of the design file.",
     "demo": "Watch a synthetic robot work for a day.",

@@ -14,6 +14,7 @@ from robophm.design.robot import Robot
 from robophm.health.report import HealthReport
 from robophm.health.subject import Figures, Subject
 from robophm.health.unknown_rates import marked, marks, named
+from robophm.health.why import explain
 from robophm.report.basis import made_of, sensors
 from robophm.report.curve import Line, curve_svg
 from robophm.report.dependence import dependence
@@ -26,6 +27,7 @@ from robophm.report.minimal_sets import what_it_takes_to_fail
 from robophm.report.outline import Label
 from robophm.report.page import figure, page, section, side_by_side, table_html, tile, tiles
 from robophm.report.style import Tone
+from robophm.report.why import reasons, sentence
 from robophm.report.words import duration_text, number_text, odds_text, percent_text, rate_text
 
 VIEWS = {"nominal": "nominal", "sensor_based": "sensor-based"}
@@ -47,6 +49,8 @@ def health_page(
 def _sections(
     robot: Robot, report: HealthReport, history: list[Mapping[str, Any]], ledger: Mapping[str, Any] | None
 ) -> Iterable[Html | str]:
+    found = explain(report)
+    yield sentence(report, found)
     yield _summary(report)
     yield _tiles(report)
     label = _labels(robot, report)
@@ -59,6 +63,7 @@ def _sections(
     yield section("Curves", side_by_side(*_history_curves(report.robot, history), *_outlook_curves(robot, report)))
     yield section("Modules", _subject_table(report.subjects))
     yield section("What it takes to fail", *what_it_takes_to_fail(robot, report))
+    yield section("Why", *reasons(found))
     yield section("What will fail it", *contributors(report.failures_to_come, report.components))
     life = report.system.sensor_based.remaining_life
     yield section("What matters most", *matters(robot, report.outlooks, life.median if life else 0.0))

@@ -30,9 +30,10 @@ SECURITY = {
     "cross-origin-resource-policy": "same-origin",
 }
 TOKEN_PAGE = b"""<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>robophm: token</title></head>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<title>robophm: token</title></head>
 <body><main><h1>This service asks for its token</h1>
-<p>It was printed when <code>robophm serve</code> was started. The one that came with this address, if any, is not it.</p>
+<p>It was printed when <code>robophm serve</code> was started. One that came with this address is not it.</p>
 <form action="/"><label>Token <input type="password" name="token" required autocomplete="current-password"></label>
 <button>Open</button></form></main></body></html>
 """

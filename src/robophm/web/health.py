@@ -10,7 +10,9 @@ from robophm.health.prognosis import RemainingLife
 from robophm.health.report import HealthReport
 from robophm.health.reporting import beside
 from robophm.health.subject import Figures, Subject
+from robophm.health.why import Explanation
 from robophm.report.failures_to_come import FEW, notes, shown
+from robophm.report.why import reasons, sentence
 from robophm.web.monitoring import Run
 from robophm.web.prepared import finite, unknown_of
 from robophm.web.shapes import Shape, UnknownRates
@@ -104,6 +106,10 @@ class Health(Shape):
     state: Literal["ok", "warn", "error", "stale", "idle"]
     why: list[str]
     """What made it so, in words."""
+    sentence: str
+    """How long the robot works on, and what decides that; empty before it has been worked out."""
+    reasons: list[str]
+    """What lies behind the sentence, a line each; what belongs to the line above begins with two blanks."""
     design_changed: bool
     """Whether the design has been changed since monitoring began."""
     time: float | None
@@ -122,8 +128,8 @@ class Health(Shape):
 
 
 def health_of(
-    report: HealthReport, lives: HealthReport | None, run: Run | None, *, design_changed: bool,
-    sensors: list[Freshness], horizon: float | None = None,
+    report: HealthReport, lives: HealthReport | None, run: Run | None, *, why: Explanation | None,
+    design_changed: bool, sensors: list[Freshness], horizon: float | None = None,
 ) -> Health:  # fmt: skip
     """All that is known. ``lives`` may be an older report that has remaining lives."""
     latest = {subject.path: subject for subject in lives.subjects} if lives else {}
@@ -138,6 +144,8 @@ def health_of(
         error=run.error if run else "",
         state=state,
         why=[*told, *seen.warnings, *seen.system.marks],
+        sentence=sentence(lives, why) if lives and why else "",
+        reasons=list(reasons(why)) if why else [],
         design_changed=design_changed,
         time=report.time / SECOND if report.time is not None else None,
         samples=run.samples if run else 0,

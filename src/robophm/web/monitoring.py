@@ -18,6 +18,7 @@ from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport
 from robophm.health.reporting import health_report
+from robophm.health.why import Explanation, explain
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import kept_ledger
@@ -65,6 +66,8 @@ class Run:
     """The latest."""
     lives: HealthReport | None = None
     """The latest with remaining lives."""
+    why: Explanation | None = None
+    """What decides the health of ``lives``."""
     ledger: Ledger | None = None
     """Of the latest report, settled; nobody changes it."""
     samples: int = 0
@@ -225,7 +228,7 @@ class _Looking:
         run.ledger, run.report = ledger, report
         if full:
             _ = report.failures_to_come  # here, so that whoever looks does not wait for it
-            run.lives = report
+            run.lives, run.why = report, explain(report)
         run.looks += 1
         if report.time is not None:
             self._board.add_all(report.time, figures_of(report))

@@ -4,8 +4,9 @@ A frame is: the length of its header (uint32, little-endian), the header as JSON
 multiple of 8 bytes together with that length, then for each series of the header its times [s since the epoch] and its
 values, float64, little-endian. The header says ``series``: [[name, number of points], …]; of a ``history`` its ``id``;
 and always the state of monitoring, how often its figures were made, and the revision of the design. A ``batch`` says
-``gaps`` of the series watched, where they are others than were said last: {name: [[from, to], …]} [s since the epoch],
-the silences of a signal, or when the robot was off; ``to`` is null while one lasts, and ``now`` is the time of the robot.
+``gaps`` of the series watched, where they are others than were said last: {name: [[from, to], …]} [s since the epoch].
+These are the silences of a signal, and of a figure when the robot was off; ``to`` is null while one lasts, and ``now``
+is the time of the robot.
 """
 
 from __future__ import annotations

@@ -182,7 +182,7 @@ components:
 
 
 def test_silences_are_those_that_were_heard_and_lines_do_not_cross_a_night(tmp_path, visit):
-    """Two hours, a night, an hour in which the fan's sensor dies; in every window, however few of its points are drawn."""
+    """Two hours, a night, an hour in which the fan's sensor dies; in every window, however few points are drawn."""
     design, table = tmp_path / "robot.yaml", tmp_path / "drive.csv"
     design.write_text(NIGHT)
     begin, night, hour = 1_700_000_000, 9 * 3600, 3600
@@ -212,9 +212,26 @@ def test_silences_are_those_that_were_heard_and_lines_do_not_cross_a_night(tmp_p
         assert look.wrong == []
 
 
+def test_one_sentence_says_how_long_it_works_on_and_what_decides(served, visit):
+    """The lidar's and the camera's rates are higher, but one of them is enough."""
+    with served(SMALL) as courier:
+        look = visit(courier)
+        page = look.open("overview")
+        rate = 2 * 8e-6 + 2e-6
+        said = courier.get("/api/health")["sentence"]
+        assert said.startswith("Works on for ")
+        assert "drive/motor comes first" in said
+        page.get_by_text(said).click()
+        page.get_by_text("drive/motor ×2 (").wait_for()
+        (days,) = re.findall(r"Works on for ([\d.]+) days with 90 %", said)
+        assert float(days) * 24 < 0.105361 / rate
+        assert look.wrong == []
+        assert look.serious() == []
+
+
 SHADED = """
 canvas => {
-  const { width } = canvas, ratio = devicePixelRatio, left = Math.ceil(76 * ratio), right = width - Math.ceil(26 * ratio);
+  const ratio = devicePixelRatio, left = Math.ceil(76 * ratio), right = canvas.width - Math.ceil(26 * ratio);
   const row = canvas.getContext("2d").getImageData(left, Math.round(21 * ratio), right - left, 1).data;
   return row.filter((_, i) => i % 4 === 3).filter((alpha) => alpha > 0 && alpha < 255).length / (right - left);
 }
@@ -252,7 +269,10 @@ def test_a_plot_is_taken_along_with_what_it_says(tmp_path, visit):
     """Its moments as dates; its picture with ground, title and legend."""
     design, table = tmp_path / "robot.yaml", tmp_path / "drive.csv"
     design.write_text(NIGHT)
-    table.write_text("time,/motor.temperature,/fan.temperature\n" + "".join(f"{1_700_000_000 + 2 * t},{30 + t % 7},\n" for t in range(600)))
+    table.write_text(
+        "time,/motor.temperature,/fan.temperature\n"
+        + "".join(f"{1_700_000_000 + 2 * t},{30 + t % 7},\n" for t in range(600))
+    )
     with serving(design, recordings=(table,)) as served:
         served.post("/api/monitoring/start", {"source": "recordings", "speed": 10_000})
         look = visit(served)
@@ -271,7 +291,9 @@ def test_a_plot_is_taken_along_with_what_it_says(tmp_path, visit):
         assert re.findall(r">(22:\d\d)</text>", picture) == ["22:15", "22:20", "22:25", "22:30"]
         png = taken("PNG")
         width, height = int.from_bytes(png[16:20]), int.from_bytes(png[20:24])
-        canvas = page.get_by_role("region", name="Sensors in degC").locator("canvas").evaluate("c => [c.width, c.height]")
+        canvas = (
+            page.get_by_role("region", name="Sensors in degC").locator("canvas").evaluate("c => [c.width, c.height]")
+        )
         assert width == canvas[0]
         assert height > canvas[1]
         assert look.wrong == []

@@ -3,7 +3,7 @@ import { get, type Health, type Shapes } from "../lib/api";
 import { horizon, useHealth } from "../lib/health";
 import { go, replaceText, sayError, useDesign, useShared, useUnit } from "../lib/store";
 import { everyPart, treeOf } from "../lib/tree";
-import { durationText, marked, momentText, moreText, numberText, oddsText, percentText, rateText, secondsText, type Unknown } from "../lib/words";
+import { chanceWords, durationText, marked, momentText, moreText, numberText, oddsText, percentText, rateText, secondsText, type Unknown } from "../lib/words";
 import { Bars } from "../parts/Bars";
 import { FileButton, Select } from "../parts/Field";
 import { State } from "../parts/Icon";
@@ -48,6 +48,14 @@ function Figures({ health }: { health: Health }): ReactNode {
   const left = robot.unknown;
   return (
     <>
+      {health.sentence && (
+        <details className="answer">
+          <summary>{health.sentence}</summary>
+          {health.reasons.map((line, i) => (
+            <p key={i} className={line.startsWith("  ") ? "small behind" : ""}>{line.trim()}</p>
+          ))}
+        </details>
+      )}
       {health.why.length > 0 && (
         <div className="trouble">
           {health.why.map((one) => (
@@ -72,7 +80,7 @@ function Figures({ health }: { health: Health }): ReactNode {
         ]} />
         {health.task && (
           <Figure tone={tone} name={`Task of ${numberText(health.task.distance)} m in ${durationText(health.task.duration)}, completed`} value={marked(left, "ahead", percentText(lived.completion, lived.completion_failure))} rows={[
-            ["nominal", marked(left, "ahead", percentText(nominal.completion, nominal.completion_failure))],
+            ["nominal", chanceWords({ probability: nominal.completion ?? null, failure: nominal.completion_failure ?? null }, left)],
             [left?.ahead === "at most" ? "fails at least" : "fails", oddsText(lived.completion_failure) || "–"],
           ]} />
         )}

@@ -16,6 +16,7 @@ from robophm.core.units import conversion
 from robophm.design.robot import Robot
 from robophm.health.failures_to_come import LONGEST
 from robophm.health.reporting import health_report
+from robophm.health.why import explain
 from robophm.transports.signals.message_units import field_unit
 from robophm.web.health import Freshness, Health, health_of
 from robophm.web.routes.design import REFUSED
@@ -149,12 +150,14 @@ def get_health(
         changed = checked.robot is None or checked.robot.design_hash != run.robot.design_hash
     if run and run.report:
         sensors = freshness(run.robot, service)
-        return health_of(run.report, run.lives, run, design_changed=changed, sensors=sensors, horizon=horizon)
+        return health_of(
+            run.report, run.lives, run, why=run.why, design_changed=changed, sensors=sensors, horizon=horizon
+        )
     prepared = service.prepared()
     exposure, ledger = service.past(prepared)
     report = health_report(prepared.plant, exposure, ledger)
     sensors = freshness(prepared.robot, service)
-    return health_of(report, report, run, design_changed=changed, sensors=sensors, horizon=horizon)
+    return health_of(report, report, run, why=explain(report), design_changed=changed, sensors=sensors, horizon=horizon)
 
 
 def freshness(robot: Robot, service: Service) -> list[Freshness]:

@@ -1,0 +1,132 @@
+"""Why a robot's health is as it is: how long it works on, which parts decide that, and what makes them age."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from robophm.core.waiting_time import time_at
+from robophm.design.robot import FailureMode
+from robophm.health.failures_to_come import Contribution
+from robophm.health.prognosis import Outlook
+from robophm.health.report import HealthReport
+from robophm.health.stress_groups import channel_key
+
+CHANCE = 0.9
+"""The chance to still work for which a time is stated, unless the design states one (``thresholds.survival``)."""
+
+MOST_PARTS = 3
+ENOUGH = 0.5
+"""Parts are named until they bring about this share of the failures to come, and no more than ``MOST_PARTS``."""
+
+
+@dataclass(frozen=True)
+class ObservedStress:
+    """A measured input of a part's hazard model, as it has been of late, beside what it was designed for."""
+
+    name: str
+    signal: str
+    unit: str
+    """In which both values are; that of the hazard model."""
+    observed: float
+    """The mean of the last ten minutes of the robot's own time; of a silent sensor the last value where that counts."""
+    designed: float
+
+
+@dataclass(frozen=True)
+class DecidingPart:
+    """A component, or a group of dependent parts, that brings about much of the failures to come."""
+
+    path: str
+    quantity: int
+    share: float
+    """Of the failures within the horizon, from 0 to 1."""
+    pace: float
+    """How many times as fast as designed it ages under the present stress; not a number for a group."""
+    stresses: tuple[ObservedStress, ...]
+    silent: bool
+    """Whether a sensor that it hangs on is silent."""
+    relieved: float | None
+    """The robot's median remaining life [h] if this part aged as designed from now on; None where it does."""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What decides a robot's health now."""
+
+    chance: float
+    """A chance to still work, from 0 to 1."""
+    works_for: float
+    """Hours of calendar time until the chance to still work falls to it; 0 where the robot has failed."""
+    median: float
+    """Median remaining life [h]."""
+    horizon: float
+    """How far ahead failures are looked for [h of calendar time]."""
+    parts: tuple[DecidingPart, ...]
+    """Those that decide, the largest share first; none where nothing is left to fail."""
+
+
+def explain(report: HealthReport) -> Explanation:
+    """What decides the health that a report states, sensor-based."""
+    outlook = report.outlooks["sensor_based"]
+    if outlook.plan:
+        outlook = replace(outlook, future=outlook.plan, plan=None)
+    chance = report.design.thresholds.survival or CHANCE
+    life = report.system.sensor_based.remaining_life or report.remaining_life()
+    found = report.failures_to_come
+    return Explanation(
+        chance,
+        _works_for(outlook, chance) if life.median > 0 else 0.0,
+        life.median,
+        found.horizon,
+        tuple(_deciding(report, outlook, one) for one in _first(found.contributions)),
+    )
+
+
+def _works_for(outlook: Outlook, chance: float) -> float:
+    survives = np.array([chance])
+    return float(time_at(outlook.curve(outlook.plant.robot.diagram), 1 - survives, survives)[0])
+
+
+def _first(contributions: Sequence[Contribution]) -> Iterator[Contribution]:
+    gathered = 0.0
+    for one in contributions[:MOST_PARTS]:
+        if gathered >= ENOUGH or not one.sensor_based > 0:
+            return
+        gathered += one.sensor_based
+        yield one
+
+
+def _deciding(report: HealthReport, outlook: Outlook, one: Contribution) -> DecidingPart:
+    health = next((part for part in report.components if part.path == one.path and not one.group), None)
+    if health is None:
+        return DecidingPart(one.path, one.quantity, one.sensor_based, np.nan, (), silent=False, relieved=None)
+    plant = outlook.plant
+    modes = next(part.modes for part in plant.components if part.path == one.path)
+    rows = [i for i, mode in enumerate(plant.robot.modes) if mode in modes]
+    gone, aged = outlook.future.advance[rows, -1], outlook.future.effective[rows, -1]
+    worst = int(np.argmax(np.divide(aged, gone, out=np.ones(len(rows)), where=gone > 0)))
+    pace = float(aged[worst] / gone[worst]) if gone[worst] > 0 else 1.0
+    effective = outlook.future.effective.copy()
+    effective[rows] = outlook.future.advance[rows]
+    relieved = replace(outlook, future=replace(outlook.future, effective=effective))
+    return DecidingPart(
+        one.path, one.quantity, one.sensor_based, pace, tuple(_stresses(outlook, modes)), bool(health.silence),
+        relieved.remaining_life(plant.robot.diagram).median if not np.allclose(aged, gone, rtol=1e-6) else None,
+    )  # fmt: skip
+
+
+def _stresses(outlook: Outlook, modes: Sequence[FailureMode]) -> Iterator[ObservedStress]:
+    """Each measured input once, as far as it was observed."""
+    told = set()
+    for mode in modes:
+        for stress in mode.measured:
+            for name, channel in stress.channels.items():
+                observed = (outlook.inputs or {}).get(channel_key(channel))
+                if observed is None or (name, channel.signal) in told:
+                    continue
+                told.add((name, channel.signal))
+                unit = stress.model.numbers[name].unit
+                yield ObservedStress(name, channel.signal, unit, observed, float(stress.design[name]))

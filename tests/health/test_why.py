@@ -1,0 +1,86 @@
+"""What decides a robot's health, against closed forms of exponential lives."""
+
+import json
+import math
+import subprocess
+import sys
+
+import pytest
+
+from robophm.design.file import load
+from robophm.health.why import explain
+from robophm.monitoring.replay import replay
+from robophm.report.why import reasons, sentence
+
+CASTERS, ELSE = 1e-3, 2e-4
+DESIGN = """\
+schema_version: 1
+name: courier
+components:
+  casters:
+    rate: 1e-3 /h
+    acceleration: {model: q10, reference_temperature: 25 degC, q: 2}
+    signals: {temperature: {topic: /casters, field: temperature, unit: degC}}
+  computer: {rate: 2e-4 /h}
+"""
+
+
+@pytest.fixture
+def hot(tmp_path):
+    """A courier whose casters have been at 37 °C for a quarter of an hour."""
+    (tmp_path / "robot.yaml").write_text(DESIGN)
+    rows = "".join(f"{1_700_000_000 + t},37\n" for t in range(900))
+    (tmp_path / "drive.csv").write_text(f"time,/casters.temperature\n{rows}")
+    return tmp_path
+
+
+def test_it_is_said_how_long_it_works_on_and_what_decides(hot):
+    report = replay(load(hot / "robot.yaml"), hot / "drive.csv")
+    found = explain(report)
+    faster = 2**1.2
+    rate = CASTERS * faster + ELSE
+    assert found.works_for == pytest.approx(-math.log(0.9) / rate, rel=1e-6)
+    assert found.median == pytest.approx(math.log(2) / rate, rel=1e-6)
+    (casters,) = found.parts
+    assert casters.share == pytest.approx(CASTERS * faster / rate, rel=1e-6)
+    assert casters.pace == pytest.approx(faster, rel=1e-9)
+    assert casters.relieved == pytest.approx(math.log(2) / (CASTERS + ELSE), rel=1e-6)
+    (stress,) = casters.stresses
+    assert (stress.observed, stress.designed, stress.unit) == (pytest.approx(37), 25, "degC")
+    assert sentence(report, found) == (
+        "Works on for 42.2 h with 90 %. casters decides it (92 % of the failures to come): "
+        "37 °C, 2.3 times as fast as designed."
+    )
+    assert "  temperature 37 °C, designed for 25 °C (/casters.temperature)" in [*reasons(found)]
+
+
+def test_redundancy_is_no_cause(tmp_path):
+    """One of two hot parts is enough: the single one decides, whatever their rates."""
+    (tmp_path / "robot.yaml").write_text(
+        "schema_version: 1\nname: pair\ndiagram: {series: [{parallel: [a, b]}, c]}\n"
+        "components: {a: {rate: 5e-5 /h}, b: {rate: 5e-5 /h}, c: {rate: 2e-5 /h}}\nthresholds: {survival: 0.99}\n"
+    )
+    from robophm.monitoring.monitor import Monitor
+
+    report = Monitor(load(tmp_path / "robot.yaml")).report(horizon=100.0)
+    found = explain(report)
+    assert found.chance == 0.99
+    assert [part.path for part in found.parts] == ["c"]
+    assert found.parts[0].relieved is None
+
+
+def test_the_command_says_it(hot):
+    def said(*words):
+        command = [sys.executable, "-m", "robophm", "why", "robot.yaml", *words]
+        return subprocess.run(command, cwd=hot, capture_output=True, text=True, check=False)
+
+    new = said()
+    assert new.returncode == 0, new.stderr
+    assert new.stdout.startswith(
+        "Works on for 3.66 days with 90 %. casters decides it (83.3 % of the failures to come)."
+    )
+    document = json.loads(said("--json").stdout)
+    assert document["parts"][0]["share"] == pytest.approx(CASTERS / (CASTERS + ELSE), rel=1e-6)
+    (hot / "robot.yaml").write_text(f"{DESIGN}thresholds: {{hazard_rate: 1e-6 /h}}\n")
+    assert said().returncode == 1
+    assert "hazard rate" in said().stdout
