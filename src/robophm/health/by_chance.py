@@ -1,4 +1,4 @@
-"""A new robot lived through again and again, by chance: it checks what is exact, and stands in where nothing is."""
+"""Monte Carlo simulation of a new robot: it checks exact results, and stands in where no exact one exists."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from robophm.groups.monte_carlo import Estimate, Wear, simulate
 
 
 def survival_by_chance(robot: Robot, hours: float, samples: int, *, seed: int = 0) -> Estimate:
-    """Reliability of a new robot after so many operating hours, nominal, of so many samples.
+    """Estimate the nominal reliability of a new robot after operating ``hours``, from so many simulated ``samples``.
 
     Raises ValueError where these are none, or beyond ``monte_carlo.MOST``.
     """

@@ -1,4 +1,4 @@
-"""A ledger into which a clock that had jumped ahead was counted: the jump, and what came behind it, taken out again."""
+"""Repair of a ledger that counted a forward jump of the clock: the jump, and what followed it, are taken out again."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from robophm.health.window import Window
 
 
 class Repaired(NamedTuple):
-    """What was taken out."""
+    """The stretch of time that was taken out of a ledger."""
 
     before: int
-    """To which the ledger goes back [ns]."""
+    """The time to which the ledger goes back [ns]."""
     until: int
-    """To which it had been integrated [ns]."""
+    """The time to which the ledger had been integrated [ns]."""
     operating: float
     """Hours of operation behind the jump that are taken out with it."""
 

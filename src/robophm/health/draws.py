@@ -1,4 +1,4 @@
-"""How many draws of uncertain rates and loads can be paid for."""
+"""The number of random draws of uncertain rates and loads that memory allows."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from robophm.core.given import number
 from robophm.design.robot import Robot
 
 MOST_DRAWS = 100_000
-"""Of uncertain rates and loads."""
+"""The most draws of uncertain rates and loads that may be asked for."""
 
 MOST_DRAWN = 30_000_000
 """Rates that are drawn in all: ten arrays of so many numbers are 2.4 GB."""
