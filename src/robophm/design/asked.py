@@ -1,4 +1,4 @@
-"""What a robot may be asked to do, and what may be known of it: checked alike for files, command line and Python."""
+"""Checks of tasks, and of knowledge about parts, alike for files, the command line and Python."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from robophm.hazard.model import Range
 
 
 def check_task(task: Task, robot: Robot) -> None:
-    """Raises Fault where a task is none, or names a function or a stress that the robot does not have."""
+    """Raise Fault where a task is none, or names a function or a stress that the robot does not have."""
     instance(task, Task, "task", "a Task of legs, such as Task((Leg(0.5),))", at("task"))
     for i, leg in enumerate(task.legs):
         place = ("legs", str(i))
@@ -26,7 +26,7 @@ def check_task(task: Task, robot: Robot) -> None:
 
 
 def check_leg(leg: Leg, place: Path) -> None:
-    """Raises Fault where a leg is longer, or turns more, than any: a slip of the unit."""
+    """Raise Fault where a leg is longer, or turns more, than any can: a slip of the unit."""
     if not (leg.duration <= LONGEST_TASK and leg.distance <= FARTHEST):
         most = f"{LONGEST_TASK:g} h and {FARTHEST:g} m"
         raise Fault(place, f"{leg.distance:g} m in {leg.duration:g} h; expected at most {most}")
@@ -36,13 +36,13 @@ def check_leg(leg: Leg, place: Path) -> None:
 
 
 def check_hours(takes: float, place: Path) -> None:
-    """Raises Fault where legs or tasks take longer in all than any."""
+    """Raise Fault where legs or tasks take longer in all than any can."""
     if takes > LONGEST_TASK:
         raise Fault(place, f"take {takes:g} h in all; expected at most {LONGEST_TASK:g} h")
 
 
 def check_plan(plan: Plan, robot: Robot) -> None:
-    """The same of a list of tasks, and of what is known before the first."""
+    """Raise Fault where a task of a list is wrong, or what is known before the first."""
     instance(plan, Plan, "plan", "a Plan of tasks, as of robophm.load_plan", at("plan"))
     for task in plan.tasks:
         check_task(task, robot)
@@ -51,7 +51,7 @@ def check_plan(plan: Plan, robot: Robot) -> None:
 
 
 def check_knowledge(knowledge: Knowledge, robot: Robot) -> None:
-    """Raises Fault where it names units that the robot does not have, or contradicts itself."""
+    """Raise Fault where the knowledge names units that the robot does not have, or contradicts itself."""
     instance(knowledge, Knowledge, "knowledge", "a Knowledge of units that failed or work", at("knowledge"))
     units = {unit for part in robot.all_components() for unit in part.units}
     for kind in ("failed", "working"):
@@ -63,7 +63,7 @@ def check_knowledge(knowledge: Knowledge, robot: Robot) -> None:
 
 
 def check_functions(names: Iterable[str], robot: Robot, place: Path = ()) -> None:
-    """Raises Fault where the robot has no function of such a name."""
+    """Raise Fault where the robot has no function of one of these names."""
     for i, name in enumerate(names):
         if name not in robot.functions:
             hint = nearest(name, robot.functions) if robot.functions else "; the design names none"
@@ -71,7 +71,7 @@ def check_functions(names: Iterable[str], robot: Robot, place: Path = ()) -> Non
 
 
 def contradiction(knowledge: Knowledge, robot: Robot) -> str:
-    """What cannot both be known; "" where there is nothing."""
+    """Return, in words, what cannot both be known; "" where nothing contradicts."""
     if both := sorted(knowledge.failed & knowledge.working):
         return f"{both[0]} is said to have failed and to work; expected either, not both"
     for cause in robot.causes:
@@ -84,7 +84,7 @@ Taker = tuple[FailureMode, Range, TaskStress]
 
 
 def takers(key: str, robot: Robot, place: Path) -> tuple[list[Taker], str]:
-    """The model inputs that a stated stress determines, and the unit it is in. Raises Fault where there are none."""
+    """Return the model inputs that a stated stress determines, and its unit. Raises Fault where there are none."""
     path, _, name = key.rpartition("/")
     stresses = [
         (mode, stress.model.numbers[own], driver)
@@ -114,14 +114,14 @@ def takers(key: str, robot: Robot, place: Path) -> tuple[list[Taker], str]:
 
 
 def check_stress(key: str, number: float, robot: Robot, place: Path) -> None:
-    """Raises Fault where no part takes a stress, or it is outside the range of one that does."""
+    """Raise Fault where no part takes a stress, or it is outside the range of one that does."""
     for mode, entry, driver in takers(key, robot, place)[0]:
         if not entry.holds(at := number + driver.shift):
             raise Fault(place, f"{entry.written(at)} of {mode.path} is outside {entry.span}")
 
 
 def _names(robot: Robot) -> set[str]:
-    """What may be stated of a part."""
+    """The names of stresses and inputs that may be stated of the robot's parts."""
     inputs = [(stress.model.numbers, stress.drivers) for mode in robot.modes for stress in mode.stresses]
     return {
         name for numbers, drivers in inputs for name in (*numbers, *(d.name for of in drivers.values() for d in of))
@@ -129,5 +129,5 @@ def _names(robot: Robot) -> set[str]:
 
 
 def _ends(path: str) -> list[int]:
-    """Where the path of a part, and of each module around it, ends."""
+    """The indices at which the path of a part, and of each module around it, ends."""
     return [i for i, letter in enumerate(f"{path}/") if letter == "/"]

@@ -1,4 +1,4 @@
-"""From what a design file says to the robot that it describes, with every contradiction named."""
+"""Construction of a robot from the values of its design file, with every contradiction named."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ MOST_DRAWN = 1_000_000
 
 
 def build(design: schema.RobotFile) -> Robot:
-    """Put a robot together. Raises Fault (a DesignError with its place) at the first contradiction."""
+    """Build a robot from its design. Raises Fault (a DesignError with its place) at the first contradiction."""
     try:
         return _Builder(design).robot()
     except RecursionError:
@@ -111,7 +111,7 @@ class _Builder:
         return used.union(members_of)
 
     def _remarks(self, used: set[str]) -> tuple[list[str], list[str]]:
-        """What in the design is odd, and what was assumed."""
+        """The warnings on what is odd in the design, and the notes on what was assumed."""
         drawn = {name.partition("[")[0] for name in used}
         warnings = [f"{path}: used in no diagram" for path in self.components if path not in drawn]
         members = (unit for part in self.components.values() if part.path in drawn for unit in part.units)

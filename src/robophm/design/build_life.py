@@ -1,4 +1,4 @@
-"""From how often a design says that a part fails, and how that changes with its age, to its life."""
+"""Construction of a life distribution from a stated rate or age and the distribution's shape."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from robophm.life.distribution import LifeDistribution
 from robophm.parts import FIGURES
 
 MEANS = ("mtbf", "mttf")
-"""What states the mean life."""
+"""Keys that state the mean life."""
 
 TENTHS = ("l10", "b10")
-"""What states the age by which a tenth have failed."""
+"""Keys that state the age by which a tenth have failed."""
 
 ABOVE_ZERO = "expected above zero: a part that never fails is no part"
 
@@ -26,7 +26,7 @@ _Plug = TypeVar("_Plug")
 
 
 def key_of_figure(place: Path, mode: schema.FailureMode) -> str | None:
-    """Which key says how often a mode comes; None where only its life can. Raises Fault where two do."""
+    """Return the key that states a mode's frequency; None where only its life can. Raises Fault where two do."""
     stated = [key for key in (*FIGURES, "hazard") if getattr(mode, key) is not None]
     if len(stated) > 1:
         raise Fault((*place, stated[0]), f"both '{stated[0]}' and '{stated[1]}' are given; expected one of the two")
@@ -34,7 +34,7 @@ def key_of_figure(place: Path, mode: schema.FailureMode) -> str | None:
 
 
 def figure_of(place: Path, mode: schema.FailureMode, key: str, unit: str) -> float:
-    """What it says: a rate [1/clock], or an age [clock]. Raises Fault."""
+    """Return the rate [1/clock] or age [clock] that a key states. Raises Fault where it states none above zero."""
     at, said = (*place, key), getattr(mode, key)
     if key != "rate":
         if not (age := written(at, said, unit)) > 0:
@@ -50,7 +50,7 @@ def figure_of(place: Path, mode: schema.FailureMode, key: str, unit: str) -> flo
 
 
 def _if_age(said: object, unit: str) -> str:
-    """A hint where a rate is none but a time between failures."""
+    """A hint to the user, where a rate is really a time between failures."""
     try:
         quantity(said, unit)
     except UnitError:
@@ -61,7 +61,7 @@ def _if_age(said: object, unit: str) -> str:
 def build_life(
     place: Path, life: schema.Life, figure: tuple[str, float] | None, unit: str, factor: float
 ) -> tuple[LifeDistribution, float]:
-    """The life of a mode and its rate [1/clock], ``factor`` times what is stated. Raises Fault.
+    """Return the life of a mode and its rate [1/clock], ``factor`` times what is stated. Raises Fault.
 
     ``figure``: how often it comes by the key that says so; None where the life has its own scale. A mean life and a
     tenth are turned into a rate here, and nowhere else: through the distribution itself.
@@ -114,7 +114,7 @@ def _parameters(place: Path, life: schema.Life, kind: type[LifeDistribution], un
 
 
 def plug(place: Path, find: Callable[[str], _Plug], name: str) -> _Plug:
-    """A life, model or acceleration by the name that a design gives it. Raises Fault where there is none."""
+    """Return the life, model or acceleration that a design names. Raises Fault where there is none."""
     try:
         return find(name)
     except PlugError as error:

@@ -1,4 +1,4 @@
-"""From what a design file says of a failure mode to its rate, life, stresses and clock."""
+"""Construction of a failure mode from a design file: its rate, life, stresses and clock."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class ModeBuilder:
     def mode(
         self, path: Path, place: Path, mode: schema.FailureMode, part: schema.Component, scope: Scope
     ) -> FailureMode:
-        """Of a part in a scope. Raises Fault where what is said of it contradicts itself."""
+        """Build a failure mode of a part in a scope. Raises Fault where the design contradicts itself."""
         clock_unit = CLOCK_UNITS[mode.clock]
         key = key_of_figure(place, mode)
         if mode.rate == UNKNOWN:
@@ -98,7 +98,7 @@ class ModeBuilder:
 
     @staticmethod
     def _unknown_mode(path: Path, place: Path, mode: schema.FailureMode) -> FailureMode:
-        """One of whose rate nothing is known: it is there, and never comes."""
+        """A failure mode of unknown rate, which is carried as if it never came."""
         for key in ("life", "acceleration", "uncertainty", "learned", "wear", "scaling"):
             if key in mode.model_fields_set:
                 raise Fault((*place, key), f"its rate is unknown, and '{key}' says nothing then; expected a rate")
@@ -111,7 +111,7 @@ class ModeBuilder:
 
     @staticmethod
     def _said_source(mode: schema.FailureMode) -> str:
-        """Where the hazard itself says its rate is from."""
+        """The source of the rate that the hazard itself states; "" where it states none."""
         return str(mode.hazard.source or mode.hazard.inputs.get("source", "")) if mode.hazard else ""
 
     @staticmethod
@@ -227,7 +227,7 @@ class ModeBuilder:
         return Stress(model, design, channels, drivers(model, design, channels, cover))
 
     def measured_clock(self, clock: str, place: Path, binding: schema.ClockBinding) -> MeasuredClock:
-        """A clock and the signals that drive it. Raises Fault where they cannot."""
+        """Build a clock that signals drive. Raises Fault where they cannot."""
         self.driving.used[place] = None
         if clock in ("operating", "calendar"):
             raise Fault(place, f"the {clock} clock is time itself and takes no signal")

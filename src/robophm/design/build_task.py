@@ -1,4 +1,4 @@
-"""From what files say of tasks, and of what is known, to what a robot can be asked."""
+"""Construction of tasks, plans and knowledge about parts from what files say of them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robophm.design.task import LONGEST_TASK, Knowledge, Leg, Plan, Task
 
 
 def plain_task(distance: float | None, speed: float | None, duration: float | None) -> Task:
-    """A task of a distance [m], a speed [m/s] and a duration [h], two of the three or a duration alone.
+    """Build a task of a distance [m], a speed [m/s] and a duration [h]: two of the three, or a duration alone.
 
     Raises Fault where they say too little, too much, or nothing that can be driven.
     """
@@ -42,7 +42,7 @@ def _distance_and_duration(
 
 
 def build_task(said: schema_task.Task | schema_task.Leg, robot: Robot, place: Path = ()) -> Task:
-    """A task of a robot from what a file says. Raises Fault for what the robot does not have or cannot do."""
+    """Build a robot's task from a file's. Raises Fault for what the robot does not have or cannot do."""
     if isinstance(said, schema_task.Leg):
         return Task((_leg(said, robot, place),))
     legs = tuple(_leg(leg, robot, (*place, "legs", str(i))) for i, leg in enumerate(said.legs))
@@ -53,7 +53,7 @@ def build_task(said: schema_task.Task | schema_task.Leg, robot: Robot, place: Pa
 
 
 def build_plan(said: schema_task.TaskFile, robot: Robot) -> Plan:
-    """Tasks of a robot in their order. Raises Fault as ``build_task``."""
+    """Build a plan, the tasks in their order. Raises Fault as ``build_task``."""
     tasks = tuple(build_task(one, robot, ("tasks", str(i))) for i, one in enumerate(said.tasks))
     takes = math.fsum(task.duration for task in tasks)
     check_hours(takes, ("tasks",))
@@ -66,7 +66,7 @@ def build_plan(said: schema_task.TaskFile, robot: Robot) -> Plan:
 
 
 def build_knowledge(said: schema_task.Knowledge, robot: Robot, place: Path = ()) -> Knowledge:
-    """What is known of units, from paths of parts. Raises Fault where it contradicts itself."""
+    """Build the knowledge of units from paths of parts. Raises Fault where it contradicts itself."""
     known = []
     for kind in ("failed", "working"):
         found: set[str] = set()
@@ -80,7 +80,7 @@ def build_knowledge(said: schema_task.Knowledge, robot: Robot, place: Path = ())
 
 
 def with_knowledge(plan: Plan, robot: Robot, failed: Sequence[str] = (), working: Sequence[str] = ()) -> Plan:
-    """The plan, with more that is known of parts, by their paths, before its first task.
+    """Return the plan with more knowledge of parts, by their paths, before its first task.
 
     Raises Fault where a part is unknown, or what is known contradicts itself or what the plan knows.
     """

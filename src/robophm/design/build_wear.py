@@ -1,4 +1,4 @@
-"""From what a design says of a signal of wear to what is read of it."""
+"""Construction of the signal that shows a part's wear, with its threshold, from a design."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from robophm.design.robot import Gauge, WearSignal
 
 
 def build_wear(place: Path, said: schema.Wear, quantity: int) -> WearSignal:
-    """The signal of wear of one of ``quantity`` parts. Raises Fault where it is of several, or contradicts itself."""
+    """Build the wear signal of one part. Raises Fault where ``quantity`` is above one, or it contradicts itself."""
     if quantity > 1:
         raise Fault(
             place, f"one signal shows the wear of one part, not of {quantity}; expected components of their own"

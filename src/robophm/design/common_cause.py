@@ -13,7 +13,7 @@ from robophm.design.fault import Fault, Path
 from robophm.design.robot import Component
 
 MOST_CAUSES = 10_000
-"""Of a robot; a group of eight parts has 247, one for each set of them."""
+"""The most common causes of a robot; a group of eight parts has 247, one for each set of them."""
 
 
 class CommonCauses:
@@ -21,17 +21,17 @@ class CommonCauses:
 
     def __init__(self, components: dict[str, Component], modules: Iterable[str]) -> None:
         self.components = components
-        """By path; the failure modes of members keep what is their own."""
+        """Components by path; members of groups keep the failure modes that are their own."""
         self.causes: list[Component] = []
         self.groups: dict[str, str] = {}
-        """Who may fail together and how often, in words; by path."""
+        """Members of each group and how often they fail together, in words; by path of the group."""
         self.of: dict[str, list[str]] = {}
         """The causes that fail each unit."""
         self._grouped: set[str] = set()
         self._taken = {*components, *modules}
 
     def add(self, level: str, name: str, place: Path, said: schema.CommonCause, paths: Sequence[str]) -> None:
-        """A group of the components or units at these ``paths``, as many as ``said.of`` names. Raises Fault."""
+        """Add a group of the components or units at these ``paths``, as many as ``said.of`` names. Raises Fault."""
         members: dict[str, Path] = {}  # unit → where it is named
         for i, path in enumerate(paths):
             for unit in self.components[path].units if path in self.components else (path,):
@@ -122,7 +122,7 @@ _MOST_NAMED = 8
 
 
 def _likeness(part: Component) -> dict[str, object]:
-    """What must be the same in parts that are alike; where they sit, and what they have behind them, may differ."""
+    """The properties that alike parts must share; their place, and what they have behind them, may differ."""
     names = [mode.path.removeprefix(part.path) for mode in part.modes]
     stresses = [
         [(stress.model.name, stress.model.formula, sorted(stress.design.items())) for stress in mode.stresses]

@@ -1,4 +1,4 @@
-"""What drives the inputs of a part's models: its sensors, those of what it is in, and how one follows from the other.
+"""Assignment of sensors to model inputs: a part's own, those of its module, and how one input follows from another.
 
 A stress that is bound or stated reaches an input by the input's own name, and else as the model declares: all
 temperatures in operation follow from ``temperature``. A sensor of a level tells what is around the parts in it; the
@@ -24,10 +24,10 @@ from robophm.hazard.handbooks import handbook_model
 from robophm.hazard.model import TEMPERATURE, Model, Range
 
 PLAUSIBLE = {"degC": (-100.0, 500.0)}
-"""What a signal may measure where its binding states no range, by the unit of the model input."""
+"""The range of a signal whose binding states none, by the unit of the model input."""
 
 MOST_NAMED = 20
-"""Parts in one warning."""
+"""The most parts that one warning names."""
 
 
 class Ambient(NamedTuple):
@@ -36,28 +36,28 @@ class Ambient(NamedTuple):
     value: float
     place: Path
     stated: bool
-    """Or else it is what the parts there state, all the same."""
+    """Whether the level itself states it; else all parts there state this same temperature."""
 
 
 class Cover(NamedTuple):
-    """What of the stresses around it, and of its own, a part has sensors of."""
+    """The sensors of a part's own stresses, and of those around it."""
 
     signals: Mapping[str, tuple[Path, schema.SignalBinding]]
     own: frozenset[str]
-    """Of these, what is bound at the part itself."""
+    """Names of those signals that are bound at the part itself."""
     offsets: Mapping[str, str | float]
     ambient: Ambient | None
 
 
 @dataclass
 class Driving:
-    """Channels for the inputs of models."""
+    """Makes the channels through which sensors reach the inputs of models."""
 
     used: dict[Path, None] = field(default_factory=dict)
     """Places of the signals that drive something, in the order of the design."""
 
     def channels(self, model: Model, design: Mapping[str, Any], cover: Cover) -> dict[str, Channel]:
-        """The measured inputs of a model at a part. Raises Fault where a binding is none of the input."""
+        """Return the measured inputs of a model at a part. Raises Fault where a binding is none of the input."""
         found = {}
         for name, entry in model.numbers.items():
             by = name if name in cover.signals else entry.driver
@@ -70,7 +70,9 @@ class Driving:
 
 
 def _reaches(by: str, entry: Range, cover: Cover) -> bool:
-    """A temperature is that of a whole place; a voltage, a current, a load only that of the part itself."""
+    """Whether a stress reaches an input: a temperature is that of a whole place, a voltage or load only of the part
+    itself.
+    """
     binding = cover.signals[by][1]
     if entry.warmth:
         return True
@@ -82,14 +84,14 @@ def _reaches(by: str, entry: Range, cover: Cover) -> bool:
 
 
 def _rises(by: str, entry: Range, cover: Cover) -> bool:
-    """Whether it is warmer than what this stress says, unless its offset says by how much."""
+    """Whether the part is warmer than its sensor by the rise as designed, because no offset states by how much."""
     return by == TEMPERATURE and entry.warmth == "own" and by not in cover.own and by not in cover.offsets
 
 
 def drivers(
     model: Model, design: Mapping[str, Any], channels: Mapping[str, Channel], cover: Cover
 ) -> dict[str, tuple[TaskStress, ...]]:
-    """By input, under which names its stress may be stated, the one that goes before the others first."""
+    """Return, by input, the names by which its stress may be stated, the one that takes precedence first."""
     found = {}
     for name, entry in model.numbers.items():
         if name not in design:
@@ -107,7 +109,7 @@ def drivers(
 
 
 def _stated_shift(by: str, unit: str, cover: Cover) -> float:
-    """By what the input is more than its sensor reads, as design and binding say."""
+    """The difference of an input from what its sensor reads, as the design and the binding state it."""
     if by not in cover.signals:
         return 0.0
     extras = (cover.signals[by][1].offset, cover.offsets.get(by))
@@ -118,19 +120,19 @@ def _stated_shift(by: str, unit: str, cover: Cover) -> float:
 
 
 def rise_of(own: str | float, ambient: Ambient | None) -> float:
-    """By how much a part is warmer than what is around it, as designed [K]; 0 where that is not known."""
+    """Return how much warmer a part is than its surroundings as designed [K]; 0 where that is not known."""
     return float(own) - ambient.value if ambient else 0.0
 
 
 def difference(unit: str) -> str:
-    """The unit of a difference of two values."""
+    """Return the unit of a difference of two values."""
     return f"delta_{unit}" if unit in ("degC", "degF") else unit
 
 
 def channel(
     place: Path, binding: schema.SignalBinding, unit: str, stress: str, more: str | float | None, rise: float
 ) -> Channel:
-    """A bound input in this unit, ``more`` and a ``rise`` above what its sensor reads. Raises Fault."""
+    """Build the channel of a bound input in this unit, ``more`` and a ``rise`` above its sensor. Raises Fault."""
     try:
         written = unit if binding.unit is None else binding.unit
         if binding.rated is None:
@@ -156,7 +158,7 @@ def channel(
 
 
 def ambient_of(place: Path, level: Any, above: Ambient | None) -> Ambient | None:
-    """What a level states, or its parts do, all the same; else what holds above it. Raises Fault."""
+    """Return the ambient temperature that a level states, or its parts all share, else that above it. Raises Fault."""
     if level.ambient is not None:
         try:
             return Ambient(quantity(level.ambient, "degC"), (*place, "ambient"), stated=True)
@@ -186,7 +188,7 @@ def _around(level: Any) -> Iterator[float]:
 
 
 def assumed(parts: Iterable[tuple[Component, Cover]]) -> Iterator[tuple[bool, str]]:
-    """What is assumed of temperatures that follow from another, and whether the design lets it be known."""
+    """Yield what is assumed of temperatures that follow from others, with whether the design states what is needed."""
     found: dict[tuple[Path, Ambient | None], dict[str, None]] = {}
     for part, cover in parts:
         for stress in (stress for mode in part.modes for stress in mode.stresses):
@@ -217,7 +219,7 @@ def _celsius(text: str | float) -> float:
 
 
 def undriven(parts: Iterable[tuple[Component, Cover]], used: Container[Path]) -> Iterator[str]:
-    """The parts that nothing drives although a sensor covers them, and why; those at each sensor together."""
+    """Yield, for each sensor, the parts that it covers and yet does not drive, and why."""
     found: dict[Path, dict[str, dict[str, None]]] = {}
     for part, cover in parts:
         places = [place for place, _ in cover.signals.values() if place in used]
@@ -232,7 +234,7 @@ def undriven(parts: Iterable[tuple[Component, Cover]], used: Container[Path]) ->
 
 
 def _reason(stresses: tuple[Stress, ...], cover: Cover) -> str:
-    """Why none of the bound stresses reaches a failure mode."""
+    """The reason why none of the bound stresses reaches a failure mode."""
     bound = " and ".join(cover.signals)
     if not stresses:
         return "a constant rate: an acceleration would make it answer"
@@ -247,7 +249,7 @@ def _reason(stresses: tuple[Stress, ...], cover: Cover) -> str:
 
 
 def named(paths: Iterable[str]) -> str:
-    """Some paths, and how many more."""
+    """Return some paths in words, and how many more there are."""
     listed = list(paths)
     more = f" and {len(listed) - MOST_NAMED} more" if len(listed) > MOST_NAMED else ""
     return ", ".join(listed[:MOST_NAMED]) + more

@@ -22,7 +22,7 @@ PARTS = ("modules", "components")
 
 
 def put(document: Any, path: Sequence[str], value: Any) -> None:
-    """Put a value at a place, what is around it made where it is missing. Raises Fault."""
+    """Put a value at a place, and make what is around it where that is missing. Raises Fault."""
     if not path:
         raise Fault((), "a whole design is put in place as text")
     around, value = _around(document, path), deepcopy(value)
@@ -181,7 +181,7 @@ _HERE = "\0"  # where something will be drawn; no part has this name
 
 
 def _stem(name: str) -> str:
-    """Of 'motor[2]' the part."""
+    """The part's name without a member's number: 'motor' for 'motor[2]'."""
     return name.partition("[")[0]
 
 
@@ -278,7 +278,7 @@ def _rows(block: Any, *, dependent: bool = True) -> Iterator[MutableSequence[Any
 
 
 def _members(block: Any, names: set[str]) -> list[Any]:
-    """What a group is of; of a network its parts."""
+    """The members of a group; for a network, its parts."""
     if "network" in block:
         return [name for name in dict.fromkeys(leaves(block)) if _stem(name) in names]
     inner = next(iter(block.values()))
@@ -339,7 +339,7 @@ def _draw(level: Any, name: str) -> None:
 
 
 def _at(document: Any, path: Sequence[str]) -> Any:
-    """What is at a place. Raises Fault where there is nothing."""
+    """The value at a place. Raises Fault where there is nothing."""
     here = document
     for n, key in enumerate(path):
         if not _has(here, key):
@@ -377,7 +377,7 @@ def _index(here: MutableSequence[Any], path: Sequence[str]) -> int:
 
 
 def _rename_key(mapping: Any, old: str, new: str) -> None:
-    """In its place, with the comments that stand there."""
+    """Rename a key in its place, with the comments that stand there."""
     if hasattr(mapping, "insert"):  # ruamel's, which keeps comments by key
         at, value = list(mapping).index(old), mapping[old]
         comment = mapping.ca.items.get(old)

@@ -1,4 +1,4 @@
-"""What is wrong at a place in a file, before the file's name and line are known."""
+"""A mistake at a place in a file, before the file's name and line are known."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ class Fault(DesignError):  # noqa: N818  what geologists and engineers call it
 
 
 def at(*place: str) -> Callable[[str], Fault]:
-    """What makes a fault at a place of its message."""
+    """Return a function that makes a fault at a place from its message."""
     return partial(Fault, place)
 
 
 @contextmanager
 def below(place: Path) -> Iterator[None]:
-    """What is at fault inside is so at this place of the file."""
+    """Prefix this place to that of any fault raised inside."""
     try:
         yield
     except Fault as fault:
@@ -37,7 +37,7 @@ def below(place: Path) -> Iterator[None]:
 
 
 def written(place: Path, value: object, unit: str) -> float:
-    """A quantity as the file says it, in a unit. Raises Fault where it is none, or not finite."""
+    """Return a quantity that a file states, in a unit. Raises Fault where it is none, or not finite."""
     try:
         number = quantity(value, unit)
     except UnitError as error:

@@ -14,12 +14,12 @@ from robophm.design.file import fault_of, mapping
 from robophm.design.robot import Robot
 
 MOST_PROBLEMS = 500
-"""That are told of one design."""
+"""The most problems that are reported of one design."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """What is wrong ("error": no robot can be made of it, or no figures given) or odd ("warning") at a place."""
+    """A mistake ("error": no robot can be made of it, or no figures given) or an oddity ("warning") at a place."""
 
     level: Literal["error", "warning"]
     place: Path
@@ -29,17 +29,17 @@ class Problem:
 
 @dataclass(frozen=True)
 class Checked:
-    """A text that is meant to be a design."""
+    """The result of checking a text that is meant to be a design."""
 
     document: dict[str, Any]
-    """Its plain values; empty where it is no YAML mapping."""
+    """Plain values of the text; empty where it is no YAML mapping."""
     robot: Robot | None
-    """None where there is an error."""
+    """The robot that it describes; None where there is an error."""
     problems: tuple[Problem, ...]
 
 
 def check(text: str) -> Checked:
-    """All that can be said of a text; raises nothing for whatever is wrong in it."""
+    """Check a text and return all that can be said of it; no mistake in it raises an error."""
     try:
         document, lines = mapping(text, "design", "design")
     except DesignError as error:

@@ -1,4 +1,4 @@
-"""What a level of a design inherits from those above it."""
+"""The settings that a level of a design inherits from those above it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from robophm.design.fault import Path
 
 @dataclass(frozen=True)
 class Scope:
-    """What a level inherits from those above it."""
+    """The settings that hold in a level: its own, and those inherited from above."""
 
     environment: str | None = None
     signals: Mapping[str, tuple[Path, schema.SignalBinding]] = field(default_factory=dict)
@@ -24,7 +24,7 @@ class Scope:
     ambient: Ambient | None = None
 
     def within(self, place: Path, level: Any) -> Scope:
-        """What holds in a level of it: what the level states, else what it inherits."""
+        """Return the scope of a level inside this one: what that states, else what it inherits."""
         return Scope(
             level.environment or self.environment,
             {**self.signals, **{name: ((*place, "signals", name), b) for name, b in level.signals.items()}},
@@ -36,5 +36,5 @@ class Scope:
         )
 
     def cover(self, part: schema.Component) -> Cover:
-        """What of stresses a part in it has sensors of."""
+        """Return the sensors that a part in this scope has of its stresses."""
         return Cover(self.signals, frozenset(part.signals), part.offsets, self.ambient)

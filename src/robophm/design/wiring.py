@@ -1,4 +1,4 @@
-"""How the parts of a design are wired: its diagrams of names become diagrams of units."""
+"""The wiring of a design's parts: its diagrams of names become diagrams of units."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robophm.design.robot import Component, Module
 
 
 class Wiring:
-    """Diagrams of names become diagrams of units; what contains itself, or depends on itself, is found."""
+    """Expands diagrams of names to diagrams of units, and finds what contains, or depends on, itself."""
 
     def __init__(
         self,
@@ -27,22 +27,22 @@ class Wiring:
     ) -> None:
         self.modules, self.components, self.places, self.depends_on = modules, components, places, depends_on
         self.causes = causes
-        """In series with each unit."""
+        """Common causes that are in series with each unit."""
         self.expanded: dict[str, blocks.Block] = {}
         self.under_way: list[tuple[str, str]] = []
-        """(what is done, to which path)"""
+        """The expansions under way: (what is done, to which path)."""
         self.groups: dict[str, blocks.Group] = {}  # of parts that depend on each other, by name
         self.group_places: dict[str, Path] = {}
 
     def module(self, module: Module) -> Module:
-        """The module and those in it, with their diagrams."""
+        """Return the module and those in it, with their diagrams."""
         inner = tuple(self.module(child) for child in module.modules)
         parts = tuple(self.components[part.path] for part in module.components)
         wiring, diagram = self._wiring(module.path), self.path("", module.path, ())
         return replace(module, modules=inner, components=parts, wiring=wiring, diagram=diagram)
 
     def parts(self, level: str, names: Iterable[str], place: Path) -> list[str]:
-        """Paths of the components or units that are named at a level."""
+        """Return the paths of the components or units that are named at a level."""
         found = []
         for i, name in enumerate(names):
             at = (*place, str(i))
@@ -52,7 +52,7 @@ class Wiring:
         return found
 
     def needs(self, path: str) -> blocks.Block:
-        """What a module or component depends on, as drawn."""
+        """Return the diagram of what a module or component depends on, as drawn."""
         level, said = path.rpartition("/")[0], self.depends_on[path]
         place = (*self.places[path], "depends_on")
         if isinstance(said, list):
@@ -183,7 +183,7 @@ class Wiring:
         return block
 
     def _of_members(self, paths: Iterable[str], block: blocks.Block) -> bool:
-        """Whether it is a part of a member of a group, or a cause by which such may fail together."""
+        """Whether a block is a part of a member of a group, or a cause by which such parts may fail together."""
         return isinstance(block, blocks.Unit) and any(
             any(_within(unit, path) for path in paths)
             for unit in (block.name, *(unit for unit, causes in self.causes.items() if block.name in causes))
@@ -231,12 +231,12 @@ class Wiring:
         return [path.removeprefix(f"{level}/") if level else path for path in paths if path]
 
     def block(self, path: Path, diagram: Any, place: Path) -> blocks.Block:
-        """A diagram that a level draws, expanded to units."""
+        """Expand a diagram that a level draws to units."""
         level = "/".join(path)
         return self._expand(level, self._named(level, diagram, place), place)
 
     def path(self, level: str, path: str, place: Path) -> blocks.Block:
-        """What must work so that a module, a component or a member of one, drawn at a level, does its work.
+        """Return what must work so that a module, component or member, drawn at a level, does its work.
 
         It needs what it depends on, and what the modules around it do, up to one that is around the level too.
         """
@@ -268,7 +268,7 @@ class Wiring:
         return blocks.Series(name, *causes) if causes else blocks.Unit(name)
 
     def _once(self, what: str, path: str, place: Path) -> blocks.Block:
-        """Expanded: what a module contains, or what something depends on."""
+        """The expanded diagram of what a module contains, or of what something depends on; each is expanded once."""
         key = f"{what} {path}"
         if key not in self.expanded:
             if (what, path) in self.under_way:
@@ -293,7 +293,7 @@ class Wiring:
 
 
 def series(block: blocks.Block) -> list[blocks.Block]:
-    """What must all work: the diagram itself, or what it is a series of, each once."""
+    """Return the blocks that must all work: the diagram itself, or what it is a series of, each once."""
     found: list[blocks.Block] = []
     todo = [block]
     while todo:
@@ -317,7 +317,7 @@ def _join(level: str, name: str) -> str:
 
 
 def told_apart(level: Any) -> Iterable[str]:
-    """Names by which a design tells equal parts apart: drawn as 'motor[2]' or in a group, or what may fail together."""
+    """Yield the names by which a design tells equal parts apart: as 'motor[2]', in a group, or failing together."""
     for group in level.common_causes.values():
         yield from group.of
     stack: list[Any] = [level.diagram, *getattr(level, "functions", {}).values()]

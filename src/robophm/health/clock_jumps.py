@@ -36,7 +36,7 @@ class ClockJumps:
         self.newest = newest
         self._first = self._last = 0
         self.count = 0
-        """Of those that are set aside."""
+        """Number of samples that are set aside."""
         for time in aside:
             self._set_aside(time)
 
@@ -77,7 +77,7 @@ def why_not(sample: Sample) -> str:
 
 
 def waiting(newest: int, aside: Sequence[Sample]) -> str:
-    """Say in words that samples are set aside, and until when."""
+    """Say in words that samples are set aside, and what will make them count."""
     first = min(sample.time for sample in aside)
     moment = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=first // SECOND)
     return (

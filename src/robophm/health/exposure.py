@@ -23,9 +23,7 @@ from robophm.health.stress_groups import Group, StressGroups, channel_key
 from robophm.health.window import Array, Columns, Window
 
 EACH = 2_500
-"""The most samples per bundle of signals for which all bundles are processed together; beyond it one by one, so that
-the arrays stay in the processor's cache.
-"""
+"""Samples per bundle of signals beyond which bundles are integrated one by one, so that their arrays stay in cache."""
 
 IntervalObserver = Callable[[Sequence[int], Array, Array, Mapping[str, Array]], None]
 """A callback that is told what failure modes went through: their indices; for each interval how far their clock went (a

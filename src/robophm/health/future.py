@@ -29,7 +29,7 @@ class Future:
 
     @classmethod
     def steady(cls, name: str, plant: Plant, factor: Array, usage: Array, share: float) -> Future:
-        """Make a future of one stress ``factor`` and ``usage`` per operating hour of each mode, on a ``share`` of the
+        """Make a future of one stress ``factor`` and ``usage`` per operating hour of each mode, on a ``share`` of
         time.
         """
         advance = np.where(plant.calendar, 1.0, share * usage)

@@ -49,7 +49,7 @@ class GroupState:
         past, nothing = np.maximum(now - seen, 0.0), np.zeros(len(new))
         begun = held.members(new, np.maximum(seen - new, 0.0))
         self.failed = False
-        """Whether what is known of its members says so."""
+        """Whether the group has failed, by what is known of its members."""
         anew = partial(solve, held.group)
         if all(status):  # then nothing of what was matters but the ages
             self._begin(anew, held.members(new, np.maximum(now - new, 0.0)), nothing)

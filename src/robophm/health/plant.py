@@ -48,26 +48,26 @@ class Plant:
         parts = tuple(unit for part in self.components for unit in part.units)
         groups = tuple(_groups(_diagrams(robot)))
         self.units = (*parts, *(group.name for group in groups))
-        """Of the components, then the groups."""
+        """Names of the units of the components, then those of the groups."""
         self.paths = (*(part.path for part in self.components), *(group.name for group in groups))
-        """Of the components, then the groups."""
+        """Paths of the components, then names of the groups."""
         self.component_of = np.repeat(
             np.arange(len(self.paths)), [*(len(part.units) for part in self.components), *(1 for _ in groups)]
         )
-        """Of each unit."""
+        """Index, into ``paths``, of the component or group of each unit."""
         self.place = {unit: i for i, unit in enumerate(self.units)}
         self.first_mode = np.cumsum([0, *(len(part.modes) for part in self.components), *(1 for _ in groups)])
-        """Where the failure modes of each component begin among the robot's, then the groups' own."""
+        """Index of the first failure mode of each component among the robot's, then of the groups' own."""
         self.multiplicity = np.array([*(part.multiplicity for part in self.components), *(1 for _ in groups)], float)
-        """Equal parts in series that a unit of each component stands for."""
+        """Number of equal parts in series that one unit of each component stands for."""
         self.monitored = np.array([*(part.monitored for part in self.components), *(False for _ in groups)])
         self.monitored = self.monitored[self.component_of]
-        """Of each unit."""
+        """Whether each unit is monitored."""
         unknown = np.array([*(part.unknown for part in self.components), *(False for _ in groups)], dtype=bool)
         self.unknown = unknown[self.component_of]
-        """Of each unit: whether a rate of it is not known."""
+        """Whether a rate of each unit is unknown."""
         self.share = np.array([mode.share for mode in robot.modes])
-        """Of each mode: of the hazard of its life."""
+        """Share of the hazard of its life that each mode has."""
         self.groups = tuple(
             DependentGroup(group, [list(self._modes_of(member, group.always)) for member in group.members])
             for group in groups
@@ -78,10 +78,10 @@ class Plant:
         self.clock = np.array([mode.clock for mode in robot.modes])
         self.calendar = self.clock == "calendar"
         self.pace = np.where(self.calendar, 1.0, robot.usage.operating * self.usage)
-        """How far the clock of each mode goes in an hour of calendar time, as designed."""
+        """Advance of each mode's clock in an hour of calendar time, as designed."""
         part_of = {mode.path: i for i, part in enumerate(self.components) for mode in part.modes}
         self.part = np.array([part_of[mode.origin] for mode in robot.modes])
-        """The component that each mode rests with: its own, or of a common cause's the member."""
+        """Index of the component that each mode belongs to: its own, or for a common cause's the member."""
         duty = np.array([part.duty for part in self.components])[self.part]
         self.duty = np.where(self.calendar, 1.0, duty)
         """Share at which each mode ages in a leg of a task that does not need its part."""
@@ -89,9 +89,9 @@ class Plant:
         self._needed: dict[frozenset[str], npt.NDArray[np.bool_]] = {}
         self._missions: dict[tuple[tuple[Need, ...], tuple[Need, ...]], Mission] = {}
         self.parts = Parts(self, [(unit,) for unit in parts])
-        """All parts, to ask each of them."""
+        """All parts, each as a group of its own."""
         self.everything = Parts(self, [(unit,) for unit in self.units]) if groups else self.parts
-        """The same, and the groups of parts that depend on each other."""
+        """All parts as in ``parts``, and the groups of parts that depend on each other."""
 
     def _modes_of(self, member: Sequence[str], always: frozenset[str]) -> Iterator[ModeOf]:
         """The failure modes of a member of a group: of all its units in series."""
@@ -156,7 +156,7 @@ class Modes:
 
     def __init__(self, plant: Plant, modes: npt.NDArray[np.intp]) -> None:
         self.modes = modes
-        """Their indices among the robot's."""
+        """Indices of the modes among the robot's."""
         self.groups = np.empty(0, dtype=np.intp)
         """Indices of the robot's groups, whose own failure modes come after these."""
         self.by_age = plant.by_age[modes, None]
@@ -164,7 +164,7 @@ class Modes:
         self.all_by_age = bool(self.by_age.all())
         self._share = plant.share[modes]
         self.lives = Lives([plant.robot.modes[i].life for i in modes], self._share)
-        """Their life distributions, each with its share."""
+        """Life distributions of the modes, each with its share."""
 
 
 class Sums:
@@ -192,7 +192,7 @@ class Parts(Modes):
 
     def __init__(self, plant: Plant, groups: Sequence[Sequence[str]], *, by_life: bool = False) -> None:
         self.units = np.array([plant.place[unit] for group in groups for unit in group])
-        """Of all groups, one after the other: indices among the robot's."""
+        """Indices, among the robot's, of the units of all groups, one group after the other."""
         self._groups = np.cumsum([0, *(len(group) for group in groups[:-1])])
         drawn, self._component = np.unique(plant.component_of[self.units], return_inverse=True)
         first = plant.first_mode

@@ -230,8 +230,8 @@ class _Ahead:
         return fails, survives
 
     def _part(self, component: int) -> _Part | None:
-        """The subsystem that a possibly failed component is in, with it put in new; None if it cannot work with the old
-        one.
+        """The subsystem around a possibly failed component, with that put in new; None if it cannot work with the
+        old.
         """
         if component not in self._parts:
             names = self._outlook.plant.components[component].units
@@ -366,7 +366,7 @@ class _Part:
         self._swapped = swapped
         self._rows = np.array([row[int(unit)] for unit in swapped.parts.units])
         self.rows = np.unique(self._rows)
-        """Its units' among the system's."""
+        """Rows of its units among the system's."""
         self.may_work = swapped.may_work
 
     def given(self, more: Array, instead: Array) -> tuple[Array, Array]:

@@ -73,9 +73,7 @@ class HealthReport:
     """Notes on samples that were not taken into the past, and why."""
     outlooks: Mapping[View, Outlook] = field(repr=False, compare=False)
     uncertainty: LifeUncertainty | None = None
-    """Uncertainty of the robot's sensor-based remaining life; None unless asked for, and where rates and load are
-    exact.
-    """
+    """Uncertainty of the robot's sensor-based remaining life; None unless asked for and rates or load are uncertain."""
     horizon: float | None = None
     """The time ahead in which failures to come are looked for [h of calendar time]; None: the median remaining life."""
 

@@ -103,7 +103,7 @@ class Grid:
         self.stretch = part.stretch
         self.edges = edges
         self.observed = observed
-        """By key, over the interval that each edge but the last begins."""
+        """Values by key, over the interval that each edge but the last begins."""
 
     @cached_property
     def operating(self) -> Array:
@@ -149,14 +149,14 @@ class SampleStretch:
         self.start = ledger.integrated_to if ledger.integrated_to is not None else ends[-1]
         self.end = ends[-1]
         self.bounds: Times = np.array([self.start, *ends], dtype=np.int64)
-        """The start, and where each period ends."""
+        """The start of the stretch, and the end of each period."""
         self.raw = {
             signal: SignalSamples.of(*own) for signal, own in columns.items() if len(own[0]) and signal != CLOCK
         }
         self._powered: dict[str, tuple[int, tuple[float, ...]]] = {}
         self.operating = self._operating()
         self.off = _NEVER if ledger.off is None else ledger.off
-        """When it was off last before this stretch."""
+        """Time when the robot was last off before this stretch [ns]."""
 
     @cached_property
     def edges(self) -> Times:
@@ -229,9 +229,9 @@ class Part:
     def __init__(self, stretch: SampleStretch) -> None:
         self.stretch = stretch
         self.last: dict[str, tuple[int, tuple[float, ...]]] = {}
-        """By key, for the next stretch."""
+        """Last time and value by key, for the next stretch."""
         self.rejected: dict[str, Flags] = {}
-        """Of each signal's samples, which a channel did not take."""
+        """Flags of each signal's samples that a channel did not take."""
         self.stale: Counter[str] = Counter()
         """Nanoseconds of operation without a valid value, by key."""
         self.extrapolated: Counter[str] = Counter()

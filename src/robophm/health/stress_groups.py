@@ -87,7 +87,9 @@ class Line(NamedTuple):
 
     values: Array
     other: Array | None = None
-    """The value that may be assumed instead, where that ages a part faster; None where nothing has to be assumed."""
+    """The value that may be assumed instead where that ages a part faster, else the value itself; None: nothing is
+    assumed.
+    """
 
     @classmethod
     def joined(cls, lines: Sequence[Line]) -> Line:

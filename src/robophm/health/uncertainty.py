@@ -370,7 +370,7 @@ class _Drawn:
         lived, unseen = (parts.of_units(np.vstack((one, exact))) for one in (lived, unseen))
         known = outlook.known(parts, needed, unseen)
         self.known = parts.of_groups(known)
-        """Shape (groups, draws)."""
+        """Cumulative hazard of each group, less what is known not to have happened; shape (groups, draws)."""
         with np.errstate(divide="ignore", invalid="ignore"):
             total = alone + log_works(self.known)
             if failed.any():  # since it was last seen to work
@@ -378,11 +378,11 @@ class _Drawn:
         top = np.max(total)
         weight = np.exp(total - top) if np.isfinite(top) else np.ones(len(total))
         self.weight: Array = weight / weight.sum()
-        """Of each draw: its probability, given what is known; shape (draws,)."""
+        """Probability of each draw, given what is known; shape (draws,)."""
         # The first draws have the first future, the next have the next, and so on.
         self._scale = np.array_split(scale.reshape(-1, len(weight)), futures, axis=1)
         self.ratios = np.array_split(ratios[~self._is_power], futures, axis=1)
-        """Of the other modes in the draws of each future."""
+        """Ratios of the other modes in the draws of each future."""
 
     def gathered(self, stated: Sequence[Array], others: Sequence[Array], dependent: Sequence[Array]) -> Array:
         """Return the cumulative hazard that steps add to each group; shape (groups, steps, draws).
@@ -418,7 +418,7 @@ def _effective(evidence: Array) -> float:
 def _resampled(evidence: Array) -> npt.NDArray[np.intp]:
     """Indices of draws, each as often as its evidence [ln of a probability] is worth: systematic resampling.
 
-    Kitagawa, "Monte Carlo filter and smoother" (1996).
+    Source: Kitagawa (1996).
     """
     top, count = np.max(evidence), len(evidence)
     if not np.isfinite(top):

@@ -87,7 +87,7 @@ class _Diagram:
         self.lines = list(self._lines(diagram, "  ", ""))
 
     def _lines(self, block: Block, pad: str, lead: str) -> Iterator[str]:
-        """Of a block in a list, after ``lead``; of the whole, without."""
+        """The lines of the whole diagram, or of a block in a list, after ``lead``."""
         todo: list[tuple[Block, str, str]] = [(block, pad, lead)]
         while todo:
             one, indent, before = todo.pop()
