@@ -71,8 +71,7 @@ class Driving:
 
 def _reaches(by: str, entry: Range, cover: Cover) -> bool:
     """Whether a stress reaches an input: a temperature is that of a whole place, a voltage or load only of the part
-    itself.
-    """
+    itself."""
     binding = cover.signals[by][1]
     if entry.warmth:
         return True

@@ -80,8 +80,7 @@ class EditedText:
 
     def end(self, node: Any) -> int:
         """Return the index behind a value's last letter: the parser's mark of a block is where the next thing
-        begins.
-        """
+        begins."""
         index = 0
         while node.id != "scalar" and not node.flow_style and node.value and not index:
             last = node.value[-1]

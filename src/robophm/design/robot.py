@@ -401,8 +401,7 @@ class Robot(Module):
 
     def part_of(self, mode: FailureMode) -> str:
         """Return the path of the component that a failure mode belongs to: its own, or for a common cause's the
-        member.
-        """
+        member."""
         return self._parts[mode.origin]
 
     @cached_property

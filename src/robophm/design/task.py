@@ -48,8 +48,7 @@ class Leg:
     """Names of the functions that must work; none named is the whole robot."""
     stresses: Mapping[str, float] = field(default_factory=dict)
     """Stresses as sensors would read them, in the unit of the inputs that they drive: of all parts, or below one
-    (``Power/temperature``).
-    """
+    (``Power/temperature``)."""
 
     def __post_init__(self) -> None:
         """Check a leg as a file of tasks is checked."""

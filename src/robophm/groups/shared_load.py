@@ -65,7 +65,7 @@ class Sharing(Solved):
         return total
 
     def _speeds(self, mode: Mode) -> tuple[float, float]:
-        """How much faster than the path it ages while all work, and once one has failed."""
+        """How much faster than the path a mode ages while all work, and once one has failed."""
         return (1.0, 1.0) if mode.always else (self._factors[0], self._factors[1])
 
     def _log_rate(self, s: Array, length: Array, lost: int) -> Array:

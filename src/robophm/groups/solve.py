@@ -1,4 +1,4 @@
-"""Which way of solving fits a group; what has none is refused in words."""
+"""The choice of an exact solution for a group; a group that has none is refused in words."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from robophm.groups.state import Solved
 from robophm.groups.together import Together
 
 Way = Callable[[Sequence[Member], Path, float, Sequence[bool | None] | None], Solved]
-"""Of solving a group: its members along a path, and what is known of each at some time of it."""
+"""A way of solving a group: from its members, a path, and what is known of each member at some time of it."""
 
 
 def solve(
     group: Group, members: Sequence[Member], path: Path, now: float, status: Sequence[bool | None] | None = None
 ) -> Solved:
-    """A group along a path from its start on; what ``status`` says of each member is known ``now``.
+    """Solve a group along a path from its start on; what ``status`` says of each member is known ``now``.
 
     Raises StructureError where the group has no exact solution.
     """
@@ -46,7 +46,7 @@ def solve(
 
 
 def left(group: Group, failed: frozenset[int]) -> Way:
-    """The way of solving what is left of a group that works although these of its members have failed."""
+    """Return the way of solving what is left of a group that works although these of its members have failed."""
     assert isinstance(group, Standby | LoadSharing)
     alive = tuple(member for i, member in enumerate(group.members) if i not in failed)
     factor = group.factors[len(failed)] if isinstance(group, LoadSharing) else 1.0
@@ -58,7 +58,7 @@ def left(group: Group, failed: frozenset[int]) -> Way:
 
 
 def fewest_failed(group: Group, members: Sequence[Member], status: Sequence[bool | None]) -> frozenset[int] | None:
-    """The fewest members that have failed where ``status`` is so; None where then the group has, or it cannot be so.
+    """Return the fewest members that have failed if ``status`` is so; None where the group then has, or it cannot be.
 
     A spare that does not age while it waits fails only where it was called: then those before it have failed, too.
     """

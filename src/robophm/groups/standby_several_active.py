@@ -60,7 +60,7 @@ class Positions(Solved):
         self._breaks = sorted({at for place in kinds.values() for at in place.lives.breaks})
 
     def over(self, s: Array, length: Array) -> npt.NDArray[np.bool_]:
-        """Where some place has gathered more than all spares can outlive."""
+        """Return where some place has gathered more than all spares can outlive."""
         found: npt.NDArray[np.bool_] = np.any([place.lives.over(s, length) for place in set(self._places)], axis=0)
         return found
 
@@ -104,7 +104,7 @@ class Positions(Solved):
 
 
 class _Place:
-    """What is active at one place, one after the other, as often as there are spares."""
+    """The parts that are active at one place, one after the other, as often as there are spares."""
 
     def __init__(self, lives: InOrder, spares: int) -> None:
         self.lives = lives

@@ -105,8 +105,7 @@ class Ageing(Condition):
 
     def _along_steady(self, modes: Modes, future: Future, ratios: Array) -> Callable[[Array], Array]:
         """The same as ``along`` where nothing changes: a mode ages at one pace, and its stress weighs what it
-        gathers.
-        """
+        gathers."""
         m, hours = modes.modes, future.hours[-1]
         advance, effective = future.advance[m, -1:] / hours, future.effective[m, -1:] / hours
         pace, weight = steady_pace(modes.by_age, advance, effective)
@@ -118,8 +117,7 @@ class Ageing(Condition):
 
     def groups_along(self, parts: Parts, future: Future) -> Callable[[Array], Array]:
         """Return a function of hours: the cumulative hazard a future adds to dependent groups; shape (groups,
-        hours).
-        """
+        hours)."""
         along = [self._as_known[i].along(drawn_out(future), self.plant.groups[i].modes) for i in parts.groups]
 
         def added(hours: Array) -> Array:

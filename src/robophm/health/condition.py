@@ -47,8 +47,7 @@ class Condition:
     """The future course of stress and use; a task takes from it what it does not state."""
     inputs: Mapping[str, float] | None = None
     """Model inputs, by channel, for a task that does not state them; one that is missing is as designed. None: no
-    stress that a task states matters.
-    """
+    stress that a task states matters."""
     knowledge: Knowledge = field(default_factory=Knowledge)
     plan: Future | None = None
     """The planned future that remaining life follows in place of ``future``, where there is a plan."""

@@ -48,8 +48,7 @@ class Effect:
     """P(any of the equal parts fails by this mode within the hours); not a number where its rate is unknown."""
     ratio: float
     """Failure mode ratio α: the share of the part's failures within the hours; NaN where a rate of the part is
-    unknown.
-    """
+    unknown."""
     beta: float
     """P(the robot fails within the hours | it has)."""
     detected: float

@@ -27,8 +27,7 @@ EACH = 2_500
 
 IntervalObserver = Callable[[Sequence[int], Array, Array, Mapping[str, Array]], None]
 """A callback that is told what failure modes went through: their indices; for each interval how far their clock went (a
-calendar clock: while the robot was on), the stress factor, and every measured input in the unit of its model.
-"""
+calendar clock: while the robot was on), the stress factor, and every measured input in the unit of its model."""
 
 
 class ExposureIntegrator:
@@ -71,8 +70,7 @@ class ExposureIntegrator:
         self, ledger: Ledger, columns: Columns, ends: Sequence[int], duty: Array | None = None
     ) -> None:
         """Integrate periods with these ends [ns], ascending: bit for bit as ``integrate`` called for one after the
-        other.
-        """
+        other."""
         if ledger.integrated_to is None:
             ledger.integrated_to = ledger.started if ledger.started is not None else ends[0]
         stretch = SampleStretch(ledger, columns, _with_recent(ledger.integrated_to, ends), self.robot)

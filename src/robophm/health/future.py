@@ -30,8 +30,7 @@ class Future:
     @classmethod
     def steady(cls, name: str, plant: Plant, factor: Array, usage: Array, share: float) -> Future:
         """Make a future of one stress ``factor`` and ``usage`` per operating hour of each mode, on a ``share`` of
-        time.
-        """
+        time."""
         advance = np.where(plant.calendar, 1.0, share * usage)
         ends = np.array([0.0, 1.0])
         return cls(name, ends, share * ends, advance[:, None] * ends, (factor * advance)[:, None] * ends)

@@ -89,8 +89,7 @@ class Importances:
 
 def usual_hours(outlook: Outlook, median: float) -> float:
     """Return the hours of operation to ask about by default: USUAL, or half of the median remaining life [h] if
-    shorter.
-    """
+    shorter."""
     half = median * outlook.plant.robot.usage.operating
     return min(half, USUAL) if half > 0 else USUAL
 

@@ -164,8 +164,7 @@ class Ledger:
     """Nanoseconds of a step of the history; it doubles as the past grows."""
     replaced: dict[str, int] = field(default_factory=dict)
     """Time at which a mode's sums last began anew, in a new or repaired part: its initial exposure then counts no
-    more.
-    """
+    more."""
     seen: dict[str, Seen] = field(default_factory=dict)
     """For each mode, its sums when its part was last known to work."""
     services: list[Service] = field(default_factory=list)

@@ -140,8 +140,7 @@ def planned(outlook: Outlook, task: Task) -> Steps:
 
 def plan_future(outlook: Outlook, plan: Plan) -> Future:
     """Make a future of tasks repeated for ever, the robot off in between. Raises DesignError where they take no
-    time.
-    """
+    time."""
     legs = plan.joined
     takes = plan.every if plan.every is not None else legs.duration / outlook.plant.robot.usage.operating
     if not takes > 0:

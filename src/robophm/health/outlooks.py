@@ -20,8 +20,7 @@ Array = npt.NDArray[np.float64]
 View = Literal["nominal", "sensor_based"]
 FutureName = Literal["nominal", "last", "recent"]
 """The future taken: as designed ("nominal"), under the present stress ("last"), as in the last ten minutes
-("recent").
-"""
+("recent")."""
 
 
 def outlooks(

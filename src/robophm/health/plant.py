@@ -125,8 +125,7 @@ class Plant:
 
     def working(self, knowledge: Knowledge) -> npt.NDArray[np.bool_]:
         """Return whether each unit is known to work now: monitored, or said to; a common cause, as one of its members
-        works.
-        """
+        works."""
         works = self.monitored.copy()
         works[[self.place[unit] for unit in knowledge.working]] = True
         works[[self.place[unit] for unit in knowledge.failed]] = False
@@ -376,6 +375,5 @@ def finite(hazard: Array) -> Array:
 
 def infinite(density: Array) -> Array:
     """Undo ``finite``: a density that an infinite hazard reaches is infinite, one that redundancy keeps from it is
-    not.
-    """
+    not."""
     return np.where(density > 1e-30 * _HUGE, math.inf, density)

@@ -69,8 +69,7 @@ class Replacements:
     @property
     def losing(self) -> int:
         """Return how many parts would lose in all figures by replacement: when young they fail more often than when
-        old.
-        """
+        old."""
         return sum(max(one.completion or 0.0, one.median, one.mean) < 0 for one in self.parts)
 
     def for_their_cost(self, costs: Mapping[str, float]) -> list[Worth]:
@@ -231,8 +230,7 @@ class _Ahead:
 
     def _part(self, component: int) -> _Part | None:
         """The subsystem around a possibly failed component, with that put in new; None if it cannot work with the
-        old.
-        """
+        old."""
         if component not in self._parts:
             names = self._outlook.plant.components[component].units
             together = [one for one in independent(self._diagram) if not set(names).isdisjoint(units(one))]

@@ -51,8 +51,7 @@ class ComponentHealth:
     """The note that figures rest on silent sensors, as in ``Subject.silence``."""
     unknown: bool = False
     """Whether one of its rates is unknown: the stated hazard rates are then lower bounds, the reliabilities upper
-    bounds.
-    """
+    bounds."""
 
 
 @dataclass(frozen=True)

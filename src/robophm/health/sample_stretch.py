@@ -165,8 +165,7 @@ class SampleStretch:
 
     def _operating(self) -> Operating:
         """The times when the robot was on: as its powered signal says, or else while something was heard within
-        max_gap.
-        """
+        max_gap."""
         gap = self.robot.max_gap
         heard = [(said.times, said.longest) for said in self.raw.values()]
         if self.ledger.heard is not None:

@@ -88,8 +88,7 @@ class Line(NamedTuple):
     values: Array
     other: Array | None = None
     """The value that may be assumed instead where that ages a part faster, else the value itself; None: nothing is
-    assumed.
-    """
+    assumed."""
 
     @classmethod
     def joined(cls, lines: Sequence[Line]) -> Line:

@@ -120,8 +120,7 @@ class Subject:
     @property
     def state(self) -> State:
         """Return the state in one word. It is stale where a sensor is silent and no threshold is known to be broken,
-        and never plainly ok where parts of unknown rate are left out.
-        """
+        and never plainly ok where parts of unknown rate are left out."""
         if self.breaches:
             return "error"
         if self.stale:

@@ -418,8 +418,7 @@ def _effective(evidence: Array) -> float:
 def _resampled(evidence: Array) -> npt.NDArray[np.intp]:
     """Indices of draws, each as often as its evidence [ln of a probability] is worth: systematic resampling.
 
-    Source: Kitagawa (1996).
-    """
+    Source: Kitagawa (1996)."""
     top, count = np.max(evidence), len(evidence)
     if not np.isfinite(top):
         return np.arange(count)

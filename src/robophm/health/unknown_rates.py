@@ -129,8 +129,7 @@ def unknown(
 
 def alone(parts: Iterable[Component]) -> PartsOfUnknownRate | None:
     """Return the effect on figures made of parts whatever their wiring: nothing is a bound. None where all rates are
-    known.
-    """
+    known."""
     count = sum(part.quantity for part in parts if part.unknown)
     return PartsOfUnknownRate(count, IF_NEVER, "at most", IF_NEVER) if count else None
 
@@ -153,8 +152,7 @@ def marked(mark: str, text: str) -> str:
 
 def marks(left_out: PartsOfUnknownRate | None) -> tuple[str, str, str]:
     """Return the marks before a hazard rate, a survival, and what lies ahead: "≥ ", "≤ ", or "? " if they never
-    fail.
-    """
+    fail."""
     if left_out is None:
         return "", "", ""
     return MARKS[left_out.hazard_rate], MARKS[left_out.reliability], MARKS[left_out.ahead]

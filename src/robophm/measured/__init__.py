@@ -1,4 +1,4 @@
-"""Looking at measured data: what recordings hold, and where, for how long and how often.
+"""Inspection of measured data: what recordings hold, and where, for how long and how often.
 
 A signal's value holds from one sample to the next, and at most for a stated time: ``held.py``. All else asks the
 stretches in which one value holds, block by block, in memory that does not grow with the recordings: ``find.py``,

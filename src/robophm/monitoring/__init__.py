@@ -1,4 +1,4 @@
-"""From samples to health, recorded or live.
+"""Monitoring: from samples, recorded or live, to health.
 
 ``monitor.py`` takes samples one by one, ``by_block.py`` many at a time, both to the same ledger.
 ``recording_sessions.py`` says what there is to replay and ``replay.py`` replays it; ``live_loop.py`` watches a robot

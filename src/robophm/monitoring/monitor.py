@@ -38,7 +38,7 @@ MOST_PENDING = 500_000
 
 
 class ReportOptions(TypedDict, total=False):
-    """What ``health_report`` takes besides."""
+    """Options of a report, as ``health_report`` takes them."""
 
     task: Task | None
     remaining_life: bool
@@ -70,7 +70,7 @@ class Monitor:
             instance(ledger, Ledger, "ledger", "a Ledger", RobophmError)
         seconds = number(period, "period", low=1 / SECOND, high=LONGEST_PERIOD)
         self.marks: list[tuple[int, Callable[[Ledger], None]]] = []
-        """Times [ns], ascending, and what is to be done with the ledger of each; taken away as they are reached."""
+        """Times [ns], ascending, and what is to be done with the ledger of each; removed as they are reached."""
         self.robot = robot
         self.plant = Plant(robot)
         self.exposure = ExposureIntegrator(robot)

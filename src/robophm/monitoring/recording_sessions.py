@@ -1,4 +1,4 @@
-"""What there is to replay: sessions of recording in order of time, each with what a design listens to in it."""
+"""Sessions of recording that can be replayed, in order of time, each with what a design listens to in it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from robophm.transports.signals.message_units import field_unit
 from robophm.transports.signals.source import SignalSource, TopicInfo
 
 Kind = tuple[str, tuple[str, ...]]
-"""Of a topic, the type of its messages and its numeric fields."""
+"""A topic's type of messages and numeric fields."""
 
 Opening = Callable[[], AbstractContextManager[SignalSource]]
 Recorded = SignalSource | str | os.PathLike[str]
@@ -35,11 +35,11 @@ class RecordingSession:
 
     name: str
     key: str
-    """What the progress of its replay is kept under: what is in it, as the design listens to it."""
+    """Key of the progress of its replay: what is in it, as the design listens to it."""
     signals: tuple[str, ...]
     """The bound signals that it has."""
     first: int | None
-    """When its first message was received [ns], where that is known."""
+    """Time when its first message was received [ns], where that is known."""
     last: int | None
     open: Opening
     lost: tuple[str, ...] = ()
@@ -49,7 +49,7 @@ class RecordingSession:
 def sessions_of(
     robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_missing: bool = False
 ) -> list[RecordingSession]:
-    """The sessions in a source, or in files and folders, that have a bound signal, in the order of their time.
+    """Return the sessions of sources, files and folders that have a bound signal, in the order of their time.
 
     ``skip_missing``: signals that all of them lack stay silent instead of being an error.
 
@@ -80,7 +80,7 @@ def sessions_of(
 
 @contextmanager
 def living(monitor: Monitor, session: RecordingSession, *, anew: bool = True) -> Iterator[SignalSource]:
-    """The source of a session that a monitor lives through, and knows when its recordings begin and end.
+    """Open the source of a session for a monitor, which is told when its recordings begin and end.
 
     ``anew`` is false where it goes on in the middle of the session.
     """
@@ -95,7 +95,7 @@ def living(monitor: Monitor, session: RecordingSession, *, anew: bool = True) ->
 
 
 def bound(robot: Robot, topics: Mapping[str, Kind], *, skip_missing: bool) -> list[str]:
-    """The bound signals of a design that a source has. Raises SourceError as ``sessions_of``."""
+    """Return the bound signals of a design that a source has. Raises SourceError as ``sessions_of``."""
     if not robot.signals:
         raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
     missing = lacking(robot, topics)
@@ -112,7 +112,7 @@ def _refuse(robot: Robot, missing: Mapping[str, str], topics: Mapping[str, Kind]
 
 
 def lacking(robot: Robot, topics: Mapping[str, Kind]) -> dict[str, str]:
-    """Why a source lacks bound signals, by signal. Raises SourceError where its messages measure something else."""
+    """Return why a source lacks bound signals, by signal. Raises SourceError where messages measure something else."""
     missing = {}
     for signal, unit in robot.signals.items():
         topic, field = split_signal(signal)

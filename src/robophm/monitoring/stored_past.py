@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def existing_store(path: Path) -> SqliteStore:
-    """A store that is there, opened. Raises StoreError where it is not, or is none."""
+    """Open a store that is there. Raises StoreError where it is not, or is none."""
     from robophm.stores.sqlite import SqliteStore
 
     if not path.exists():
@@ -25,7 +25,7 @@ def existing_store(path: Path) -> SqliteStore:
 
 
 def past_in(store: SqliteStore, robot: Robot) -> Ledger:
-    """The robot's ledger in this store. Raises StoreError where it knows no such robot."""
+    """Return the robot's ledger in this store. Raises StoreError where it knows no such robot."""
     ledger = kept_ledger(robot, store)
     if ledger is None:
         raise StoreError(f"{store.path}: knows no robot '{robot.name}'")
@@ -33,7 +33,7 @@ def past_in(store: SqliteStore, robot: Robot) -> Ledger:
 
 
 class RepairedPast(NamedTuple):
-    """What was taken out of a robot's past, and where that is as it was before."""
+    """The stretch taken out of a robot's past, and the copy of the store as it was before."""
 
     done: Repaired
     copy: Path

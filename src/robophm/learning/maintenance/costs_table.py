@@ -1,4 +1,4 @@
-"""What replacing, repairing and watching parts costs, as a table says it."""
+"""The table of costs: replacing, repairing and monitoring parts."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ COLUMNS: Mapping[str, Sequence[str]] = {
     "lead": ("warning",),
     "false alarms per year": ("false alarms",),
 }
-"""What a table of costs may say. Costs are plain numbers in any one currency, downtimes and leads have units."""
+"""Columns of a table of costs. Costs are plain numbers in any one currency, downtimes and leads have units."""
 
 YEAR = 8766.0
-"""Hours."""
+"""Hours of a year."""
 
 
 @dataclass(frozen=True)
 class PartCosts:
-    """What a part costs."""
+    """The costs of one part, and of a sensor that watches it."""
 
     part: Component
     costs: Costs
-    """Without what it costs that the robot stands still meanwhile."""
+    """Costs of the part without those of the robot's standstill."""
     watch: Watch | None
 
     def standing(self, hour_down: float) -> Costs:
-        """With that: so much an hour, as far as the robot does stand still."""
+        """Return the costs with those of a standstill, ``hour_down`` each hour that the part is down."""
         own = self.costs
         planned, unplanned = (hour_down * time for time in (own.preventive_downtime, own.corrective_downtime))
         repair = None if own.repair is None else own.repair + unplanned
@@ -50,7 +50,7 @@ class PartCosts:
 
 
 def read_costs(path: Path, robot: Robot, hour_down: float) -> dict[str, PartCosts]:
-    """By path of the part. Raises DataError for what is missing, negative, or contradicts itself.
+    """Read costs by path of the part. Raises DataError for what is missing, negative, or contradicts itself.
 
     ``hour_down``: what an hour costs in which the robot stands still.
     """

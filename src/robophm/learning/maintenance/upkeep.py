@@ -30,74 +30,74 @@ _SURE = 0.99999
 
 @dataclass(frozen=True)
 class PartPlan:
-    """One part: its life in calendar hours, what it costs, when it is best replaced."""
+    """The plan for one part: its life in calendar hours, its costs, and when it is best replaced."""
 
     costs: PartCosts
     mode: FailureMode
-    """The one in which it fails."""
+    """The one failure mode of the part."""
     pace: float
-    """How far its clock goes in a calendar hour."""
+    """Advance of its clock in a calendar hour."""
     life: LifeDistribution
-    """[h of calendar time]"""
+    """Life of the part [h of calendar time]."""
     stops: float
-    """P(the robot stands still | it is down)."""
+    """P(the robot stands still | the part is down)."""
     standing: Costs
-    """With what it costs that the robot may stand still meanwhile."""
+    """Costs with those of the standstill that the part may cause."""
     policy: Policy
-    """[h of calendar time]"""
+    """Best policy of replacement [h of calendar time]."""
     due: float | None
     """Calendar hours until it is best replaced, below 0 where it was before; None: never by age, or its age is not
     known."""
 
     @property
     def path(self) -> str:
-        """The path of the part in the design."""
+        """Return the path of the part in the design."""
         return self.costs.part.path
 
     @property
     def age(self) -> float | None:
-        """The age at which it is best replaced [unit of its clock]; None: never by age."""
+        """Return the age at which it is best replaced [unit of its clock]; None: never by age."""
         return self.policy.age and self.policy.age * self.pace
 
     @property
     def price(self) -> float:
-        """What it costs to put in all its equal parts new, before they fail."""
+        """Return the cost of putting in all its equal parts new, before they fail."""
         return self.standing.preventive * self.costs.part.quantity
 
     @property
     def redundant(self) -> bool:
-        """Whether the robot may work while it is down."""
+        """Whether the robot may work while the part is down."""
         return self.stops < _SURE
 
     @property
     def upkept(self) -> Upkept:
-        """The part as its policy replaces or repairs it, for a simulation."""
+        """Return the part as its policy replaces or repairs it, for a simulation."""
         part = self.costs.part
         return Upkept(self.life, self.costs.costs, self.policy.age, None, part.quantity, part.units)
 
 
 @dataclass(frozen=True)
 class LifeCycles:
-    """What a robot's upkeep costs by one policy or another, on the same lives."""
+    """Life-cycle costs of a robot under several policies, on the same lives."""
 
     failures_only: LifeCycle
-    """What has failed is replaced, nothing else."""
+    """Costs where only what has failed is replaced."""
     by_age: LifeCycle
-    """Each part is replaced when that is best."""
+    """Costs where each part is replaced at its best age."""
     watched: Return | None
-    """Parts with a sensor are replaced when that says so, all others by age; None where no part has one."""
+    """Costs where parts with a sensor are replaced when it warns, others by age; None where no part has a sensor."""
 
 
 @dataclass(frozen=True)
 class UpkeepPlan:
-    """The upkeep of those parts of a robot whose costs are said."""
+    """The upkeep of those parts of a robot whose costs are stated."""
 
     robot: Robot
     hour_down: float
-    """What it costs that the robot stands still for an hour."""
+    """Cost of an hour of standstill."""
     parts: tuple[PartPlan, ...]
     unknown: tuple[str, ...]
-    """Parts by path of which nothing can be planned: a rate of theirs is unknown."""
+    """Paths of the parts that cannot be planned, because a rate of theirs is unknown."""
 
     @classmethod
     def of(
@@ -133,7 +133,7 @@ class UpkeepPlan:
 
     @cached_property
     def replaced(self) -> Mapping[str, PartPlan]:
-        """The parts, by path, that are replaced when they fail, and not repaired."""
+        """Return the parts, by path, that are replaced when they fail, and not repaired."""
         return {one.path: one for one in self.parts if one.costs.costs.repair is None}
 
     def visit(self, setup: float) -> Visit | None:
@@ -189,7 +189,7 @@ def _ageing(part: Component, pace: Array, index: Mapping[str, int]) -> tuple[Fai
 
 
 def _availabilities(costs: Mapping[str, PartCosts], lives: Mapping[str, LifeDistribution]) -> dict[str, float]:
-    """Of each unit, the share of time in which it is not down, where it is only replaced when it has failed."""
+    """The share of time in which each unit is up, where it is replaced only when it has failed."""
     up: dict[str, float] = {}
     for name, one in costs.items():
         mean = lives[name].mean()

@@ -51,8 +51,7 @@ class Rule:
 
     def inputs(self, part: Recognised, assumed: Assumptions) -> tuple[dict[str, str], dict[str, str]]:
         """Return the inputs of a part, and why those that are assumed are. Raises TooLittle, or UnitError for a
-        fact.
-        """
+        fact."""
         inputs: dict[str, str] = {}
         reasons = {"model": f"taken for {self.taken_for}"} if self.taken_for else {}
         for name, entry in self.entries.items():

@@ -96,8 +96,7 @@ class Level:
 
     def merge(self, parts: Sequence[Wanted], *, file: str, environment: str, remarks: Iterable[str]) -> Merged:
         """Put parts in. The ``environment`` is stated at the level where nothing above states one. Raises
-        DesignError.
-        """
+        DesignError."""
         exists = len(self.levels) == len(self.module) + 1
         entry = child(self.levels[-1], "components") if exists else None
         if entry:

@@ -373,8 +373,7 @@ def _unit(text: str, unit: str) -> str:
 
 def with_points(text: str, decimal: Decimal) -> str:
     """Return a text whose numbers have points and no thousands: 4,7 and 1.000 in a list with commas, 1,000 in
-    another.
-    """
+    another."""
     if decimal == "," or re.fullmatch(r"[0-9]{1,3},[0-9]{1,2}\s?[A-Za-zµμΩ]+", text):
         text = re.sub(
             r"(?<![\w.,])[1-9][0-9]{0,2}(?:\.[0-9]{3})+(?![0-9.])", lambda match: match[0].replace(".", ""), text

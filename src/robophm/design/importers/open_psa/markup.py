@@ -52,8 +52,7 @@ class Markup:
 
     def root(self) -> Element:
         """Return the outermost element. Raises DesignError for what is no XML, declares entities, or exceeds the
-        bounds.
-        """
+        bounds."""
         parser = expat.ParserCreate()
         outermost: list[Element] = []
         stack: list[Element] = []
