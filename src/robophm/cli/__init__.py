@@ -28,7 +28,7 @@ def main() -> None:
 
 
 def _run() -> int | None:
-    """What the process leaves with."""
+    """The exit code with which the process leaves."""
     try:
         from robophm.cli.app import app
         from robophm.core.errors import RobophmError
@@ -62,7 +62,7 @@ def _run() -> int | None:
 
 
 def _defect(error: BaseException) -> int:
-    """Say on one line that it is one; never 1, which says that a threshold is breached."""
+    """Say on one line that it is a defect; never exit with 1, which says that a threshold is breached."""
     error = error.__cause__ if isinstance(error, NotOursError) and error.__cause__ else error
     if os.environ.get(TRACEBACK):
         print_exception(error)

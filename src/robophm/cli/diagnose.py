@@ -27,15 +27,15 @@ from robophm.learning.diagnosis.sensor_choice import Choice, choose, parted
 from robophm.report.words import more_text, number_text, percent_text
 
 MOST_SUSPECTS = 15
-"""That are listed, of those whose rate is known, and of those whose rate is unknown."""
+"""The most suspects that are listed, of those whose rate is known, and of those whose rate is unknown."""
 
 
 @dataclass(frozen=True)
 class Wishes:
-    """What is asked of a diagnosis."""
+    """The options of a diagnosis."""
 
     alarms: tuple[str, ...] | None
-    """None: no question of what they mean."""
+    """Names of the alarms that are on; None: it is not asked what they mean."""
     add: int
     hours: float
     after: float | None
@@ -68,7 +68,7 @@ def command(
 
 
 def run(path: Path, table_of_sensors: Path, wishes: Wishes) -> None:
-    """Coverage, suspects, and the sensors that would tell most."""
+    """Print coverage, suspects, and the sensors that would tell most."""
     _only(wishes)
     robot = load(path)
     sensors = read_sensors(table_of_sensors, robot)
@@ -102,7 +102,7 @@ def _outlook(robot: Robot, plant: Plant, wishes: Wishes) -> Outlook:
 
 
 class _Added(NamedTuple):
-    """Sensors to add."""
+    """The choice of sensors to add, and what it rests on."""
 
     states: SilentStates
     choice: Choice

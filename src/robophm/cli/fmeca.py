@@ -44,7 +44,7 @@ def run(
     path: Path, table_of_sensors: Path | None, hours: float, severities: tuple[str, ...], to: Path | None, *,
     force: bool, as_json: bool,
 ) -> None:  # fmt: skip
-    """Effects of every failure mode, printed or written."""
+    """Print or write the effects of every failure mode."""
     may_make(to, path, *([table_of_sensors] if table_of_sensors else []), force=force, suffixes=(".csv", ".html"))
     if to is None:
         refuse_unused("effects that are not written (--to)", ("sensors", "hours", "severity"))

@@ -40,24 +40,24 @@ MEASURES = {
     "improvement": "improvement",
     "barlow-proschan": "barlow_proschan",
 }
-"""What parts may be ranked by, and what it is called inside."""
+"""Measures that parts may be ranked by, and what each is called inside."""
 
 
 @dataclass(frozen=True)
 class Question:
-    """What was asked."""
+    """The question as the options state it."""
 
     plan: Plan
     future: str
     function: str | None
     hours: float | None
-    """Of operation ahead; None: the usual."""
+    """Hours of operation ahead; None: the usual."""
     by: str
     most: int
 
 
 def hours_ahead(text: str) -> float:
-    """A time ahead in hours. Raises RobophmError."""
+    """Return a time ahead in hours. Raises RobophmError."""
     hours = quantity(text, "h")
     if not 0 < hours <= LONGEST:
         raise RobophmError(f"--after {text}: expected above zero, at most {LONGEST:g} h")
@@ -65,7 +65,7 @@ def hours_ahead(text: str) -> float:
 
 
 def measure(name: str) -> str:
-    """What a measure is called inside. Raises RobophmError."""
+    """Return what a measure is called inside. Raises RobophmError."""
     if name not in MEASURES:
         raise RobophmError(f"--by {name}: no such importance{nearest(name, MEASURES)}")
     return MEASURES[name]
@@ -100,7 +100,7 @@ def command(
 
 
 def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: bool) -> None:
-    """Answer on stdout, of a robot."""
+    """Print the answer for a robot."""
     diagram = robot.diagram_of(question.function)
     monitor = Monitor(robot, ledger)
     settled = monitor.exposure.settled(monitor.ledger)
@@ -126,7 +126,7 @@ def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: boo
 
 
 def run_model(path: Path, hours: float | None, by: str, most: int, *, as_json: bool) -> None:
-    """Answer on stdout, of a coherent fault tree in the Open-PSA format."""
+    """Print the answer for a coherent fault tree in the Open-PSA format."""
     refuse_unused("a fault tree", ("after", "by", "most"))
     system = of_model(path, hours, None)
     found = of_tree(system.event, math.nan if hours is None else hours)

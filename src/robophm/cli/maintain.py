@@ -34,7 +34,7 @@ MOST_FIRST = 20
 
 @dataclass(frozen=True)
 class Wishes:
-    """What is asked."""
+    """The options of a maintenance plan."""
 
     store: Path | None
     setup: float
@@ -50,18 +50,18 @@ class Wishes:
 
 @dataclass(frozen=True)
 class _Answers:
-    """What there is to print."""
+    """The answers to print."""
 
     plan: UpkeepPlan
     left_out: PartsOfUnknownRate | None
-    """What parts of unknown rate among those asked about make of it."""
+    """The effect of those parts of unknown rate that were asked about."""
     visit: Visit | None
     cycles: LifeCycles | None
     spares: dict[str, tuple[int, float]]
     first: list[Worth] | None
-    """What each part put in new would gain for what it costs; None without a past."""
+    """Gain of each part put in new for what it costs; None without a past."""
     first_unknown: PartsOfUnknownRate | None
-    """What parts of unknown rate make of that."""
+    """The effect of parts of unknown rate on that."""
 
 
 def command(
@@ -85,7 +85,7 @@ def command(
 
 
 def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
-    """Plan, simulate, print."""
+    """Plan, simulate and print the upkeep."""
     robot = load(design)
     for option, value in (("--setup", wishes.setup), ("--downtime-cost", wishes.hour_down)):
         if not math.isfinite(value):
@@ -214,8 +214,7 @@ def _print_cycles(out: Console, cycles: LifeCycles, title: str, left_out: PartsO
 
 
 def _cycle_row(one: LifeCycle, left_out: PartsOfUnknownRate | None) -> list[str]:
-    """Of parts that are upkept each for itself: one more only adds costs, failures and time in which the robot stands
-    still."""
+    """The row of a life cycle. Parts are upkept each for itself: one more only adds costs, failures and standstill."""
     least, most = ("≥ ", "≤ ") if left_out else ("", "")
     return [
         f"{least}{number_text(one.cost)} ± {number_text(one.error, 2)}",

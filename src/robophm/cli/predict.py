@@ -25,7 +25,7 @@ from robophm.monitoring.monitor import Monitor
 
 @dataclass(frozen=True)
 class Wishes:
-    """What is asked of a robot's future."""
+    """The options of a prediction."""
 
     distance: str | None
     speed: str | None
@@ -65,7 +65,7 @@ def command(
 
 
 def run(design: Path, store: Path | None, wishes: Wishes, unit: str, *, as_json: bool) -> bool:
-    """Print the report; whether a threshold is breached."""
+    """Print the report; return whether a threshold is breached."""
     if as_json:
         refuse_unused("JSON, in 1/h", ("store", *(field.name for field in fields(Wishes))))
     robot = load(design)

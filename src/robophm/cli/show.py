@@ -45,7 +45,7 @@ from robophm.report.words import duration_text, number_text, percent_text, rate_
 
 
 def draw(out: Console, new: Outlook, unit: str) -> None:
-    """Every level's diagram as text."""
+    """Print every level's diagram as text."""
     label, robot = _labels(new, unit), new.plant.robot
     out.print(robot.name, style="bold", markup=False)
     for path, module in robot.levels.items():
@@ -58,11 +58,11 @@ def draw(out: Console, new: Outlook, unit: str) -> None:
 
 
 Old = tuple[float | None, float | None]
-"""What the 2020 tool says of a level: hazard rate [1/h] and reliability; None unless it is asked for."""
+"""Hazard rate [1/h] and reliability of a level by the 2020 tool; None unless they are asked for."""
 
 
 def promises_table(robot: Robot, found: Sequence[tuple[Promise, Old]], hours: float, unit: str) -> Table:
-    """For people."""
+    """Return a table of promises for people."""
     at = f"{number_text(hours)} h"
     columns = ["when new, nominal", f"λ at {at} of operation", f"R({at})", "MTTF, calendar"]
     if found[0][1][0] is not None:

@@ -44,7 +44,7 @@ MOST_NAMED = 5
 """Components that are named one by one."""
 
 LEAST_NAMED = 0.005
-"""Share of the failures from which on a component is."""
+"""Share of the failures from which on a component is named."""
 
 MOST_LISTED = 200
 """Tasks that are listed one by one."""
@@ -54,7 +54,7 @@ _ALWAYS = ("tasks", "store", "failed", "working", "legacy")  # used, whether tas
 
 @dataclass(frozen=True)
 class Request:
-    """As it was written on the command line."""
+    """The options as they were written on the command line."""
 
     tasks: Path | None
     store: Path | None
@@ -105,7 +105,7 @@ def command(
 
 
 def run(design: Path, asked: Request) -> bool:
-    """Answer; whether a threshold is breached."""
+    """Print the answer; return whether a threshold is breached."""
     robot, tasks = load(design), asked.tasks
     affordable(asked.draws, robot)
     chosen: Any = asked.future
@@ -136,7 +136,7 @@ def run(design: Path, asked: Request) -> bool:
 
 @dataclass(frozen=True)
 class Question:
-    """What was asked."""
+    """The question as the options state it."""
 
     plan: Plan
     future: FutureName
@@ -149,7 +149,7 @@ class Question:
 
 
 def _of_list(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: bool) -> bool:
-    """Answer on stdout; whether a threshold is breached."""
+    """Print the answer; return whether a threshold is breached."""
     monitor = Monitor(robot, ledger)
     settled = monitor.exposure.settled(monitor.ledger)
     report = task_report(

@@ -39,16 +39,16 @@ from robophm.transports.tasks.listener import topics_to_hear
 
 @dataclass(frozen=True)
 class Watched:
-    """What was asked for."""
+    """The options of a watch."""
 
     ros: str
-    """Which: auto, 1 or 2."""
+    """Choice of ROS: auto, 1 or 2."""
     store: Path | None
     journal: Path | None
     period: float
-    """[s]"""
+    """Step of integration, and time between two reports [s]."""
     every: float
-    """[s]"""
+    """Time between two lines, off a terminal [s]."""
     namespace: str
     publish: bool
     frame: str
@@ -99,7 +99,7 @@ def command(
 
 
 def run(design: Path, asked: Watched) -> bool:
-    """Listen until SIGINT or SIGTERM; whether a threshold is breached at the end."""
+    """Listen until SIGINT or SIGTERM; return whether a threshold is breached at the end."""
     _only(asked)
     may_write(asked.journal, design, *([asked.store] if asked.store else []))
     robot = load(design)

@@ -1,4 +1,4 @@
-"""What was measured on one page: figures, courses, time at level; and the levels at which parts of a robot lived."""
+"""The page on measured data: figures, curves, time at level; and the levels at which parts of a robot lived."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def parts_text(profile: Profile) -> str:
 
 
 def aged_text(profile: Profile) -> str:
-    """How far the clock of a profile went, and how fast its parts aged on it."""
+    """Return in words how far the clock of a profile went, and how fast its parts aged on it."""
     gone = f"{number_text(profile.gone)} {profile.unit} on the {profile.clock} clock"
     return f"{gone}, mean stress factor {number_text(profile.factor)}"
 

@@ -1,4 +1,4 @@
-"""What the simulator understands of a design file, read by itself; what it does not, it refuses."""
+"""The simulator's own reader of a design file; what it does not understand, it refuses."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ _ACCELERATIONS: Mapping[str, tuple[str, str, str, float | None]] = {
     "cubic_load": ("load", "", "", 3.0),
     "inverse_power": ("voltage", "exponent", "", None),
 }
-"""By name: what drives it, its parameter with unit and default."""
+"""Accelerations by name: what drives each, its parameter with unit and default."""
 _REFERENCES: Mapping[str, float | None] = {"temperature": 25.0, "load": 1.0, "voltage": None}
 
 
 Library = Callable[[Mapping[str, Any]], Mapping[str, Any]]
-"""What completes a component that names a part of a library with all that is said of it; it may raise RobophmError."""
+"""A function that completes a component that names a library part with all said of it; it may raise RobophmError."""
 
 
 def read_design(path: Path, library: Library | None = None) -> Design:
@@ -85,7 +85,7 @@ def read_design(path: Path, library: Library | None = None) -> Design:
 
 
 def _line(data: Any, place: Place) -> int:
-    """Of the innermost key of a place that the file has."""
+    """The line of the innermost key of a place that the file has."""
     line = 1
     for step in place:
         if not isinstance(data, dict) or step not in data or not hasattr(data, "lc"):
@@ -97,10 +97,10 @@ def _line(data: Any, place: Place) -> int:
 
 @dataclass(frozen=True)
 class _Scope:
-    """What a level inherits."""
+    """The settings that a level inherits."""
 
     signals: Mapping[str, tuple[int, float]] = field(default_factory=dict)
-    """By input: the number of the signal, and what its binding adds."""
+    """Number of the signal, and what its binding adds, by input."""
     kilometres: bool = False
     acceleration: Any = None
     duty: float = 1.0
@@ -254,7 +254,7 @@ class _Reader:
 
     @staticmethod
     def _rate(place: Place, mode: dict[str, Any], life: Life, unit: str) -> float:
-        """One over the mean life, from whatever says how often a part fails."""
+        """The rate, one over the mean life, from whatever says how often a part fails."""
         stated = [key for key in FIGURES if mode.get(key) is not None]
         if len(stated) != 1:
             raise Fault(place, f"has {' and '.join(stated) or 'no rate'}; what has not one rate is not simulated")

@@ -1,4 +1,4 @@
-"""How a design file wires its parts: diagrams, networks and names become the structure of a robot."""
+"""The wiring of a design for the simulator: diagrams, networks and names become the structure of a robot."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from robophm.simulation.structure import Block, Group, Route
 from robophm.simulation.written import MAX_DEPTH, Fault, Place, known_keys, read_whole
 
 MOST_BLOCKS = 1_000_000
-"""Of all diagrams of a robot."""
+"""The most blocks in all diagrams of a robot."""
 
 
 class Wiring:
@@ -25,7 +25,7 @@ class Wiring:
         self.blocks = 0
 
     def module(self, path: str, place: Place) -> Block:
-        """The block of a module, or of the robot. Raises Fault."""
+        """Return the block of a module, or of the robot. Raises Fault."""
         if path in self.under_way:
             raise Fault(place, f"cycle: '{path or 'the robot'}' contains itself")
         if path not in self.expanded:
@@ -40,7 +40,7 @@ class Wiring:
         return self.expanded[path]
 
     def block(self, level: str, diagram: Any, place: Place, depth: int) -> Block:
-        """The block that a diagram describes, whose names are those of a level. Raises Fault."""
+        """Return the block that a diagram describes, whose names are those of a level. Raises Fault."""
         self.blocks += 1
         if self.blocks > MOST_BLOCKS or depth > MAX_DEPTH:
             raise Fault(place, f"a diagram of more than {MOST_BLOCKS:,} blocks, or more than {MAX_DEPTH} deep")

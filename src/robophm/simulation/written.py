@@ -1,4 +1,4 @@
-"""What may be written in a design file that is simulated, and its checks: each fault says the place."""
+"""The keys that a simulated design file may have, and their checks: each fault names the place."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ MAX_DEPTH = 50
 
 _GROUP = {"modules", "components", "diagram", "signals", "clocks", "acceleration", "duty", "uncertainty"}
 FIGURES = ("rate", "mtbf", "mttf", "l10", "b10")
-"""What says how often a part fails: a rate, a mean life, or the age by which a tenth have failed."""
+"""Keys that say how often a part fails: a rate, a mean life, or the age by which a tenth have failed."""
 
 MODE_KEYS = {*FIGURES, "life", "clock", "scaling", "acceleration", "initial_exposure", "uncertainty", "learned"}
-"""What a failure mode may say, or a component of its only one."""
+"""Keys of a failure mode, or of a component with only one."""
 
 _SILENT = {"description", "environment", "source"}
 """Keys that say nothing about how a robot with stated rates fails."""

@@ -41,11 +41,12 @@ GUARDED: dict[int | str, dict[str, Any]] = {
     413: {"model": Trouble, "description": "Larger than it may be"},
     422: {"model": Trouble, "description": "Refused, and why"},
 }
-"""What any request may be answered."""
+"""Responses that any request may get."""
 
 
 def create_app(settings: Settings) -> FastAPI:
-    """The service of one robot. Raises DesignError, StoreError; ValueError for an open address without a token."""
+    """Return the service of one robot. Raises DesignError, StoreError; ValueError for an open address without a
+    token."""
     service = Service(settings)
 
     @asynccontextmanager
@@ -65,7 +66,7 @@ def create_app(settings: Settings) -> FastAPI:
 
 
 def api(**more: Any) -> FastAPI:
-    """The routes alone, as the OpenAPI schema describes them."""
+    """Return the routes alone, as the OpenAPI schema describes them."""
     app = FastAPI(
         title="robophm", version=version("robophm"), description=DESCRIPTION, docs_url=None, redoc_url=None,
         openapi_url="/api/openapi.json", **more,

@@ -20,7 +20,7 @@ class CheckedTexts:
         self._found: OrderedDict[str, Checked] = OrderedDict()
 
     def of(self, text: str) -> Checked:
-        """All that can be said of a text, found now or remembered."""
+        """Return all that can be said of a text, found now or remembered."""
         with self._lock:
             if text not in self._found:
                 self._found[text] = _checked(text)
@@ -31,7 +31,7 @@ class CheckedTexts:
 
 
 def _checked(text: str) -> Checked:
-    """What is wrong or odd in a text, and why no figures can be given for the robot that it describes."""
+    """A check of a text that includes why no figures can be given for the robot that it describes."""
     found = check(text)
     if found.robot is None or (says := refusal(found.robot)) is None:
         return found

@@ -23,7 +23,7 @@ _HEIGHT = 48.0
 
 
 def drawing(prepared: Prepared, path: str, width: float, unit: Unit, *, whole: bool = False) -> Drawing:
-    """The diagram of the level at a path, as drawn, or ``whole``: down to its parts. Raises DesignError."""
+    """Return the diagram of the level at a path, as drawn, or ``whole``: down to its parts. Raises DesignError."""
     module = prepared.modules.get(path)
     if module is None:
         raise DesignError(f"no module '{path}'{nearest(path, prepared.modules)}")

@@ -52,7 +52,7 @@ class Contributor(Shape):
     """The share that a part has in the failures to come."""
 
     path: str
-    """Of a component, or of a group of parts that depend on each other its name."""
+    """Path of a component, or name of a group of parts that depend on each other."""
     quantity: int
     group: bool
     nominal: float | None
@@ -103,7 +103,7 @@ class Health(Shape):
     error: str
     state: Literal["ok", "warn", "error", "stale", "idle"]
     why: list[str]
-    """What made it so, in words."""
+    """Reasons for the state, in words."""
     design_changed: bool
     """Whether the design has been changed since monitoring began."""
     time: float | None
@@ -125,7 +125,7 @@ def health_of(
     report: HealthReport, lives: HealthReport | None, run: Run | None, *, design_changed: bool,
     sensors: list[Freshness], horizon: float | None = None,
 ) -> Health:  # fmt: skip
-    """All that is known. ``lives`` may be an older report that has remaining lives."""
+    """Return all that is known. ``lives`` may be an older report that has remaining lives."""
     latest = {subject.path: subject for subject in lives.subjects} if lives else {}
     seen = report if lives is None or lives is report else beside(report, lives)
     told = [*([run.error] if run and run.error else []), *seen.breaches]

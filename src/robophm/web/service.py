@@ -1,4 +1,4 @@
-"""What the routes share: one robot's design, its monitoring, its jobs."""
+"""The state that routes share: one robot's design, its monitoring, its jobs."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Settings:
     journal: Path | None = None
     recordings: tuple[Path, ...] = ()
     seed: int | None = None
-    """Of the synthetic robot, where it can be chosen."""
+    """Seed of the synthetic robot, where it can be chosen."""
     host: str = "127.0.0.1"
     token: str | None = None
 
@@ -59,12 +59,12 @@ class Service:
             self.design_state()
 
     def prepared(self, state: int | None = None) -> Prepared:
-        """The robot of the design now, or of an earlier state. Raises DesignError where that is no design."""
+        """Return the robot of the design now, or of an earlier state. Raises DesignError where that is no design."""
         text = None if state is None else self.workspace.text(state)
         return self.prepared_text(text)
 
     def prepared_text(self, text: str | None) -> Prepared:
-        """The robot of a text, None for the design now. Raises DesignError."""
+        """Return the robot of a text, None for the design now. Raises DesignError."""
         checked = self.workspace.checked.of(self.workspace.draft().text if text is None else text)
         if checked.robot is None:
             first = checked.problems[0]
@@ -81,11 +81,11 @@ class Service:
         self.monitoring.start(self.prepared().robot, choice, speed, state)
 
     def past(self, prepared: Prepared) -> tuple[ExposureIntegrator, Ledger]:
-        """The robot's ledger as far as is known. Raises StoreError."""
+        """Return the robot's ledger as far as is known. Raises StoreError."""
         return ExposureIntegrator(prepared.robot), self.monitoring.last_ledger(prepared.robot)
 
     def design_state(self, draft: Draft | None = None) -> DesignState:
-        """The design now, with all that is to be said of it."""
+        """Return the design now, with all that is to be said of it."""
         draft = draft or self.workspace.draft()
         checked = self.workspace.checked.of(draft.text)
         name = checked.document.get("name")
@@ -113,12 +113,12 @@ class Service:
 
 
 def told(problems: Iterable[Found]) -> list[Problem]:
-    """Problems as they go over the wire."""
+    """Return problems as they go over the wire."""
     return [Problem(level=one.level, place=list(one.place), message=one.message, line=one.line) for one in problems]
 
 
 def speakable(value: object) -> dict[str, object]:
-    """A document as JSON can say it: numbers that are none, which a design may write, are words."""
+    """Return a document as JSON can say it: numbers that are none, which a design may write, are words."""
 
     def plain(one: object) -> object:
         if isinstance(one, dict):

@@ -50,7 +50,7 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
 
 
 class _Server(uvicorn.Server):
-    """To be interrupted is how a service ends, and no failure: no signal is raised again."""
+    """A server that ends when it is interrupted, which is no failure: no signal is raised again."""
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:

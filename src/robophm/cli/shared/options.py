@@ -52,7 +52,7 @@ MostSets = Annotated[int, typer.Option("--most", help="sets to list", min=1, max
 
 
 def horizon_of(text: str | None) -> float | None:
-    """How far ahead failures to come are looked for [h]; None: the usual. Raises RobophmError."""
+    """Return how far ahead failures to come are looked for [h]; None: the usual. Raises RobophmError."""
     if text is None:
         return None
     return number(quantity(text, "h"), "--horizon [h]", above=True, high=LONGEST)

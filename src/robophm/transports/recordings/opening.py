@@ -1,4 +1,4 @@
-"""Which source reads a file."""
+"""The choice of the source that reads a file, by its suffix."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from robophm.transports.signals.source import SignalSource
 
 
 def open_source(*paths: str | Path) -> SignalSource:
-    """The source that reads these files, by suffix: one .csv, one .journal, or any number of recordings.
+    """Open the source that reads these files, by suffix: one .csv, one .journal, or any number of recordings.
 
     Of a damaged recording what is whole is read, and the notes say what is lost.
 

@@ -1,4 +1,4 @@
-"""A node: a name that the master knows, kept known also when the master is started anew."""
+"""A node of ROS 1: a name that the master knows, kept known also when the master is started anew."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ class Node:
         except PeerError as error:
             raise SourceError(f"no ROS master: {error}; start roscore, or set ROS_MASTER_URI") from None
         self.subscribed: dict[str, Callable[[list[str]], None]] = {}
-        """By topic: who wants to know its publishers."""
+        """Functions by topic that are told its publishers."""
         self.published: dict[str, Publication] = {}
         self.told_to_end: Callable[[], None] = lambda: None
-        """What happens when the node retires."""
+        """Function that is called when the node retires."""
         self.bus: Callable[[], list[list[Any]]] = list
-        """Its connections, as getBusInfo has them."""
+        """Function that returns the node's connections, as getBusInfo has them."""
         self._registering = threading.Lock()
         self._stale: set[str] = set()
         self._registered: set[str] = set()
@@ -69,7 +69,7 @@ class Node:
         self._keeper.start()
 
     def ask(self, method: str, *arguments: Any) -> Any:
-        """The master's answer to a call. Raises PeerError as ``call``."""
+        """Return the master's answer to a call. Raises PeerError as ``call``."""
         return call(self.place.master, method, self.name, *arguments)
 
     def subscribe(self, topic: str, heard: Callable[[list[str]], None]) -> None:
@@ -106,7 +106,7 @@ class Node:
             self.loop.close()
 
     def retire(self) -> None:
-        """The master, or ``rosnode kill``, ends the node: it unregisters, and whoever has it is told."""
+        """Retire the node, as the master or ``rosnode kill`` asks: it unregisters, and whoever has it is told."""
         self.notes.add("ended through ROS")
         self._retired = True
         self._woken.set()

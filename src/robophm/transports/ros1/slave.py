@@ -1,4 +1,4 @@
-"""What a node answers to the master and to tools, by XML-RPC (wiki.ros.org/ROS/Slave_API)."""
+"""Answers of a node to the master and to tools, by XML-RPC (wiki.ros.org/ROS/Slave_API)."""
 
 from __future__ import annotations
 
@@ -60,15 +60,15 @@ class Callee(Protocol):
     notes: Incidents
     place: Place
     port: int
-    """Where subscribers connect."""
+    """Port where subscribers connect."""
     subscribed: dict[str, Callable[[list[str]], None]]
-    """By topic: who wants to know its publishers."""
+    """Functions by topic that are told its publishers."""
     published: dict[str, Publication]
     bus: Callable[[], list[list[Any]]]
-    """Its connections, as getBusInfo has them."""
+    """Function that returns the node's connections, as getBusInfo has them."""
 
     def retire(self) -> None:
-        """The master, or ``rosnode kill``, ends the node."""
+        """Retire the node, as the master or ``rosnode kill`` asks."""
 
 
 class Slave:
@@ -80,7 +80,7 @@ class Slave:
         self._dispatcher.register_instance(_Methods(node))
 
     def answer(self, body: bytes) -> bytes:
-        """The answer to a call, or the fault that it is."""
+        """Return the answer to a call, or the fault that it is."""
         try:
             parsed(body)
         except Exception:  # the parser raises whatever it comes upon
@@ -136,6 +136,6 @@ class _Methods:
 
 
 def believed(publishers: Any) -> list[str]:
-    """The addresses in a list that somebody sent."""
+    """Return the addresses in a list that somebody sent."""
     found = publishers if isinstance(publishers, list) else []
     return [uri for uri in found if isinstance(uri, str) and len(uri) < 1000][:MOST_PUBLISHERS]

@@ -149,7 +149,7 @@ def get_drawing(
 
 
 def apply(document: Any, operation: Operation) -> None:
-    """Make one edit. Raises Fault."""
+    """Make one edit in a document. Raises Fault."""
     match operation:
         case Put():
             editing.put(document, operation.path, operation.value)
