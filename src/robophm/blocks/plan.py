@@ -39,7 +39,7 @@ class Fold(NamedTuple):
     k: int
     n: int
     gates: int
-    """Number of gates."""
+    """Number of gates side by side."""
     start: int
     """Row of the first input; input i of gate g is row start + i·gates + g."""
     out: int
@@ -94,7 +94,7 @@ class Plan:
     steps: tuple[Fold | Decision, ...]
     """Steps in order: each takes what was made before it."""
     rows: int
-    """Number of rows."""
+    """Number of rows in all."""
 
     def __init__(self, *diagrams: Block, kinds: Sequence[int] | None = None) -> None:
         sketch = _Sketch(diagrams)

@@ -16,9 +16,9 @@ class Source:
     """The source of a formula or table: where it is printed, and how sure its transcription is."""
 
     title: str
-    """Title, e.g. MIL-HDBK-217F Notice 2."""
+    """Title of the source, such as MIL-HDBK-217F Notice 2."""
     section: str
-    """Section, e.g. 10.1."""
+    """Section of the source, such as 10.1."""
     page: str
     """Page; "–" where it is not known."""
     status: str

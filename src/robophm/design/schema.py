@@ -316,13 +316,13 @@ class Limits(Strict):
 
 
 class ModuleThresholds(Limits):
-    """Where a module's health is no longer good enough: an error, and before it a warning."""
+    """Limits beyond which a module's health is no longer good enough: an error, and before it a warning."""
 
     warning: Limits = Field(default_factory=Limits, description="the same, where attention is due")
 
 
 class Thresholds(ModuleThresholds):
-    """Where the robot's health is no longer good enough (exit code 1)."""
+    """Limits beyond which the robot's health is no longer good enough (exit code 1)."""
 
     survival: Annotated[float, Field(gt=0, lt=1, description="state also when survival ahead falls to this")] | None = (
         None

@@ -269,7 +269,7 @@ class _Went:
     hazard: Array
     clocks: dict[Clock, Array]
     inputs: dict[str, list[tuple[float, float] | None]]
-    """For each channel and period, the integral of its value and the time in which that was valid."""
+    """Integrals of each channel's value, and the time in which that was valid, by period."""
 
     def add(self, clock: Clock, part: Part) -> None:
         """Add the advance of a clock in each period."""

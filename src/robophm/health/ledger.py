@@ -75,7 +75,7 @@ class Step(NamedTuple):
     effective: Array
     """Stress factor times age of each mode; shape (modes,)."""
     inputs: dict[str, tuple[float, float]]
-    """For each channel with valid values: its integral over operating time, and that time [ns]."""
+    """Integrals of channels over operating time, and the time [ns] in which each had a valid value."""
 
     def then(self, later: Step) -> Step:
         """Return this step and a later one joined to one."""
@@ -166,7 +166,7 @@ class Ledger:
     """Time at which a mode's sums last began anew, in a new or repaired part: its initial exposure then counts no
     more."""
     seen: dict[str, Seen] = field(default_factory=dict)
-    """For each mode, its sums when its part was last known to work."""
+    """Sums of each mode when its part was last known to work."""
     services: list[Service] = field(default_factory=list)
     """Every replacement and repair, in order of time: what was there before stays known."""
 

@@ -1,4 +1,4 @@
-"""What to replace first: the gain of each part, put in new now, for a task ahead and for the remaining life."""
+"""Gains of replacement: what each part, put in new now, would add to a task's completion and to remaining life."""
 
 from __future__ import annotations
 

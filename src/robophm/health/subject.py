@@ -28,7 +28,7 @@ class System(NamedTuple):
     """A system of a design that figures are given for: the robot, a module or a function."""
 
     kind: str
-    """One of: robot, module, function."""
+    """Kind of system: robot, module or function."""
     path: str
     diagram: Block
     thresholds: Thresholds
@@ -92,7 +92,7 @@ class Subject:
     """The robot, a module or a function, with its figures in both views."""
 
     kind: str
-    """One of: robot, module, function."""
+    """Kind of subject: robot, module or function."""
     path: str
     nominal: Figures
     sensor_based: Figures

@@ -217,7 +217,7 @@ def completion_at_rates(outlook: Outlook, task: Task, ratio: float) -> Completio
 
 
 def _completions(outlook: Outlook, task: Task, ratios: Array, futures: Sequence[Future]) -> tuple[Array, Array]:
-    """For each draw, (failure, probability), shape (2, draws), and its weight; each draw has one of the futures."""
+    """Pairs (failure, probability) of draws, shape (2, draws), and the draws' weights; each draw has one future."""
     wanted, ends = needs(task)
     mission = outlook.plant.mission(now(wanted), wanted)
 

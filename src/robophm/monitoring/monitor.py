@@ -106,7 +106,7 @@ class Monitor:
             ledger.ends = [end for end in ledger.ends if end < ledger.ended]
 
     def observe(self, sample: Sample) -> None:
-        """Take one sample. What is not finite, or older than what has been integrated, is counted and dropped.
+        """Take in one sample. What is not finite, or older than what has been integrated, is counted and dropped.
 
         What is far ahead of all others is set aside until others confirm that it is so late, or that the clock jumped.
 

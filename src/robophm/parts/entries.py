@@ -85,7 +85,7 @@ def library() -> Mapping[str, Entry]:
 
 
 def part(name: str) -> Entry:
-    """Return one entry. Raises PlugError with the nearest names where there is none of that name."""
+    """Return one entry by its name. Raises PlugError with the nearest names where there is none."""
     if isinstance(name, str) and name in library():
         return library()[name]
     raise PlugError(f"no part '{name!s:.60}' in the library{nearest(str(name), library())}")

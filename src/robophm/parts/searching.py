@@ -28,7 +28,7 @@ _SLIPPED = 0.6
 """Weight of a word with a letter put right, for an entry that has no other: it may have meant another."""
 
 _LATER = 0.01
-"""Less for each place further back in an entry's list of words."""
+"""Deduction for each place further back in an entry's list of words."""
 
 _KIND = 0.05
 """Bonus where the last word fits: a wheel encoder is an encoder."""

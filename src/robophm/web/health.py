@@ -113,7 +113,7 @@ class Health(Shape):
     clocks: dict[str, float]
     subjects: list[SubjectHealth]
     to_come: ToCome | None
-    """Null before remaining life, on which it rests, has been worked out."""
+    """Failures to come; null before remaining life, on which they rest, has been worked out."""
     limits_set: bool
     """Whether the design sets any threshold: without one nothing can be called too low."""
     sensors: list[Freshness]

@@ -120,7 +120,7 @@ class Monitoring:
         return self.run.state if self.run else "idle"
 
     def start(self, robot: Robot, choice: Choice, speed: float, design_state: int) -> None:
-        """Begin to watch. Raises SourceError where it does already, the source is none, or the robot has no signals."""
+        """Begin to watch the robot. Raises SourceError if it does, the source is none, or the robot has no signals."""
         with self._lock:
             if self._thread and self._thread.is_alive():
                 raise SourceError("monitoring runs already; stop it first")

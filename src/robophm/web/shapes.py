@@ -291,7 +291,7 @@ class Drawing(Shape):
     ends: list[tuple[float, float]]
     notes: list[str]
     words: str
-    """Drawing in words."""
+    """Drawing as words for a reader."""
 
 
 DesignState.model_rebuild()

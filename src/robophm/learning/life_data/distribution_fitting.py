@@ -109,7 +109,7 @@ class ProbabilityPlot(NamedTuple):
 
 
 def fit(data: LifeData, name: str = "weibull", *, how: How = "likelihood", level: float = LEVEL) -> Fit:
-    """Fit one distribution. ``how``: maximum likelihood, or median ranks regressed (time on rank).
+    """Fit one distribution to life data. ``how``: maximum likelihood, or median ranks regressed (time on rank).
 
     Raises DataError, in words, where the data do not support it; RobophmError where SurPyval is not installed.
     """
@@ -162,7 +162,7 @@ def as_good_as_best(fits: Sequence[Fit]) -> list[Fit]:
 
 
 def supports(data: LifeData, name: str) -> None:
-    """Raises DataError, and says what would be needed, where data cannot tell a distribution's parameters."""
+    """Raise DataError, and say what would be needed, where data cannot tell a distribution's parameters."""
     if data.items_repeat:
         raise DataError(
             f"{data.source}: items have several rows; expected --repairable for repaired systems, or one life each"

@@ -109,7 +109,7 @@ def update(failures: float, expected: float, prior: float) -> Posterior:
 
 
 def gamma_by_quantiles(low: float, median: float) -> tuple[float, float]:
-    """Shape and rate of the gamma of a hazard rate by the MTBF that is exceeded with 95 %, and with 50 %  [h].
+    """Return the gamma of a hazard rate by the MTBF exceeded with 95 %, and with 50 % [h]: its shape and rate.
 
     Raises ValueError where the first is not the smaller, both above zero.
     Source: NIST/SEMATECH e-Handbook of Statistical Methods, 8.2.5, "50/95 method".

@@ -128,7 +128,8 @@ _Told = tuple[float, FleetPosterior, Ratio, tuple[Ratio, ...]]
 
 
 def _by_count(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str | None) -> _Told:
-    """For a life whose hazard is a power of age: failures expected, the fleet, any robot of it, each robot."""
+    """The result for a life whose hazard is a power of age: failures expected, the fleet, any robot of it, each
+    robot."""
     beta = mode.life.degree or 1.0
     expected = [one.expected / factor**beta for one in seen]
     found = fleet([one.failures for one in seen], expected, _strength(mode, mode.rate / factor, beta, prior))
@@ -140,7 +141,7 @@ def _by_count(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str
 
 
 def _by_lives(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str | None) -> _Told:
-    """For a life whose hazard is no power of age: the same as ``_by_count``."""
+    """The result for a life whose hazard is no power of age, as of ``_by_count``."""
     try:
         life = at_rate(mode.life, 1 / factor)
         beta = information(life)

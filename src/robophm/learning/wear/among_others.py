@@ -126,7 +126,7 @@ class _Own:
         self.ends = ends
 
     def quantile(self, share: Array) -> Array:
-        """Infinite for the share of draws that never reach the threshold."""
+        """Return quantiles; infinite for the share of draws that never reach the threshold."""
         if not len(self.ends):
             return np.full(share.shape, np.inf)
         at = np.minimum((share / self.share * len(self.ends)).astype(int), len(self.ends) - 1)

@@ -184,7 +184,7 @@ class Autoregression:
         return best
 
     def unbiased(self, count: int, readings: int, rng: np.random.Generator) -> Autoregression:
-        """Less what a fit to so few readings is off by, as fits to a ``count`` of its own series show (Kilian 1998)."""
+        """Return it less the bias of a fit to so few readings, as a ``count`` of its own series show (Kilian 1998)."""
         order = len(self.coefficients)
         near = np.tile(_drawn_back(self.coefficients[None, :]), (count, 1))
         series = self.courses(near, readings, rng)

@@ -29,7 +29,7 @@ class ProgpyModel:
     """A model of progpy by name, such as BatteryCircuit, BatteryElectroChemEOL or DCMotor."""
 
     def __init__(self, name: str, **parameters: Any) -> None:
-        """Make the model. Raises RobophmError without progpy, DataError for a model or parameter that it has not."""
+        """Set up the model. Raises RobophmError without progpy, DataError for a model or parameter that it has not."""
         try:
             models = import_module("progpy.models")
         except ImportError as error:

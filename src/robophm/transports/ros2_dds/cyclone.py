@@ -60,7 +60,7 @@ class Message(NamedTuple):
 
 
 def wheel() -> Any:
-    """Return the package. Raises SourceError, which says what to install, where it is not there or not whole."""
+    """Return the package cyclonedds. Raises SourceError, which says what to install, where it cannot be had."""
     try:
         import cyclonedds.builtin
         import cyclonedds.core

@@ -95,7 +95,7 @@ class Level:
         return str(plain(stated[-1])) if stated else None
 
     def merge(self, parts: Sequence[Wanted], *, file: str, environment: str, remarks: Iterable[str]) -> Merged:
-        """Put parts in. The ``environment`` is stated at the level where nothing above states one. Raises
+        """Put parts into the level. The ``environment`` is stated where nothing above states one. Raises
         DesignError."""
         exists = len(self.levels) == len(self.module) + 1
         entry = child(self.levels[-1], "components") if exists else None
