@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from robophm.blocks.compiling import compiled
 from robophm.blocks.nodes import Table, too_large
 from robophm.blocks.ordering import Gate
+from robophm.core.argument_checks import floats
 from robophm.core.errors import StructureError
-from robophm.core.given import floats
 
 Array = NDArray[np.float64]
 """An array of floats; of decimals where probabilities are too small for a float."""

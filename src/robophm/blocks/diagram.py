@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robophm.core.argument_checks import instance, shown
 from robophm.core.errors import StructureError, nearest
-from robophm.core.given import instance, shown
 
 MOST_LINKS = 2000
 """The most links of one network."""

@@ -80,12 +80,12 @@ def files(folder: Path) -> list[Path]:
     return [*named, *folder.glob("recordings/*"), *folder.glob("plans/*")]
 
 
-def robophm_says(outlook: Outlook, task: Task, steps: Steps) -> Completion:
+def robophm_prediction(outlook: Outlook, task: Task, steps: Steps) -> Completion:
     """Return the tool's own prediction of a task."""
     return completion_of_steps(outlook, task, steps)
 
 
-def paper_says(outlook: Outlook, task: Task, steps: Steps) -> Completion:
+def paper_prediction(outlook: Outlook, task: Task, steps: Steps) -> Completion:
     """Return R^d of the paper: R of the robot when the task ends, d in kilometres."""
     system = outlook.plant.robot.diagram
     now = float(outlook.survival(system).works)
@@ -93,12 +93,12 @@ def paper_says(outlook: Outlook, task: Task, steps: Steps) -> Completion:
     return Completion(after, 1 - after)
 
 
-def doubled_rates_say(outlook: Outlook, task: Task, steps: Steps) -> Completion:
+def doubled_rates_prediction(outlook: Outlook, task: Task, steps: Steps) -> Completion:
     """Return the prediction for a robot all of whose rates are doubled, which a test of honesty must reject."""
     return completion_at_rates(outlook, task, 2.0)
 
 
-def forgetting_says(outlook: Outlook, task: Task, steps: Steps) -> Completion:
+def forgetful_prediction(outlook: Outlook, task: Task, steps: Steps) -> Completion:
     """Return the prediction as if every robot were new, which a test of honesty must reject."""
     none = np.zeros(len(outlook.age))
     new = replace(
@@ -107,13 +107,13 @@ def forgetting_says(outlook: Outlook, task: Task, steps: Steps) -> Completion:
     return completion_of_steps(new, task, steps)
 
 
-OURS: dict[str, Model] = {OWN: robophm_says}
+OURS: dict[str, Model] = {OWN: robophm_prediction}
 """The tool's own model, by name."""
 
 CONTROLS: dict[str, Model] = {
-    "paper R^d": paper_says,
-    "rates off by 2": doubled_rates_say,
-    "forgets the past": forgetting_says,
+    "paper R^d": paper_prediction,
+    "rates off by 2": doubled_rates_prediction,
+    "forgets the past": forgetful_prediction,
 }
 """Models that are known to be wrong: scoring must find them out."""
 

@@ -180,7 +180,7 @@ def _seen(total: Count, expected: float) -> tuple[float, float]:
     return below, float(gammaincinv(high + 1, POWER)) / expected
 
 
-def found_out(model: Tasks, alternative: Tasks) -> float:
+def likelihood_ratio_p_value(model: Tasks, alternative: Tasks) -> float:
     """Return the p-value of a model's probabilities against those of another of the same tasks: the strongest test.
 
     By the ratio of likelihoods (Neyman and Pearson 1933), beside its mean and deviation where the model is right: the

@@ -21,7 +21,7 @@ from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Robot
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.replacement import Worth, replacements
-from robophm.health.unknown_rates import PartsOfUnknownRate, alone, few, named
+from robophm.health.unknown_rates import PartsOfUnknownRate, few, named, unknown_in_parts
 from robophm.learning.maintenance.costs_table import read_costs
 from robophm.learning.maintenance.life_cycle_costs import LifeCycle
 from robophm.learning.maintenance.replacement_age import Visit
@@ -107,7 +107,7 @@ def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
     stock = plan.spares(lead, wishes.robots, wishes.level)
     gains = replacements(outlook, robot.diagram, robot.task) if wishes.store else None
     first = gains.for_their_cost({one.path: one.price for one in plan.parts}) if gains else None
-    left_out = alone(costs[name].part for name in plan.unknown)
+    left_out = unknown_in_parts(costs[name].part for name in plan.unknown)
     found = _Answers(plan, left_out, visit, cycles, stock, first, gains.unknown if gains else None)
     if wishes.as_json:
         print_json(_json(found))

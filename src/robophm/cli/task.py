@@ -16,7 +16,7 @@ from robophm.cli.shared import task_recording
 from robophm.cli.shared.options import Design, Draws, Failed, Future, Json, Legacy, SkipMissing, Store, Working
 from robophm.cli.shared.output import console, print_json, print_table, progress_console, table, warn
 from robophm.cli.shared.progress import counted
-from robophm.cli.shared.stored_past import affordable, kept
+from robophm.cli.shared.stored_past import check_draws, kept
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
@@ -107,7 +107,7 @@ def command(
 def run(design: Path, asked: Request) -> bool:
     """Print the answer; return whether a threshold is breached."""
     robot, tasks = load(design), asked.tasks
-    affordable(asked.draws, robot)
+    check_draws(asked.draws, robot)
     chosen: Any = asked.future
     for name in asked.function:
         robot.diagram_of(name)  # which must be there

@@ -27,7 +27,7 @@ from robophm.design.file import load
 from robophm.health.report import HealthReport, plain
 from robophm.health.unknown_rates import marked, marks
 from robophm.monitoring.live_loop import watch
-from robophm.monitoring.recording_sessions import lacking
+from robophm.monitoring.recording_sessions import missing_signals
 from robophm.report.words import duration_text, number_text, probability_text, rate_text
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.health_topics import HealthTopics, Outlet
@@ -124,7 +124,7 @@ def run(design: Path, asked: Watched) -> bool:
         ends += [source.stop, source.close]
         print(opened.said, file=sys.stderr)
         published = {info.topic: (info.type, info.fields) for info in source.topics()}
-        lacks = lacking(robot, published)
+        lacks = missing_signals(robot, published)
         for words in dict.fromkeys(lacks.values()):
             warn(words.replace("the recording has no topic", "nobody publishes yet"))
         kept = stack.enter_context(SqliteStore(asked.store)) if asked.store else None

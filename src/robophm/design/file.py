@@ -7,9 +7,9 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import DesignError, nearest
 from robophm.core.files import read_at_most, shipped, write_atomically
-from robophm.core.given import path as given_path
 from robophm.core.yaml_values import MAX_BYTES, Lines, located, values
 from robophm.design.robot import Robot
 
@@ -44,13 +44,13 @@ def parse(text: str, name: str = "design") -> Robot:
     """A robot from the text of a design file; ``name`` is what errors call it. Raises DesignError."""
     data, lines = mapping(text, name, "design")
     from robophm.design.build import build
-    from robophm.design.fault import Fault
+    from robophm.design.located_error import LocatedError
     from robophm.design.schema import RobotFile  # a robot that is not read from a file needs no pydantic
 
     said = validated(RobotFile, data, name, lines)
     try:
         return build(said)
-    except Fault as fault:
+    except LocatedError as fault:
         raise DesignError(located(name, lines, fault.place, str(fault))) from None
 
 
@@ -77,7 +77,7 @@ def validated(model: type[_Model], data: dict[str, Any], name: str, lines: Lines
     except ValidationError as error:
         details = error.errors(include_url=False)
         details.sort(key=lambda detail: detail["type"] != "extra_forbidden")  # a misspelt key explains a missing one
-        place, message = fault_of(details[0], lines, model)
+        place, message = place_and_message(details[0], lines, model)
         more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
         raise DesignError(located(name, lines, place, message) + more) from None
 
@@ -192,7 +192,7 @@ def read(path: Path) -> str:
         raise DesignError(f"{path}: is not UTF-8 text (byte {error.start})") from None
 
 
-def fault_of(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> tuple[tuple[str, ...], str]:
+def place_and_message(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> tuple[tuple[str, ...], str]:
     """Return place and message of a pydantic error: its location without the names of union branches."""
     place: tuple[str, ...] = ()
     for i, step in enumerate(detail["loc"]):

@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
+from robophm.core.argument_checks import one_of
 from robophm.core.errors import DesignError
-from robophm.core.given import one_of
 from robophm.design.task import Plan, Task, TaskStress
 from robophm.hazard.model import Evaluation, Model
 from robophm.life.distribution import LifeDistribution

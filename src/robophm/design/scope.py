@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from robophm.design import schema
-from robophm.design.driving import Ambient, Cover, ambient_of
-from robophm.design.fault import Path
+from robophm.design.located_error import Path
+from robophm.design.sensor_channels import Ambient, SensorCover, ambient_of
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,6 @@ class Scope:
             self.ambient if isinstance(level, schema.Component) else ambient_of(place, level, self.ambient),
         )
 
-    def cover(self, part: schema.Component) -> Cover:
+    def cover(self, part: schema.Component) -> SensorCover:
         """Return the sensors that a part in this scope has of its stresses."""
-        return Cover(self.signals, frozenset(part.signals), part.offsets, self.ambient)
+        return SensorCover(self.signals, frozenset(part.signals), part.offsets, self.ambient)

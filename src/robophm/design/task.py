@@ -9,8 +9,8 @@ from itertools import chain
 from math import fsum, inf
 from typing import NamedTuple, TypeVar
 
-from robophm.core.given import instance, number, shown
-from robophm.design.fault import Fault, at
+from robophm.core.argument_checks import instance, number, shown
+from robophm.design.located_error import LocatedError, error_at
 
 LONGEST_TASK = 1e6
 """Hours, more than a century: what a task, or a list of them, may take in all."""
@@ -54,13 +54,13 @@ class Leg:
         """Check a leg as a file of tasks is checked."""
         for name in ("duration", "distance", "cycles", "starts"):
             if (value := getattr(self, name)) is not None or name in ("duration", "distance"):
-                object.__setattr__(self, name, number(value, name, error=at(name)))
+                object.__setattr__(self, name, number(value, name, error=error_at(name)))
         functions = dict.fromkeys(names(self.functions, "functions", "functions by name"))
         object.__setattr__(self, "functions", tuple(functions))
-        instance(self.stresses, Mapping, "stresses", "what each is, by name", at("stresses"))
+        instance(self.stresses, Mapping, "stresses", "what each is, by name", error_at("stresses"))
         names(self.stresses, "stresses", "stresses by name")
         for key, value in self.stresses.items():
-            number(value, f"stress '{key}'", low=-inf, error=at("stresses", key))
+            number(value, f"stress '{key}'", low=-inf, error=error_at("stresses", key))
 
     def stated(self, path: str, part: str, drivers: Iterable[TaskStress]) -> float | None:
         """Return the value stated for a model input of the failure mode at a path; the nearest statement holds."""
@@ -83,7 +83,7 @@ class Task:
     def __post_init__(self) -> None:
         """Check a task as a file of tasks is checked."""
         object.__setattr__(self, "legs", _all(self.legs, Leg, "legs", "legs, such as (Leg(0.5),)"))
-        instance(self.name, str, "name", "a text", at("name"))
+        instance(self.name, str, "name", "a text", error_at("name"))
 
     @classmethod
     def plain(cls, distance: float, duration: float) -> Task:
@@ -131,9 +131,9 @@ class Plan:
     def __post_init__(self) -> None:
         """Check the tasks and the knowledge of the plan."""
         object.__setattr__(self, "tasks", _all(self.tasks, Task, "tasks", "tasks, such as (Task((Leg(0.5),)),)"))
-        instance(self.knowledge, Knowledge, "knowledge", "a Knowledge", at("knowledge"))
+        instance(self.knowledge, Knowledge, "knowledge", "a Knowledge", error_at("knowledge"))
         if self.every is not None:
-            number(self.every, "every", above=True, high=LONGEST_TASK, error=at("every"))
+            number(self.every, "every", above=True, high=LONGEST_TASK, error=error_at("every"))
 
     @property
     def joined(self) -> Task:
@@ -150,17 +150,17 @@ _Kind = TypeVar("_Kind")
 
 
 def _all(given: object, kind: type[_Kind], what: str, expected: str) -> tuple[_Kind, ...]:
-    """Return things of one kind in their order. Raises Fault where they are not."""
+    """Return things of one kind in their order. Raises LocatedError where they are not."""
     if isinstance(given, str) or not isinstance(given, Iterable):
-        raise Fault((what,), f"{what} {shown(given)}: expected {expected}")
-    return tuple(instance(one, kind, what, expected, at(what)) for one in given)
+        raise LocatedError((what,), f"{what} {shown(given)}: expected {expected}")
+    return tuple(instance(one, kind, what, expected, error_at(what)) for one in given)
 
 
 def names(given: object, what: str, expected: str) -> Collection[str]:
-    """Return names in the order given. Raises Fault where they are none, or one text, whose letters are no names."""
+    """Return names in the order given. Raises LocatedError for none, or one text: its letters are no names."""
     if isinstance(given, str) or not isinstance(given, Iterable):
-        raise Fault((what,), f"{what} {shown(given)}: expected {expected}, such as ('a', 'b')")
+        raise LocatedError((what,), f"{what} {shown(given)}: expected {expected}, such as ('a', 'b')")
     found = tuple(given)
     for name in found:
-        instance(name, str, what, expected, at(what))
+        instance(name, str, what, expected, error_at(what))
     return found

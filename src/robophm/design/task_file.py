@@ -10,9 +10,9 @@ from collections.abc import Iterable
 from itertools import count, groupby
 from typing import Any
 
+from robophm.core.argument_checks import instance
+from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import DesignError, nearest
-from robophm.core.given import instance
-from robophm.core.given import path as given_path
 from robophm.core.yaml_values import Lines, located
 from robophm.design.file import mapping, read, validated
 from robophm.design.robot import Robot
@@ -104,10 +104,10 @@ def plan_of_rows(rows: Iterable[Row], robot: Robot, name: str) -> Plan:
 
 def _plan(data: dict[str, Any], lines: Lines, robot: Robot, name: str, model: Any) -> Plan:
     from robophm.design.build_task import build_plan
-    from robophm.design.fault import Fault
+    from robophm.design.located_error import LocatedError
 
     said = validated(model, data, name, lines)
     try:
         return build_plan(said, robot)
-    except Fault as fault:
+    except LocatedError as fault:
         raise DesignError(located(name, lines, fault.place, str(fault))) from None

@@ -16,7 +16,7 @@ from robophm.blocks.diagram import LoadSharing, Standby
 from robophm.core.errors import StructureError
 from robophm.groups.member import Member
 from robophm.groups.path import Array, Path, Rows
-from robophm.groups.state import Solved
+from robophm.groups.solved_group import SolvedGroup
 
 MOST_STATES = 256
 """The most states of a group of different parts; equal ones are only counted, and may be far more."""
@@ -37,7 +37,7 @@ class Transition(NamedTuple):
     """Factor on the rate of what the member depends on."""
 
 
-class Chain(Solved):
+class Chain(SolvedGroup):
     """A group of members with constant rates along a path, from its start on.
 
     ``status`` at ``now``: of each member True works, False has failed, None. Raises StructureError where the members

@@ -9,7 +9,7 @@ import numpy as np
 
 from robophm.groups.path import Array, Path, Rows
 from robophm.groups.quadrature import log_integral
-from robophm.groups.state import log_fails
+from robophm.groups.solved_group import log_fails
 from robophm.life.distribution import FAINT, LifeDistribution
 from robophm.life.exponential import Exponential
 

@@ -32,7 +32,7 @@ _DENSE = 10  # bits that are tossed for all words; then only for those in which 
 
 
 @dataclass(frozen=True)
-class Wear:
+class AgeingMode:
     """A failure mode of a unit, and how it ages per hour."""
 
     life: LifeDistribution
@@ -55,7 +55,7 @@ class Estimate:
 
 
 def simulate(
-    diagram: Block, units: Mapping[str, Sequence[Wear]], hours: float, samples: int, *, seed: int = 0,
+    diagram: Block, units: Mapping[str, Sequence[AgeingMode]], hours: float, samples: int, *, seed: int = 0,
     confidence: float = 0.95,
 ) -> Estimate:  # fmt: skip
     """Estimate P(the diagram works after so many hours) from samples; the same for the same seed.
@@ -109,7 +109,7 @@ class _Toss:
     """One turn: which units work, a bit for each sample; each is tossed for once, wherever it is drawn."""
 
     def __init__(
-        self, units: Mapping[str, Sequence[Wear]], hours: float, words: int, random: np.random.Generator
+        self, units: Mapping[str, Sequence[AgeingMode]], hours: float, words: int, random: np.random.Generator
     ) -> None:
         self._units, self._hours, self._words, self._random = units, hours, words, random
         self._known: dict[str, Words] = {}

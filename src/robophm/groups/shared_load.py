@@ -16,10 +16,10 @@ from robophm.core.errors import StructureError
 from robophm.groups.member import Member, Mode, alike, log_rate
 from robophm.groups.path import Array, Path, Rows
 from robophm.groups.quadrature import log_integral, log_sum
-from robophm.groups.state import Solved, log_fails, log_outlives
+from robophm.groups.solved_group import SolvedGroup, log_fails, log_outlives
 
 
-class Sharing(Solved):
+class SharedLoad(SolvedGroup):
     """A load-sharing group along a path; ``status`` at ``now`` of each member: True works, False has failed, None."""
 
     def __init__(

@@ -29,7 +29,7 @@ from robophm.groups.member import (
 )
 from robophm.groups.path import Array, Path, Rows
 from robophm.groups.quadrature import log_integral, log_sum
-from robophm.groups.state import Solved, log_fails, log_outlives
+from robophm.groups.solved_group import SolvedGroup, log_fails, log_outlives
 from robophm.groups.table import LogTable
 
 _OVER = 1000.0  # a cumulative hazard that nothing outlives
@@ -37,7 +37,7 @@ _LOST = 1e-14
 _PARTS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
-class InOrder(Solved):
+class OneActiveStandby(SolvedGroup):
     """A standby group with one active member along a path, from the path's start on.
 
     ``now``: the time up to which is known what ``status`` says: of each member True works, False has failed, None.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robophm.design.robot import Robot
-from robophm.groups.monte_carlo import Estimate, Wear, simulate
+from robophm.groups.monte_carlo import AgeingMode, Estimate, simulate
 
 
 def survival_by_chance(robot: Robot, hours: float, samples: int, *, seed: int = 0) -> Estimate:
@@ -13,7 +13,7 @@ def survival_by_chance(robot: Robot, hours: float, samples: int, *, seed: int = 
     """
     units = {
         unit: [
-            Wear(
+            AgeingMode(
                 mode.life,
                 robot.usage.per_operating_hour(mode.clock),
                 mode.initial_exposure,

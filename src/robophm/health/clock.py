@@ -8,7 +8,7 @@ import numpy as np
 
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.robot import MeasuredClock
-from robophm.health.sample_stretch import Grid, HeldValues, Part, SampleStretch, ascending
+from robophm.health.sample_stretch import Grid, HeldValues, SampleStretch, SignalSubset, ascending
 from robophm.health.window import Array, Times
 
 
@@ -48,13 +48,13 @@ class Clock:
         """Return the names of the signals that drive the clock."""
         return {signal for signal, _ in self.keys}
 
-    def hold(self, part: Part) -> None:
+    def hold(self, part: SignalSubset) -> None:
         """Hold the values of the signals that drive the clock, for this stretch and the next."""
         if self.measured:
             for signal, key in self.keys:
                 part.signal(signal, key, self.measured.max_age)
 
-    def count_silence(self, part: Part) -> None:
+    def count_silence(self, part: SignalSubset) -> None:
         """Count the nanoseconds of operation in which a speed had no valid value."""
         if self.measured and self.measured.kind == "speed":
             ((signal, key),) = self.keys

@@ -13,7 +13,7 @@ from robophm.health.ledger import Ledger, Step
 from robophm.health.window import Window
 
 
-class Repaired(NamedTuple):
+class RemovedJump(NamedTuple):
     """The stretch of time that was taken out of a ledger."""
 
     before: int
@@ -24,7 +24,7 @@ class Repaired(NamedTuple):
     """Hours of operation behind the jump that are taken out with it."""
 
 
-def take_out_jump(robot: Robot, ledger: Ledger) -> Repaired | None:
+def take_out_jump(robot: Robot, ledger: Ledger) -> RemovedJump | None:
     """Bring a ledger back to where its first jump of the clock began; None where it has none, and nothing is changed.
 
     A jump is a step of the past that took longer than ``CLOCK_JUMP``. Sums are brought back by what the steps from then
@@ -51,7 +51,7 @@ def take_out_jump(robot: Robot, ledger: Ledger) -> Repaired | None:
     ledger.seen = {key: seen._replace(time=min(seen.time, before)) for key, seen in ledger.seen.items()}
     ledger.replaced = {key: min(time, before) for key, time in ledger.replaced.items()}
     ledger.services = [service._replace(time=min(service.time, before)) for service in ledger.services]
-    return Repaired(before, until, sum(step.operating for step in gone))
+    return RemovedJump(before, until, sum(step.operating for step in gone))
 
 
 def _bring_back(robot: Robot, ledger: Ledger, gone: list[Step], before: int) -> None:

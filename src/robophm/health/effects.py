@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
+from robophm.core.argument_checks import number
 from robophm.core.errors import RobophmError, nearest
-from robophm.core.given import number
 from robophm.design.robot import CLOCK_UNITS, Component, FailureMode, Robot
 from robophm.design.task import Knowledge
 from robophm.health.importance import Drawn

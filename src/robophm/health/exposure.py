@@ -18,8 +18,8 @@ from robophm.core.signal import HOUR, Sample
 from robophm.design.robot import Channel, MeasuredClock, Robot
 from robophm.health.clock import Clock
 from robophm.health.ledger import RECENT, Ledger, Step, Total
-from robophm.health.sample_stretch import Flags, Observed, Part, SampleStretch
-from robophm.health.stress_groups import Group, StressGroups, channel_key
+from robophm.health.sample_stretch import Flags, Observed, SampleStretch, SignalSubset
+from robophm.health.stress_groups import StressGroup, StressGroups, channel_key
 from robophm.health.window import Array, Columns, Window
 
 EACH = 2_500
@@ -38,7 +38,7 @@ class ExposureIntegrator:
         self._witness = witness
         self.modes = robot.modes
         clocks: dict[tuple[object, ...], Clock] = {}
-        groups: dict[tuple[object, ...], Group] = {}
+        groups: dict[tuple[object, ...], StressGroup] = {}
         channels: dict[str, Channel] = {}
 
         def clock_of(name: str, measured: MeasuredClock | None) -> Clock:
@@ -48,7 +48,7 @@ class ExposureIntegrator:
         for i, mode in enumerate(self.modes):
             clock, source = clock_of(mode.clock, mode.measured_clock), (mode.clock, mode.measured_clock)
             key = (source, *(stress.key for stress in mode.measured))
-            group = groups.setdefault(key, Group.of(clock, mode.measured))
+            group = groups.setdefault(key, StressGroup.of(clock, mode.measured))
             group.members.append(i)
             for stress in mode.measured:
                 channels |= {channel_key(channel): channel for channel in stress.channels.values()}
@@ -76,7 +76,7 @@ class ExposureIntegrator:
         stretch = SampleStretch(ledger, columns, _with_recent(ledger.integrated_to, ends), self.robot)
         age, effective, hazard = np.zeros((3, len(stretch.bounds) - 1, len(self.modes)))
         went = _Went(age, effective, hazard, {}, {})
-        whole = Part(stretch)
+        whole = SignalSubset(stretch)
         for clock in self.clocks:
             if not clock.measured:
                 went.add(clock, whole)
@@ -85,7 +85,7 @@ class ExposureIntegrator:
         many = sum(len(said.times) for said in stretch.raw.values()) > EACH * len(self._apart)
         parts = []
         for bundle in self._apart if many else [self._whole]:
-            parts.append(part := Part(stretch))
+            parts.append(part := SignalSubset(stretch))
             self._go_through(bundle, part, went, duty)
             part.let_go()
         operating, calendar = stretch.operating.between(stretch.bounds) / HOUR, np.diff(stretch.bounds) / HOUR
@@ -102,7 +102,7 @@ class ExposureIntegrator:
     def _apart(self) -> tuple[StressGroups, ...]:
         return tuple(self._whole.apart())
 
-    def _go_through(self, bundle: StressGroups, part: Part, went: _Went, duty: Array) -> None:
+    def _go_through(self, bundle: StressGroups, part: SignalSubset, went: _Went, duty: Array) -> None:
         """Add the effect of a bundle's signals on the clocks and failure modes that they drive."""
         ledger = part.stretch.ledger
         for key, channel in bundle.channels.items():
@@ -241,7 +241,7 @@ def _begun(ledger: Ledger, modes: Sequence[int], age: Array) -> Array:
     return begun
 
 
-def _inputs(part: Part, key: str) -> list[tuple[float, float] | None]:
+def _inputs(part: SignalSubset, key: str) -> list[tuple[float, float] | None]:
     """A channel's integral over the operating time [ns] in which it was valid, and that time; for each period.
 
     The rest of the time is counted as stale.
@@ -271,7 +271,7 @@ class _Went:
     inputs: dict[str, list[tuple[float, float] | None]]
     """Integrals of each channel's value, and the time in which that was valid, by period."""
 
-    def add(self, clock: Clock, part: Part) -> None:
+    def add(self, clock: Clock, part: SignalSubset) -> None:
         """Add the advance of a clock in each period."""
         periods = part.grid(())
         self.clocks[clock] = clock.units(periods.sums(clock.advance(periods)))

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
 from robophm.blocks.importance import barlow_proschan
-from robophm.core.given import number
+from robophm.core.argument_checks import number
 from robophm.health.outlooks import View
 from robophm.health.prognosis import Outlook
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown

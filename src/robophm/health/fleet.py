@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
 from robophm.blocks.reliability import State
+from robophm.core.argument_checks import instance, numbers
 from robophm.core.errors import DesignError
-from robophm.core.given import instance, numbers
 from robophm.core.waiting_time import Curve, time_at, times_of_many
 from robophm.health.ageing import steady_pace
 from robophm.health.outlooks import nominal_outlook

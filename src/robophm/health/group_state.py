@@ -17,7 +17,7 @@ import numpy.typing as npt
 from robophm.groups.member import Member, Mode
 from robophm.groups.path import Path
 from robophm.groups.solve import Way, fewest_failed, left, solve
-from robophm.groups.state import Solved
+from robophm.groups.solved_group import SolvedGroup
 from robophm.health.dependent_group import DependentGroup
 
 if TYPE_CHECKING:
@@ -76,14 +76,14 @@ class GroupState:
         self._way, self._members, self._past, self._status = way, members, past, status
         self._path, self._now = self._begun()
         self._ahead: Array | None = None  # where it has no past
-        self._straight: Solved | None = None
+        self._straight: SolvedGroup | None = None
 
     def _begun(self) -> tuple[Path, float]:
         path = Path(len(self._past))
         path.add(self._past)
         return path, path.end
 
-    def _solved(self, path: Path) -> Solved:
+    def _solved(self, path: Path) -> SolvedGroup:
         return self._way(self._members, path, self._now, self._status)
 
     def _works(self) -> bool:
@@ -141,7 +141,7 @@ class GroupState:
             straight = np.allclose(aged, np.multiply.outer(line, lengths), rtol=1e-12, atol=0.0)
         return np.asarray(lengths) if straight else None
 
-    def _along_line(self, aged: Array) -> Solved:
+    def _along_line(self, aged: Array) -> SolvedGroup:
         line = self._line(aged)
         if self._straight is None:
             path, _ = self._begun()

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from robophm.design.importers.legacy.figures import reliability_at
 from robophm.design.importers.legacy.reading import Imported
 from robophm.health.plant import Plant
-from robophm.health.when_new import promises
+from robophm.health.when_new import nominal_figures
 
 HOURS = 1000.0
 """Hours of operation at which figures are compared: those of the 2020 tool's guide."""
@@ -34,7 +34,7 @@ def comparisons(imported: Imported, hours: float = HOURS) -> list[Comparison]:
     """Return the comparison for the system, then for each of its modules."""
     exact: dict[str, tuple[float, float, float]] = {
         one.path: (one.hazard_rate, one.reliability, one.unreliability)
-        for one in promises(Plant(imported.robot), hours)
+        for one in nominal_figures(Plant(imported.robot), hours)
     }
     for part in imported.robot.components:  # a module without parts of its own is one part
         rate = part.modes[0].rate

@@ -39,7 +39,7 @@ class Completion:
 
 
 @dataclass(frozen=True)
-class Deciding:
+class DecidingComponent:
     """A component that a task hangs on, and how the task would fare if it could not fail."""
 
     path: str
@@ -87,12 +87,12 @@ def completion(outlook: Outlook, task: Task, diagram: Block | None = None) -> Co
 def completion_of_steps(outlook: Outlook, task: Task, steps: Steps) -> Completion:
     """Return the completion of a task whose legs are known to age the robot so, as of a task that was actually done."""
     wanted, ends = needs(task)
-    mission = outlook.plant.mission(now(wanted), wanted)
+    mission = outlook.plant.mission(needed_now(wanted), wanted)
     hazard = outlook.increments(outlook.plant.everything, *steps)
     return _given(_transition(outlook, mission, hazard, ends))
 
 
-def following(outlook: Outlook, tasks: Sequence[Task]) -> list[Completion]:
+def consecutive_completions(outlook: Outlook, tasks: Sequence[Task]) -> list[Completion]:
     """Return the completion of tasks in a row, exposure carried on: each given that those before it were completed.
 
     All functions that any of them needs work now, so that the product over the tasks is that all are completed.
@@ -207,13 +207,13 @@ def repetitions(outlook: Outlook, tasks: Sequence[Task], count: int, gap: float 
         start += turn
 
 
-def deciding(outlook: Outlook, task: Task) -> list[Deciding]:
+def deciding_components(outlook: Outlook, task: Task) -> list[DecidingComponent]:
     """Return the components that a task hangs on, the one that decides most first."""
     if not task.legs:
         return []
     plant = outlook.plant
     wanted, ends = needs(task)
-    mission = plant.mission(now(wanted), wanted)
+    mission = plant.mission(needed_now(wanted), wanted)
     hazard = outlook.increments(plant.everything, *planned(outlook, task))
     whole = _given(_transition(outlook, mission, hazard, ends)).failure
     found = []
@@ -224,7 +224,7 @@ def deciding(outlook: Outlook, task: Task) -> list[Deciding]:
         failures, _ = _transition(outlook, mission, hazard, ends, without=some)
         for i, failure in zip(some, failures, strict=True):
             share = (whole - float(failure)) / whole if whole > 0 else 0.0
-            found.append(Deciding(plant.paths[i], float(failure), max(share, 0.0)))
+            found.append(DecidingComponent(plant.paths[i], float(failure), max(share, 0.0)))
     return sorted(found, key=lambda one: -one.share)
 
 
@@ -238,7 +238,7 @@ def with_new_parts(outlook: Outlook, new: Outlook, task: Task, parts: npt.NDArra
     if not task.legs:
         return np.zeros(len(parts)), np.ones(len(parts))
     wanted, ends = needs(task)
-    mission = plant.mission(now(wanted), wanted)
+    mission = plant.mission(needed_now(wanted), wanted)
     steps = planned(outlook, task)
     hazard, instead = (one.increments(plant.everything, *steps) for one in (outlook, new))
     found = np.empty((2, len(parts)))
@@ -249,7 +249,7 @@ def with_new_parts(outlook: Outlook, new: Outlook, task: Task, parts: npt.NDArra
     return found[0], found[1]
 
 
-def now(wanted: Sequence[Need]) -> tuple[Need, ...]:
+def needed_now(wanted: Sequence[Need]) -> tuple[Need, ...]:
     """Return the same functions as needed at the start, in phase 0."""
     return tuple(sorted({(0, function) for _, function in wanted}))
 

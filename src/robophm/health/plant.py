@@ -22,8 +22,8 @@ from robophm.blocks.given_it_works import StructureGivenItWorks
 from robophm.blocks.merging import merge_series, single_points_of_failure
 from robophm.blocks.phases import Phases
 from robophm.blocks.reliability import Structure
+from robophm.core.argument_checks import instance
 from robophm.core.errors import StructureError, nearest
-from robophm.core.given import instance
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
 from robophm.health.dependent_group import DependentGroup, ModeOf

@@ -14,7 +14,7 @@ from robophm.blocks.diagram import Block, Series, units
 from robophm.blocks.merging import independent
 from robophm.core.waiting_time import time_at, times_of_many
 from robophm.design.task import Knowledge, Task
-from robophm.health.mission import completion, needs, now, planned, with_new_parts
+from robophm.health.mission import completion, needed_now, needs, planned, with_new_parts
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
@@ -248,7 +248,7 @@ class _Ahead:
             diagram = plant.diagram(wanted[0][1])
             ahead = self if diagram is self._diagram else _Ahead(outlook, self._fresh, diagram)
             return ahead._failures([one.sum(axis=1) for one in hazards], which)
-        mission = plant.mission(now(wanted), wanted)
+        mission = plant.mission(needed_now(wanted), wanted)
         unsure = set(plant.component_of[mission.units[outlook.known(mission, mission.needed) > 0]].tolist())
         quick, _ = with_new_parts(outlook, self._fresh, task, np.array(which, dtype=np.intp))
         starts = [0, *(end + 1 for end in ends[:-1])]

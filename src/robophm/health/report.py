@@ -12,10 +12,10 @@ from typing import Any, Literal, overload
 import numpy as np
 import numpy.typing as npt
 
-from robophm.core.given import numbers, one_of
-from robophm.design.asked import check_task
+from robophm.core.argument_checks import numbers, one_of
 from robophm.design.robot import Robot
 from robophm.design.task import Task
+from robophm.design.task_checks import check_task
 from robophm.health.failures_to_come import FailuresToCome, failures_to_come
 from robophm.health.mission import Completion, completion
 from robophm.health.outlooks import View

@@ -8,20 +8,20 @@ from typing import NamedTuple, get_args
 
 import numpy as np
 
-from robophm.core.given import number, one_of
+from robophm.core.argument_checks import number, one_of
 from robophm.core.signal import REORDERED
-from robophm.design.asked import check_knowledge, check_plan, check_task
 from robophm.design.robot import FailureMode
 from robophm.design.task import Knowledge, Plan, Task
-from robophm.health.draws import affordable
+from robophm.design.task_checks import check_knowledge, check_plan, check_task
+from robophm.health.draws import check_draws
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.failures_to_come import LONGEST
 from robophm.health.ledger import Ledger
 from robophm.health.mission import plan_future
-from robophm.health.not_taken import not_taken
 from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
+from robophm.health.rejected_samples import rejected_samples
 from robophm.health.report import VIEWS, ComponentHealth, HealthReport
 from robophm.health.subject import (
     STALE,
@@ -52,7 +52,7 @@ def health_report(
     Raises RobophmError where the robot lacks what a task, plan or knowledge names, or ``draws`` are no number
     of them, or too many.
     """
-    draws = affordable(draws, plant.robot)
+    draws = check_draws(draws, plant.robot)
     if horizon is not None:
         horizon = number(horizon, "horizon [h]", above=True, high=LONGEST)
     now = health_now(plant, exposure, ledger, task=task, future=future, plan=plan, knowledge=knowledge)
@@ -120,7 +120,7 @@ def health_now(
             for marks in (_marks(component.modes, ledger, silent),)
         ),
         task or robot.task,
-        not_taken(ledger),
+        rejected_samples(ledger),
         views,
     )
 
@@ -151,7 +151,7 @@ def look_ahead(
     return replace(now, subjects=tuple(subjects), components=tuple(components))
 
 
-def beside(now: HealthReport, earlier: HealthReport) -> HealthReport:
+def with_earlier_look(now: HealthReport, earlier: HealthReport) -> HealthReport:
     """Return the report of now, its remaining lives and completions taken from an earlier, complete report."""
     found = replace(
         now,

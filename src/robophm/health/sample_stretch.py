@@ -98,7 +98,7 @@ class Observed(NamedTuple):
 class Grid:
     """A stretch cut wherever what is asked about changes, and between periods."""
 
-    def __init__(self, part: Part, edges: Times, observed: Mapping[str, Observed]) -> None:
+    def __init__(self, part: SignalSubset, edges: Times, observed: Mapping[str, Observed]) -> None:
         self.part = part
         self.stretch = part.stretch
         self.edges = edges
@@ -179,7 +179,7 @@ class SampleStretch:
         name = self.robot.powered
         power = HeldValues(_NOTHING.times, _NOTHING.values, 0, 0)
         if name:
-            part = Part(self)
+            part = SignalSubset(self)
             power, self._powered = part.signal(name, name, 0), part.last
         if self.start == self.end:
             return Operating(self.bounds[:1], np.zeros(1, dtype=np.int64))
@@ -205,7 +205,7 @@ class SampleStretch:
         rows = ((said.times, said.times.searchsorted(time, side="right")) for said in self.raw.values())
         return min((int(times[row]) for times, row in rows if row < len(times)), default=self.end)
 
-    def close(self, parts: Iterable[Part]) -> None:
+    def close(self, parts: Iterable[SignalSubset]) -> None:
         """Write to the ledger what the next stretch starts from, and what was noticed on the way."""
         ledger = self.ledger
         ledger.last |= self._powered
@@ -222,7 +222,7 @@ class SampleStretch:
         ledger.integrated_to = self.end
 
 
-class Part:
+class SignalSubset:
     """Some of the signals of a stretch: what they said, how that cuts the time, and what was noticed."""
 
     def __init__(self, stretch: SampleStretch) -> None:

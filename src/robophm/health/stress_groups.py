@@ -19,7 +19,7 @@ from robophm.health.window import Array
 class StressGroups:
     """Groups, and the channels and measured clocks that drive them."""
 
-    groups: tuple[Group, ...]
+    groups: tuple[StressGroup, ...]
     channels: Mapping[str, Channel]
     clocks: tuple[Clock, ...]
 
@@ -46,7 +46,7 @@ class StressGroups:
             asked = [(i, own) for i, own in lines if len(own[0].values)]  # no model is asked about no time at all
             if not asked:
                 continue
-            together = [Line.joined(column) for column in zip(*(own for _, own in asked), strict=True)]
+            together = [InputValues.joined(column) for column in zip(*(own for _, own in asked), strict=True)]
             factor, outside, values = self.groups[alike[0]].worst(together)
             begin = 0
             for i, own in asked:
@@ -58,9 +58,9 @@ class StressGroups:
         """Return bundles of groups that have no signal in common."""
         of_groups, of_clocks = [group.signals for group in self.groups], [clock.signals for clock in self.clocks]
         place = _joined([*of_groups, *of_clocks])
-        some: dict[int, tuple[list[Group], dict[str, Channel], list[Clock]]] = {}
+        some: dict[int, tuple[list[StressGroup], dict[str, Channel], list[Clock]]] = {}
 
-        def at(own: Iterable[str]) -> tuple[list[Group], dict[str, Channel], list[Clock]]:
+        def at(own: Iterable[str]) -> tuple[list[StressGroup], dict[str, Channel], list[Clock]]:
             return some.setdefault(next((place[signal] for signal in own), -1), ([], {}, []))
 
         for group, own in zip(self.groups, of_groups, strict=True):
@@ -82,7 +82,7 @@ def _joined(sets: Iterable[set[str]]) -> dict[str, int]:
     return {each: id(together) for each, together in found.items()}
 
 
-class Line(NamedTuple):
+class InputValues(NamedTuple):
     """The value of one input in each interval."""
 
     values: Array
@@ -91,7 +91,7 @@ class Line(NamedTuple):
     assumed."""
 
     @classmethod
-    def joined(cls, lines: Sequence[Line]) -> Line:
+    def joined(cls, lines: Sequence[InputValues]) -> InputValues:
         """Join lines one behind the other."""
         if len(lines) == 1:
             return lines[0]
@@ -120,22 +120,22 @@ class Input:
             worst = float(candidates[np.argmax(stress.factor({name: candidates}).value)])
         return cls(name, channel_key(channel), channel.stale, nominal, worst)
 
-    def line(self, observed: Observed, on: Flags) -> Line:
+    def line(self, observed: Observed, on: Flags) -> InputValues:
         """Return the input's value in each interval, also where none is known."""
         values, fresh = observed
         if fresh is None:
-            return Line(values)
+            return InputValues(values)
         heard = ~np.isnan(values)
         if self.stale == "conservative":  # of a robot that is off, nobody expects a word: that is no dead sensor
             silent = ~fresh & heard & on
             held = np.where(fresh | silent, values, self.nominal)
-            return Line(held, np.where(silent, self.nominal, held) if silent.any() else None)
+            return InputValues(held, np.where(silent, self.nominal, held) if silent.any() else None)
         kept = heard if self.stale == "hold" else fresh
-        return Line(np.where(kept, values, self.worst if self.stale == "worst" else self.nominal))
+        return InputValues(np.where(kept, values, self.worst if self.stale == "worst" else self.nominal))
 
 
 @dataclass
-class Group:
+class StressGroup:
     """Failure modes that share clock and stresses: their factor is evaluated once."""
 
     clock: Clock
@@ -143,7 +143,7 @@ class Group:
     members: list[int]
 
     @classmethod
-    def of(cls, clock: Clock, stresses: Iterable[Stress]) -> Group:
+    def of(cls, clock: Clock, stresses: Iterable[Stress]) -> StressGroup:
         """Make a group that has no failure modes yet."""
         inputs = (
             (stress, tuple(Input.of(stress, name, channel) for name, channel in stress.channels.items()))
@@ -172,7 +172,7 @@ class Group:
         """A key that two groups share if they have the same factor for the same inputs."""
         return tuple((stress.law, *(one.name for one in inputs)) for stress, inputs in self.stresses)
 
-    def lines(self, observed: Mapping[str, Observed], on: Flags) -> list[Line]:
+    def lines(self, observed: Mapping[str, Observed], on: Flags) -> list[InputValues]:
         """Return every measured input in each interval."""
         return [one.line(observed[one.key], on) for one in self.inputs]
 
@@ -186,7 +186,7 @@ class Group:
             product, outside = product * value, outside | beyond
         return product, outside
 
-    def worst(self, lines: Sequence[Line]) -> tuple[Array, Flags, list[Array]]:
+    def worst(self, lines: Sequence[InputValues]) -> tuple[Array, Flags, list[Array]]:
         """Return ψ as of ``factor``, each assumed input as it ages fastest; and the inputs as they were taken.
 
         One after the other, from the last values on: the greatest factor that there is wherever an input makes it grow,

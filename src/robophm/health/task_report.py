@@ -7,10 +7,16 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from robophm.design.task import Plan, Task
-from robophm.health.draws import affordable
+from robophm.health.draws import check_draws
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
-from robophm.health.mission import Completion, Deciding, completion, deciding, following
+from robophm.health.mission import (
+    Completion,
+    DecidingComponent,
+    completion,
+    consecutive_completions,
+    deciding_components,
+)
 from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
@@ -41,7 +47,7 @@ class TaskReport:
     """Probability, in each view, that all of the tasks are completed."""
     uncertainty: CompletionUncertainty | None
     """Uncertainty of all tasks together, sensor-based; None where rates are exact and no past tells of the load."""
-    deciding: tuple[Deciding, ...]
+    deciding: tuple[DecidingComponent, ...]
     """The components that all together hang on, sensor-based, the one that decides most first."""
     threshold: float | None
     """The least probability of completion that the design wants."""
@@ -75,9 +81,9 @@ def task_report(
     future: FutureName = "recent", draws: int = DRAWS, seed: int = 0,
 ) -> TaskReport:  # fmt: skip
     """Answer whether a robot with this past can do a list of tasks. Raises RobophmError for too many ``draws``."""
-    draws = affordable(draws, plant.robot)
+    draws = check_draws(draws, plant.robot)
     views = outlooks(plant, exposure, ledger, future=future, knowledge=plan.knowledge)
-    each = {view: following(views[view], plan.tasks) for view in VIEWS}
+    each = {view: consecutive_completions(views[view], plan.tasks) for view in VIEWS}
     joined = plan.joined
     lived = views["sensor_based"]
     loads = draw_loads(plant, ledger, SCENARIOS, seed)
@@ -87,7 +93,7 @@ def task_report(
         tuple(map(TaskFigures, plan.tasks, each["nominal"], each["sensor_based"])),
         {view: completion(views[view], joined) for view in VIEWS},
         completion_uncertainty(lived, joined, loads=loads, draws=draws, seed=seed) if unsure and draws else None,
-        tuple(deciding(lived, joined)),
+        tuple(deciding_components(lived, joined)),
         plant.robot.thresholds.completion,
         unknown_in(lived, joined),
     )

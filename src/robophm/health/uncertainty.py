@@ -25,7 +25,7 @@ from robophm.design.robot import Uncertainty
 from robophm.design.task import Task
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger, Step
-from robophm.health.mission import Completion, needs, now, planned
+from robophm.health.mission import Completion, needed_now, needs, planned
 from robophm.health.plant import Modes, Parts, Plant
 from robophm.health.prognosis import Outlook
 
@@ -219,7 +219,7 @@ def completion_at_rates(outlook: Outlook, task: Task, ratio: float) -> Completio
 def _completions(outlook: Outlook, task: Task, ratios: Array, futures: Sequence[Future]) -> tuple[Array, Array]:
     """Pairs (failure, probability) of draws, shape (2, draws), and the draws' weights; each draw has one future."""
     wanted, ends = needs(task)
-    mission = outlook.plant.mission(now(wanted), wanted)
+    mission = outlook.plant.mission(needed_now(wanted), wanted)
 
     def log_works(known: Array) -> Array:
         return mission.phases.log_known(known, np.zeros((len(ends), *known.shape)))

@@ -127,7 +127,7 @@ def unknown(
     return PartsOfUnknownRate(count, rate, "at most", "at most" if working else IF_NEVER)
 
 
-def alone(parts: Iterable[Component]) -> PartsOfUnknownRate | None:
+def unknown_in_parts(parts: Iterable[Component]) -> PartsOfUnknownRate | None:
     """Return the effect on figures made of parts whatever their wiring: nothing is a bound. None where all rates are
     known."""
     count = sum(part.quantity for part in parts if part.unknown)

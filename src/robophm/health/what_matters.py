@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from robophm.blocks.diagram import Block
-from robophm.core.given import number
+from robophm.core.argument_checks import number
 from robophm.design.task import Task
 from robophm.health.importance import LONGEST, Drawn, Importances, importances, usual_hours
 from robophm.health.outlooks import View

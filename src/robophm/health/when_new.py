@@ -14,7 +14,7 @@ from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 
 
 @dataclass(frozen=True)
-class Promise:
+class NominalFigures:
     """Nominal figures of a new robot or module after a number of operating hours; an infinite time means never."""
 
     path: str
@@ -30,14 +30,14 @@ class Promise:
     """The effect of its parts of unknown rate on the figures."""
 
 
-def promises(plant: Plant, hours: float) -> Iterator[Promise]:
+def nominal_figures(plant: Plant, hours: float) -> Iterator[NominalFigures]:
     """Yield the figures of the robot, then of its modules, outer before inner, after so many hours of operation."""
     new, then = as_designed(plant), np.array([hours])
     for path, module in plant.robot.levels.items():
         works, failed, _ = (float(values[0]) for values in new.survival_curve(module.diagram, then))
         rate, left_out = new.hazard_curve(module.diagram, then), unknown(new, module.diagram, later=hours > 0)
         mean = new.remaining_life(module.diagram).mean
-        yield Promise(path, float(rate[0]), works, failed, mean, left_out)
+        yield NominalFigures(path, float(rate[0]), works, failed, mean, left_out)
 
 
 def hazard_rates(outlook: Outlook) -> dict[str, float]:

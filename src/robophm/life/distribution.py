@@ -20,8 +20,8 @@ from typing import ClassVar, Self, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robophm.core.argument_checks import floats, number
 from robophm.core.errors import ModelError, nearest
-from robophm.core.given import floats, number
 
 Array: TypeAlias = NDArray[np.float64]
 

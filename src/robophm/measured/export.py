@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from robophm.core.errors import RobophmError
 from robophm.core.files import replacing
 from robophm.core.signal import SECOND
-from robophm.measured.held import Floats, Ints, Samples, in_order
+from robophm.measured.held_values import Floats, Ints, Samples, in_order
 from robophm.measured.recordings import Recorded, Signal
 
 ROWS = 1 << 16

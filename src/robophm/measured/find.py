@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
-from robophm.measured.held import Floats, HeldValues, InOrder, Ints, Samples, finite, held
+from robophm.measured.held_values import Floats, HeldValues, Ints, Samples, SampleSorter, finite, held_values
 from robophm.measured.recordings import Recorded, Signal
 
 MOST_HITS = 10_000
@@ -173,7 +173,7 @@ def _stretches(
     recorded: Recorded, signal: Signal, condition: Condition, max_age: int, notes: Counter[str]
 ) -> Iterator[Hit]:
     runs = Runs(condition, recorded.name)
-    for block in held(recorded, [signal], max_age, notes):
+    for block in held_values(recorded, [signal], max_age, notes):
         yield from runs.feed(block[signal.name])
     yield from runs.rest()
 
@@ -181,7 +181,7 @@ def _stretches(
 def _missing(recorded: Recorded, signal: Signal, at_least: int, notes: Counter[str]) -> Iterator[Hit]:
     """Stretches without a sample, between samples and at the recording's begin and end, by receipt of any topic."""
     present = [signal] if recorded.has(signal) else []
-    ordered = InOrder(recorded, present, notes)
+    ordered = SampleSorter(recorded, present, notes)
     columns = recorded.columns(present, recorded.topics)
     heard: list[int] = []
     """When it was heard last; at first, when the recording begins."""

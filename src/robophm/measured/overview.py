@@ -11,7 +11,7 @@ import numpy as np
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
-from robophm.measured.held import Ints
+from robophm.measured.held_values import Ints
 from robophm.measured.recordings import Recorded
 from robophm.transports.recordings.recording import Recording
 from robophm.transports.signals.message_units import field_unit

@@ -21,12 +21,12 @@ from robophm.core.signal import split_signal
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
-from robophm.measured.held import Floats
+from robophm.measured.held_values import Floats
 from robophm.measured.levels import Levels, shares
 from robophm.measured.recordings import Recorded, Signal
-from robophm.monitoring.by_block import BlockMonitor
+from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.recording_sessions import bound
+from robophm.monitoring.recording_sessions import bound_signals
 from robophm.transports.recordings.columns.topic_columns import by_signal
 
 MOST_LEGS = 10_000
@@ -100,7 +100,7 @@ class Profile:
 
 
 @dataclass(frozen=True)
-class Lived:
+class StressProfiles:
     """The levels at which a robot's parts worked in some recordings."""
 
     robot: Robot
@@ -129,18 +129,18 @@ class Lived:
         return next((age for mode, age in ages if mode.clock == clock), 0.0)
 
 
-def lived(
+def stress_profiles(
     robot: Robot,
     recorded: Recorded,
     steps: int,
     *,
     skip_missing: bool = False,
-) -> Lived:
+) -> StressProfiles:
     """Return the levels at which a robot worked in recordings, at most ``steps`` levels of each input.
 
     Raises SourceError where a bound signal is missing or measures something else, or nothing that ages is measured.
     """
-    names = bound(robot, recorded.topics, skip_missing=skip_missing)
+    names = bound_signals(robot, recorded.topics, skip_missing=skip_missing)
     signals = [Signal(name, *split_signal(name), None) for name in names]
     if not any(mode.measured for mode in robot.modes):
         raise SourceError(f"no part of {robot.name} has a measured input; expected `signals` in its design")
@@ -169,7 +169,7 @@ def lived(
     profiles = [_profile(robot, members, levels, notes) for members, levels in counted.items() if len(levels.keys)]
     for reason, count in ledger.counts.items():
         notes[reason] += count
-    return Lived(robot, tuple(profiles), ledger, notes)
+    return StressProfiles(robot, tuple(profiles), ledger, notes)
 
 
 def _profile(robot: Robot, members: Sequence[int], levels: Levels, notes: Counter[str]) -> Profile:
@@ -232,7 +232,7 @@ class Legs:
     """Stresses by the key that a leg states: the unit, and the value in each leg."""
 
 
-def legs_of(found: Lived) -> Legs:
+def legs_of(found: StressProfiles) -> Legs:
     """Return the levels of all parts side by side, rising together: cut wherever the level of any part changes.
 
     Raises RobophmError where there would be more legs than MOST_LEGS.
@@ -283,7 +283,7 @@ def _gathered(robot: Robot, stated: Mapping[tuple[str, str], tuple[str, Floats]]
     return found
 
 
-def task_text(found: Lived, name: str, source: str) -> str:
+def task_text(found: StressProfiles, name: str, source: str) -> str:
     """Return the load to come as a task file: what the recordings had, over and over. Raises RobophmError as
     ``legs_of``.
     """

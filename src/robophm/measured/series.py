@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.measured.held import Floats, HeldValues, Ints
+from robophm.measured.held_values import Floats, HeldValues, Ints
 
 MOST_COLUMNS = 2048
 """Stretches that are kept apart; when there are more, each two become one."""

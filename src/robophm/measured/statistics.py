@@ -11,7 +11,7 @@ import numpy as np
 
 from robophm.core.errors import RobophmError
 from robophm.core.signal import HOUR, SECOND
-from robophm.measured.held import Floats, HeldValues, Ints, held
+from robophm.measured.held_values import Floats, HeldValues, Ints, held_values
 from robophm.measured.levels import Levels
 from robophm.measured.recordings import Recorded, Signal, said
 from robophm.measured.series import Series
@@ -155,7 +155,7 @@ def statistics(
     Raises RobophmError where there would be more windows than MOST_WINDOWS.
     """
     windows = {signal.name: Windows(every) for signal in signals}
-    for block in held(recorded, signals, max_age, notes):
+    for block in held_values(recorded, signals, max_age, notes):
         for signal in signals:
             if signal.name in block:
                 here = block[signal.name]

@@ -6,7 +6,7 @@ import threading
 import time
 
 from robophm.health.report import HealthReport
-from robophm.health.reporting import beside, look_ahead
+from robophm.health.reporting import look_ahead, with_earlier_look
 
 EVERY = 2.0
 """Seconds between two looks, at least."""
@@ -37,7 +37,7 @@ class LookAhead(threading.Thread):
             raise self.fault
         self._given = now
         self._woken.set()
-        return beside(now, self.latest) if self.latest else now
+        return with_earlier_look(now, self.latest) if self.latest else now
 
     def run(self) -> None:
         """Compute looks ahead until ``close``."""

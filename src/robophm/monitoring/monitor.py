@@ -12,8 +12,8 @@ from typing import TypedDict, Unpack
 
 import numpy as np
 
+from robophm.core.argument_checks import instance, number, shown
 from robophm.core.errors import DesignError, RobophmError, SourceError
-from robophm.core.given import instance, number, shown
 from robophm.core.signal import CLOCK, NOT_FINITE, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Plan, Task

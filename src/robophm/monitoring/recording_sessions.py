@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from robophm.core.argument_checks import instance
+from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import DesignError, SourceError, UnitError, nearest
-from robophm.core.given import instance
-from robophm.core.given import path as given_path
 from robophm.core.signal import any_element, named, split_signal
 from robophm.core.units import conversion
 from robophm.design.robot import Robot
@@ -68,7 +68,7 @@ def sessions_of(
             fingerprint = source.fingerprint
         here = {info.topic: (info.type, info.fields) for info in infos}
         topics |= here
-        words = lacking(robot, here)
+        words = missing_signals(robot, here)
         signals = tuple(signal for signal in robot.signals if signal not in words)
         missing = {signal: words[signal] for signal in missing if signal in words}
         key = hashlib.sha256("\n".join((fingerprint, *sorted(signals))).encode()).hexdigest()
@@ -94,11 +94,11 @@ def living(monitor: Monitor, session: RecordingSession, *, anew: bool = True) ->
             monitor.end(session.last)
 
 
-def bound(robot: Robot, topics: Mapping[str, Kind], *, skip_missing: bool) -> list[str]:
+def bound_signals(robot: Robot, topics: Mapping[str, Kind], *, skip_missing: bool) -> list[str]:
     """Return the bound signals of a design that a source has. Raises SourceError as ``sessions_of``."""
     if not robot.signals:
         raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
-    missing = lacking(robot, topics)
+    missing = missing_signals(robot, topics)
     _refuse(robot, missing, topics, skip_missing=skip_missing)
     return [signal for signal in robot.signals if signal not in missing]
 
@@ -111,7 +111,7 @@ def _refuse(robot: Robot, missing: Mapping[str, str], topics: Mapping[str, Kind]
         raise SourceError(f"the recording has none of the design's topics{hint}")
 
 
-def lacking(robot: Robot, topics: Mapping[str, Kind]) -> dict[str, str]:
+def missing_signals(robot: Robot, topics: Mapping[str, Kind]) -> dict[str, str]:
     """Return why a source lacks bound signals, by signal. Raises SourceError where messages measure something else."""
     missing = {}
     for signal, unit in robot.signals.items():

@@ -10,13 +10,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from robophm.core.argument_checks import instance, number
 from robophm.core.errors import SourceError, StoreError
-from robophm.core.given import instance, number
 from robophm.core.signal import REORDERED, SECOND
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport
-from robophm.monitoring.by_block import BlockMonitor
+from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.monitor import LONGEST_PERIOD, Monitor
 from robophm.monitoring.recording_sessions import Recorded, RecordingSession, living, sessions_of
 from robophm.stores.store import Progress, Store

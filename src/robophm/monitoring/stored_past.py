@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from robophm.core.errors import StoreError
 from robophm.design.robot import Robot
-from robophm.health.clock_jump_removal import Repaired, take_out_jump
+from robophm.health.clock_jump_removal import RemovedJump, take_out_jump
 from robophm.health.ledger import Ledger
 from robophm.monitoring.replay import kept_ledger
 
@@ -35,7 +35,7 @@ def past_in(store: SqliteStore, robot: Robot) -> Ledger:
 class RepairedPast(NamedTuple):
     """The stretch taken out of a robot's past, and the copy of the store as it was before."""
 
-    done: Repaired
+    done: RemovedJump
     copy: Path
 
 

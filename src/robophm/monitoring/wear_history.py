@@ -20,7 +20,7 @@ from robophm.health.window import in_time
 from robophm.learning.wear.readings_table import Readings
 from robophm.learning.wear.signal_to_readings import Array, Reducer, Times, on_a_clock
 from robophm.learning.wear.worn_mode import WearOptions, WornMode, worn_mode
-from robophm.monitoring.by_block import BlockMonitor
+from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.recording_sessions import Recorded, RecordingSession, living, sessions_of
 from robophm.transports.signals.source import STAMP_LIMIT, SignalColumns, SignalSource

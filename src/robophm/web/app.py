@@ -19,7 +19,7 @@ from starlette.middleware.gzip import GZipMiddleware
 from starlette.staticfiles import StaticFiles
 
 from robophm.core.errors import RobophmError
-from robophm.design.fault import Fault
+from robophm.design.located_error import LocatedError
 from robophm.web.guard import Guard, TooLargeError
 from robophm.web.routes import analysis, data, design, library, live, tasks
 from robophm.web.service import Service, Settings
@@ -102,7 +102,7 @@ async def _refused(request: Request, error: Exception) -> JSONResponse:
     if isinstance(error, OutsideError):
         said = {"message": str(error), "place": [], "digest": error.digest, "changes": list(error.changes)}
         return JSONResponse(said, 409)
-    return _said(422, str(error), error.place if isinstance(error, Fault) else ())
+    return _said(422, str(error), error.place if isinstance(error, LocatedError) else ())
 
 
 async def _json(request: Request) -> dict[str, Any]:

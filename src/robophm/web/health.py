@@ -8,11 +8,11 @@ from typing import Literal
 from robophm.core.signal import SECOND
 from robophm.health.prognosis import RemainingLife
 from robophm.health.report import HealthReport
-from robophm.health.reporting import beside
+from robophm.health.reporting import with_earlier_look
 from robophm.health.subject import Figures, Subject
 from robophm.report.failures_to_come import FEW, notes, shown
 from robophm.web.monitoring import Run
-from robophm.web.prepared import finite, unknown_of
+from robophm.web.prepared_robot import finite, unknown_of
 from robophm.web.shapes import Shape, UnknownRates
 
 
@@ -127,7 +127,7 @@ def health_of(
 ) -> Health:  # fmt: skip
     """Return all that is known. ``lives`` may be an older report that has remaining lives."""
     latest = {subject.path: subject for subject in lives.subjects} if lives else {}
-    seen = report if lives is None or lives is report else beside(report, lives)
+    seen = report if lives is None or lives is report else with_earlier_look(report, lives)
     told = [*([run.error] if run and run.error else []), *seen.breaches]
     state: Literal["ok", "warn", "error", "stale", "idle"] = "error" if told else seen.state
     if state == "ok" and run is None:

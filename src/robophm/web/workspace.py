@@ -22,8 +22,8 @@ from typing import Any
 
 from robophm.core.errors import DesignError, StoreError
 from robophm.core.yaml_values import MAX_BYTES
-from robophm.design.fault import Fault
 from robophm.design.file import read, write_text
+from robophm.design.located_error import LocatedError
 from robophm.design.naming import design_name, quoted
 from robophm.design.problems import check
 from robophm.web.checked import CheckedTexts
@@ -165,13 +165,13 @@ class Workspace:
             return found
 
     def edit(self, revision: int, change: Callable[[Any], None], what: str) -> Draft:
-        """Change the document, comments kept. Raises StaleError, and Fault where it cannot be done."""
+        """Change the document, comments kept. Raises StaleError, and LocatedError where it cannot be done."""
         with self._lock:
             self._current(revision)
             return self._move(self.edited(change, keep=True), what)
 
     def edited(self, change: Callable[[Any], None], *, keep: bool = False) -> str:
-        """Return the text that a change would give. Raises Fault where it cannot be done."""
+        """Return the text that a change would give. Raises LocatedError where it cannot be done."""
         with self._lock:
             state = self._here()[0]
             cached = self._document if self._document and self._document[0] == state else None
@@ -180,17 +180,17 @@ class Workspace:
             change(document)
             text = dump(document)
             if len(text.encode()) > MAX_BYTES:
-                raise Fault((), f"the design would be more than {MAX_BYTES / 1e6:.0f} MB")
+                raise LocatedError((), f"the design would be more than {MAX_BYTES / 1e6:.0f} MB")
             if keep:
                 self._document = -1, document  # of the state that is about to be
             return text
 
     def replace(self, revision: int, text: str, what: str) -> Draft:
-        """Put a whole text in place of the design. Raises StaleError; Fault where it is not even YAML."""
+        """Put a whole text in place of the design. Raises StaleError; LocatedError where it is not even YAML."""
         with self._lock:
             self._current(revision)
             if not check(text).document:
-                raise Fault((), check(text).problems[0].message)
+                raise LocatedError((), check(text).problems[0].message)
             return self._move(text, what)
 
     def undo(self, revision: int) -> Draft:
@@ -232,7 +232,7 @@ class Workspace:
             self._current(revision)
             text = read(self.path)
             if not check(text).document:
-                raise Fault((), check(text).problems[0].message)
+                raise LocatedError((), check(text).problems[0].message)
             saved = self._here()[2]
             if saved is None or self._text(saved) != text or self.draft().text != text:
                 self._take_in(text)
@@ -323,15 +323,15 @@ def new_design(path: Path) -> str:
 
 
 def load(text: str) -> Any:
-    """Return a design's document, comments attached. Raises Fault."""
+    """Return a design's document, comments attached. Raises LocatedError."""
     document = load_value(text)
     if not isinstance(document, dict):
-        raise Fault((), "the design is no mapping and can only be replaced")
+        raise LocatedError((), "the design is no mapping and can only be replaced")
     return document
 
 
 def load_value(text: str) -> Any:
-    """Return any value, comments attached. Raises Fault."""
+    """Return any value, comments attached. Raises LocatedError."""
     from ruamel.yaml.error import YAMLError
 
     from robophm.design.file import round_trip
@@ -339,7 +339,7 @@ def load_value(text: str) -> Any:
     try:
         return round_trip().load(text)
     except (YAMLError, ValueError, RecursionError) as error:
-        raise Fault((), f"is not YAML, and can only be replaced: {str(error).splitlines()[0]}") from None
+        raise LocatedError((), f"is not YAML, and can only be replaced: {str(error).splitlines()[0]}") from None
 
 
 def dump(document: Any) -> str:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from robophm.cli.shared.output import warn
 from robophm.design.robot import Robot
-from robophm.health.draws import affordable as draws_of
+from robophm.health.draws import check_draws as draws_of
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.prognosis import Outlook
@@ -15,7 +15,7 @@ from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.stored_past import existing_store, past_in
 
 
-def affordable(draws: int, robot: Robot) -> None:
+def check_draws(draws: int, robot: Robot) -> None:
     """Raise RobophmError where so many draws of the robot's rates would be too many."""
     draws_of(draws, robot, "--draws")
 

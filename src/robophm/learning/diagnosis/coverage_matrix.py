@@ -66,12 +66,12 @@ def coverage(robot: Robot, sensors: Sequence[Sensor]) -> dict[str, dict[str, flo
     return found
 
 
-def unseen(robot: Robot, sensors: Sequence[Sensor]) -> list[str]:
+def undetected_modes(robot: Robot, sensors: Sequence[Sensor]) -> list[str]:
     """Return the failure modes, by path, that no fitted sensor sees."""
-    return [mode for mode, p in seen(robot, sensors).items() if p == 0]
+    return [mode for mode, p in detection_probabilities(robot, sensors).items() if p == 0]
 
 
-def seen(robot: Robot, sensors: Sequence[Sensor]) -> dict[str, float]:
+def detection_probabilities(robot: Robot, sensors: Sequence[Sensor]) -> dict[str, float]:
     """Return, by failure mode, P(some fitted sensor sees it)."""
     fitted = {sensor.name for sensor in sensors if sensor.fitted} | {"monitored"}
     result = {}

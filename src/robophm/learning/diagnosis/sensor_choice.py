@@ -62,7 +62,7 @@ class Choice:
         return max(explained / self.variance, 0.0) if there else 0.0
 
 
-def parted(sensors: Sequence[Sensor]) -> tuple[list[int], list[int]]:
+def fitted_and_candidates(sensors: Sequence[Sensor]) -> tuple[list[int], list[int]]:
     """Return indices of the fitted sensors, and of those to choose from. Raises DataError where all are fitted."""
     fitted = [i for i, sensor in enumerate(sensors) if sensor.fitted]
     if len(fitted) == len(sensors):
@@ -70,7 +70,9 @@ def parted(sensors: Sequence[Sensor]) -> tuple[list[int], list[int]]:
     return fitted, [i for i, sensor in enumerate(sensors) if not sensor.fitted]
 
 
-def explained(weights: Array, outcome: Array, alarms: Array, chosen: Sequence[int], base: Sequence[int] = ()) -> float:
+def explained_variance(
+    weights: Array, outcome: Array, alarms: Array, chosen: Sequence[int], base: Sequence[int] = ()
+) -> float:
     """Var(E[Y | alarms of the chosen and the fitted]) ; ``weights`` and P(Y) of states, shape (states,).
 
     ``alarms``: P(alarm | state), shape (states, sensors); independent given the state.
@@ -95,10 +97,10 @@ def choose(
     """The best so many further sensors, beside those fitted (``base``): all sets where they are few, else greedily."""
     rest = [j for j in range(alarms.shape[1]) if j not in base] if candidates is None else list(candidates)
     number = min(number, len(rest))
-    before = explained(weights, outcome, alarms, (), base)
+    before = explained_variance(weights, outcome, alarms, (), base)
 
     def value(some: Sequence[int]) -> float:
-        return explained(weights, outcome, alarms, some, base) - before
+        return explained_variance(weights, outcome, alarms, some, base) - before
 
     fits = len(base) + len(rest) <= MOST
     variance = _variance(weights, outcome)
@@ -146,12 +148,12 @@ def _greedily(rest: Sequence[int], number: int, value: Callable[[Sequence[int]],
     return chosen
 
 
-def greedily(weights: Array, outcome: Array, alarms: Array, number: int) -> Choice:
+def choose_greedily(weights: Array, outcome: Array, alarms: Array, number: int) -> Choice:
     """Choose as ``choose``, but never exhaustively, with the bound of sets that lack one candidate."""
     every = list(range(alarms.shape[1]))
 
     def value(some: Sequence[int]) -> float:
-        return explained(weights, outcome, alarms, some)
+        return explained_variance(weights, outcome, alarms, some)
 
     order = _greedily(every, number, value)
     gains = np.diff([0.0, *(value(order[: k + 1]) for k in range(len(order)))])

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from robophm.core.errors import nearest
 from robophm.design.robot import Component, Robot
-from robophm.learning.maintenance.life_cycle_costs import Watch
+from robophm.learning.maintenance.life_cycle_costs import ConditionMonitoring
 from robophm.learning.maintenance.replacement_age import Costs
 from robophm.learning.table import Row, read_table
 
@@ -39,7 +39,7 @@ class PartCosts:
     part: Component
     costs: Costs
     """Costs of the part without those of the robot's standstill."""
-    watch: Watch | None
+    watch: ConditionMonitoring | None
 
     def standing(self, hour_down: float) -> Costs:
         """Return the costs with those of a standstill, ``hour_down`` each hour that the part is down."""
@@ -83,7 +83,7 @@ def _costs(row: Row, hour_down: float) -> Costs:
     return Costs(preventive, corrective, downtimes[0], downtimes[1], repair, remaining)
 
 
-def _watch(row: Row) -> Watch | None:
+def _watch(row: Row) -> ConditionMonitoring | None:
     said = [name for name in ("sensor per year", "detects", "lead", "false alarms per year") if name in row.cells]
     if "sensor" not in row.cells:
         if said:
@@ -95,7 +95,7 @@ def _watch(row: Row) -> Watch | None:
     lead = row.quantity("lead", "h") if "lead" in row.cells else 0.0
     if lead < 0:
         raise row.error(f"{row.text('lead')} is negative", "lead")
-    return Watch(
+    return ConditionMonitoring(
         _at_least(row, "sensor", None), _at_least(row, "sensor per year", 0.0) / YEAR, detects, lead,
         _at_least(row, "false alarms per year", 0.0) / YEAR,
     )  # fmt: skip

@@ -27,7 +27,7 @@ MOST_TOGETHER = 1e7
 
 
 @dataclass(frozen=True)
-class Watch:
+class ConditionMonitoring:
     """Condition monitoring of a part: a sensor that sees failures come."""
 
     price: float
@@ -43,7 +43,7 @@ class Watch:
 
 
 @dataclass(frozen=True)
-class Upkept:
+class MaintainedPart:
     """A part, what it costs, and how it is kept up."""
 
     life: LifeDistribution
@@ -51,7 +51,7 @@ class Upkept:
     costs: Costs
     age: float | None = None
     """Age at which it is replaced; None: only after it failed."""
-    watch: Watch | None = None
+    watch: ConditionMonitoring | None = None
     parts: int = 1
     units: tuple[str, ...] = ()
     """Names of its units in diagrams: one for all its parts in series, or one for each; none: its own name."""
@@ -78,7 +78,7 @@ class LifeCycle:
 
 
 def simulate(
-    parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: int,
+    parts: Mapping[str, MaintainedPart], horizon: float, repetitions: int, seed: int,
     standing: Standstill | None = None, hour_down: float = 0.0,
 ) -> LifeCycle:  # fmt: skip
     """Let a robot's parts live and be replaced for a time, so many times over.
@@ -101,7 +101,7 @@ def simulate(
     )  # fmt: skip
 
 
-def _affordable(parts: Mapping[str, Upkept], horizon: float, repetitions: int) -> None:
+def _affordable(parts: Mapping[str, MaintainedPart], horizon: float, repetitions: int) -> None:
     lives = sum(
         part.parts * (1 + horizon / max(min(part.age or math.inf, part.life.mean()), 1e-9)) for part in parts.values()
     )
@@ -113,7 +113,7 @@ def _affordable(parts: Mapping[str, Upkept], horizon: float, repetitions: int) -
 
 
 def _together(
-    parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: tuple[int, int], standing: Standstill,
+    parts: Mapping[str, MaintainedPart], horizon: float, repetitions: int, seed: tuple[int, int], standing: Standstill,
     hour_down: float,
 ) -> Array:  # fmt: skip
     """Cost, failures, precautions and how long the robot stood still in each repetition; shape (4, repetitions)."""
@@ -130,7 +130,7 @@ def _together(
     return total
 
 
-def _part(part: Upkept, horizon: float, repetitions: int, rng: np.random.Generator) -> tuple[Array, Downtimes]:
+def _part(part: MaintainedPart, horizon: float, repetitions: int, rng: np.random.Generator) -> tuple[Array, Downtimes]:
     """Cost, failures and precautions of each repetition, shape (3, repetitions), and when it was down."""
     costs, watch = part.costs, part.watch
     total = np.zeros((3, repetitions))
@@ -166,7 +166,7 @@ def _part(part: Upkept, horizon: float, repetitions: int, rng: np.random.Generat
 
 
 @dataclass(frozen=True)
-class Return:
+class ReturnOnMonitoring:
     """The return on condition monitoring: life cycles with and without it, and the investment."""
 
     without: LifeCycle
@@ -191,10 +191,10 @@ class Return:
         return float(np.mean(self.saved > 0))
 
 
-def return_on_watching(
-    parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: int, without: LifeCycle | None = None,
+def return_on_monitoring(
+    parts: Mapping[str, MaintainedPart], horizon: float, repetitions: int, seed: int, without: LifeCycle | None = None,
     standing: Standstill | None = None, hour_down: float = 0.0,
-) -> Return:  # fmt: skip
+) -> ReturnOnMonitoring:  # fmt: skip
     """Simulate the same lives with and without condition monitoring; a watched part is not replaced by age."""
     bare = {name: replace(part, watch=None) for name, part in parts.items()}
     watched = {name: replace(part, age=None) if part.watch else part for name, part in parts.items()}
@@ -202,10 +202,10 @@ def return_on_watching(
         part.parts * (part.watch.price + part.watch.running * horizon) for part in parts.values() if part.watch
     )
     how = (horizon, repetitions, seed, standing, hour_down)
-    return Return(without or simulate(bare, *how), simulate(watched, *how), invested)
+    return ReturnOnMonitoring(without or simulate(bare, *how), simulate(watched, *how), invested)
 
 
-def grid_costs(part: Upkept, ages: Sequence[float], horizon: float, repetitions: int, seed: int) -> Array:
+def grid_costs(part: MaintainedPart, ages: Sequence[float], horizon: float, repetitions: int, seed: int) -> Array:
     """Return the mean cost per unit of time of replacing at each age, on the same lives; shape of ``ages``."""
     return np.array([
         simulate({"part": replace(part, age=age)}, horizon, repetitions, seed).cost / horizon for age in ages

@@ -55,7 +55,7 @@ class Policy:
         return 1 - self.cost_rate / self.never if 0 < self.never < math.inf else 0.0
 
 
-def wears(life: LifeDistribution) -> bool:
+def hazard_rises(life: LifeDistribution) -> bool:
     """Whether the hazard ever rises: only then can replacing a part that works be worth anything."""
     ages = np.unique(np.asarray(life.quantile(np.linspace(0.001, 0.999, 200))))
     hazard = np.asarray(life.hazard(ages[ages > 0]))
@@ -80,7 +80,7 @@ def best_age(life: LifeDistribution, costs: Costs, *, seed: int = 0) -> Policy:
     if costs.repair is not None:
         return _with_repairs(life, costs, seed)
     never = costs.corrective / (mean_life(life) + costs.corrective_downtime)
-    if not wears(life):
+    if not hazard_rises(life):
         return Policy(None, never, never)
     low, high = float(life.quantile(1e-9)), float(life.quantile(1 - 1e-9))
     age, cost = _least(lambda T: cost_rate(life, costs, T), max(low, 1e-9 * high), high)
@@ -151,7 +151,7 @@ def _with_repairs(life: LifeDistribution, costs: Costs, seed: int) -> Policy:
     number = repairs(end)
     late = float((number[1] - number[0]) / (end[1] - end[0]))
     never = repair * late / (1 + costs.corrective_downtime * late)
-    if not wears(life):
+    if not hazard_rises(life):
         return Policy(None, never, never)
     if costs.remaining == 1:  # it only grows older
         never = math.inf
@@ -202,7 +202,7 @@ class Visit:
     """Cost rate where each part has visits of its own."""
 
 
-def together(parts: Mapping[str, tuple[LifeDistribution, Costs]], setup: float) -> Visit:
+def grouped_replacement(parts: Mapping[str, tuple[LifeDistribution, Costs]], setup: float) -> Visit:
     """Plan replacement at fixed intervals, where a visit costs ``setup`` whatever is done at it.
 
     Part i is replaced at every kᵢ-th visit and after each failure: cost rate s/τ + Σ min over k of
@@ -240,7 +240,7 @@ class _Block:
         self.never = costs.corrective / mean_life(life)
         self.best: float | None = None
         self.least = self.never
-        if wears(life):
+        if hazard_rises(life):
             self.times = np.linspace(0.0, float(life.quantile(0.999)), 1500)
             self.renewals = renewals(life, self.times)
             rates = self.rate(self.times[1:])

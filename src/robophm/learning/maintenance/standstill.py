@@ -32,7 +32,7 @@ class Standstill:
     """A robot's structure, asked about parts that are down; without a diagram any of them stops it."""
 
     def __init__(self, diagram: Block | None = None) -> None:
-        self._structure = Structure(apart(diagram)) if diagram else None
+        self._structure = Structure(without_dependence(diagram)) if diagram else None
 
     def hours(self, units: Mapping[str, Sequence[Downtimes]], horizon: float, repetitions: int) -> Array:
         """Return the time of standstill within a horizon; shape (repetitions,). Units that are not named are up."""
@@ -84,7 +84,7 @@ class Standstill:
         return np.asarray(self._structure.probability(1 - failed, failed)[1])
 
 
-def apart(diagram: Block) -> Block:
+def without_dependence(diagram: Block) -> Block:
     """Return a diagram in which groups of parts that depend on each other are k of n of their members."""
     known: dict[int, Block] = {}
 

@@ -13,12 +13,18 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from robophm.core.argument_checks import number
 from robophm.core.errors import DataError
-from robophm.core.given import number
 from robophm.design.robot import Component, FailureMode, Robot
 from robophm.learning.maintenance.costs_table import PartCosts
-from robophm.learning.maintenance.life_cycle_costs import LifeCycle, Return, Upkept, return_on_watching, simulate
-from robophm.learning.maintenance.replacement_age import Costs, Policy, Visit, best_age, rescaled, together
+from robophm.learning.maintenance.life_cycle_costs import (
+    LifeCycle,
+    MaintainedPart,
+    ReturnOnMonitoring,
+    return_on_monitoring,
+    simulate,
+)
+from robophm.learning.maintenance.replacement_age import Costs, Policy, Visit, best_age, grouped_replacement, rescaled
 from robophm.learning.maintenance.spares import spares
 from robophm.learning.maintenance.standstill import Standstill
 from robophm.life.distribution import LifeDistribution
@@ -70,10 +76,10 @@ class PartPlan:
         return self.stops < _SURE
 
     @property
-    def upkept(self) -> Upkept:
+    def upkept(self) -> MaintainedPart:
         """Return the part as its policy replaces or repairs it, for a simulation."""
         part = self.costs.part
-        return Upkept(self.life, self.costs.costs, self.policy.age, None, part.quantity, part.units)
+        return MaintainedPart(self.life, self.costs.costs, self.policy.age, None, part.quantity, part.units)
 
 
 @dataclass(frozen=True)
@@ -84,7 +90,7 @@ class LifeCycles:
     """Costs where only what has failed is replaced."""
     by_age: LifeCycle
     """Costs where each part is replaced at its best age."""
-    watched: Return | None
+    watched: ReturnOnMonitoring | None
     """Costs where parts with a sensor are replaced when it warns, others by age; None where no part has a sensor."""
 
 
@@ -140,7 +146,7 @@ class UpkeepPlan:
         """Plan visits at which parts are replaced together, each of which costs ``setup``; None where no part is."""
         number(setup, "setup", above=True)
         parts = {name: (one.life, one.standing) for name, one in self.replaced.items()}
-        return together(parts, setup) if parts else None
+        return grouped_replacement(parts, setup) if parts else None
 
     def life_cycles(self, horizon: float, repetitions: int, seed: int) -> LifeCycles | None:
         """Simulate what the parts that are replaced cost over a time [h]; None where no part is.
@@ -160,7 +166,7 @@ class UpkeepPlan:
         watched = None
         if any(watches.values()):
             seen = {name: replace(part, watch=watches[name]) for name, part in by_age.items()}
-            watched = return_on_watching(seen, *how, aged, standing, self.hour_down)
+            watched = return_on_monitoring(seen, *how, aged, standing, self.hour_down)
         return LifeCycles(failures, aged, watched)
 
     def spares(self, time: float, robots: int, level: float) -> dict[str, tuple[int, float]]:

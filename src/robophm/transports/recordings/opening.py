@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import SourceError
-from robophm.core.given import path as given_path
 from robophm.transports.signals.source import SignalSource
 
 

@@ -15,7 +15,7 @@ from robophm.core.errors import SourceError
 from robophm.transports.ros1.environment import place
 from robophm.transports.ros1.loop import Loop
 from robophm.transports.ros1.master import system_state
-from robophm.transports.ros1.served_subscriber import Greeting, Publication
+from robophm.transports.ros1.served_subscriber import PendingSubscriber, Publication
 from robophm.transports.ros1.slave import Caller, Slave, believed
 from robophm.transports.ros1.xmlrpc import call
 from robophm.transports.signals.incidents import Incidents, PeerError
@@ -62,7 +62,7 @@ class Node:
         self.loop = Loop(f"ros1 {self.name}", self.notes)
         slave = Slave(self)
         slave_port = self.loop.listen(self.place.bind, lambda each: Caller(self.loop, each, slave.answer))
-        self.port = self.loop.listen(self.place.bind, lambda each: Greeting(self.loop, each, self.published))
+        self.port = self.loop.listen(self.place.bind, lambda each: PendingSubscriber(self.loop, each, self.published))
         self.uri = f"http://{self.place.host}:{slave_port}/"
         self._keeper = threading.Thread(target=self._keep, name=f"ros1 {self.name} registration", daemon=True)
         self.loop.start()

@@ -31,7 +31,7 @@ class Publication(Protocol):
         """Forget a subscriber that is gone; called in the loop."""
 
 
-class Greeting(Peer):
+class PendingSubscriber(Peer):
     """A connection before it has said of which topic it is."""
 
     def __init__(self, loop: Loop, connection: socket.socket, published: Mapping[str, Publication]) -> None:

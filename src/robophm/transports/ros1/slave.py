@@ -54,7 +54,7 @@ class Caller(Peer):
         raise ValueError("malformed call")
 
 
-class Callee(Protocol):
+class CalledNode(Protocol):
     """A node, as those who call it meet it."""
 
     notes: Incidents
@@ -74,7 +74,7 @@ class Callee(Protocol):
 class Slave:
     """The server of a node's slave API: answers calls of the master and of tools."""
 
-    def __init__(self, node: Callee) -> None:
+    def __init__(self, node: CalledNode) -> None:
         self._node = node
         self._dispatcher = SimpleXMLRPCDispatcher(allow_none=True)
         self._dispatcher.register_instance(_Methods(node))
@@ -92,7 +92,7 @@ class Slave:
 class _Methods:
     """The methods by their names in ROS; each answers code, message, value."""
 
-    def __init__(self, node: Callee) -> None:
+    def __init__(self, node: CalledNode) -> None:
         self._node = node
 
     def getPid(self, _: str) -> tuple[int, str, int]:  # noqa: N802

@@ -26,7 +26,7 @@ _DAMAGED = "definition missing or damaged"
 
 
 @dataclass
-class Ear:
+class TopicReader:
     """A reader of one topic in one type, and how its messages are decoded."""
 
     reader: Reader
@@ -58,7 +58,7 @@ class Subscription(threading.Thread):
         self._discovery = self._graph.discovery()
         self._waiting = self._graph.waiting()
         self._waiting.add(self._discovery.entity)
-        self._ears: dict[tuple[str, str], Ear] = {}
+        self._ears: dict[tuple[str, str], TopicReader] = {}
         """Readers by topic and hash of the type."""
         self._published: dict[str, dict[int, str]] = {}
         """Publishers of each topic that was ever published, and the hash of what each publishes."""
@@ -107,7 +107,7 @@ class Subscription(threading.Thread):
             ear.reader.close()
         self._discovery.close()
 
-    def _hear(self, ear: Ear, rounds: int = FAIR) -> None:
+    def _hear(self, ear: TopicReader, rounds: int = FAIR) -> None:
         for _ in range(rounds):
             if self._over.is_set() or not (taken := ear.reader.take()):
                 return
@@ -119,7 +119,7 @@ class Subscription(threading.Thread):
             for message in ours:
                 self._count(ear, message.number, alone=len(here) == 1)
 
-    def _count(self, ear: Ear, number: int | None, *, alone: bool) -> None:
+    def _count(self, ear: TopicReader, number: int | None, *, alone: bool) -> None:
         """Say what is missing before a message, where the transport numbers those of the only publisher."""
         if number is not None and alone and ear.number is not None and number > ear.number + 1:
             self._hearing.missing(ear.reading.topic, "sequence gap", number - ear.number - 1)
@@ -185,7 +185,7 @@ class Subscription(threading.Thread):
         assert isinstance(found, Definition)
         reader = self._graph.reader(self._node.name, f"rt{topic}", found, reliable=reliable, latched=latched)
         self._waiting.add(reader.entity)
-        self._ears[topic, hash_] = Ear(reader, reading, reliable, latched)
+        self._ears[topic, hash_] = TopicReader(reader, reading, reliable, latched)
 
     def _end(self, key: tuple[str, str]) -> None:
         """Take what is there, and listen no more."""

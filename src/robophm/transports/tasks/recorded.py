@@ -57,7 +57,7 @@ def tasks_of(recording: Recording, topics: Collection[str] | None = None) -> Ite
     messages = recording.messages(wanted - strange, LONGEST_MESSAGE)
     for topic in strange:
         recording.notes[f"{topic} is left out: {types[topic] or 'of unknown type'}; expected {TEXT}"] += 1
-    return told_in(messages, TaskTopics(recording.notes))
+    return tasks_in(messages, TaskTopics(recording.notes))
 
 
 def told_by(recording: Recording, topics: Sequence[str] = ()) -> tuple[list[PlannedTask | DoneTask], Counter[str]]:
@@ -88,7 +88,7 @@ def _says_where(topic: str, types: Mapping[str, str]) -> bool:
     return types.get(topic) not in (TEXT, PATH) and not any(tells_of_tasks(each, types[each]) for each in meant)
 
 
-def told_in(messages: Iterable[tuple[int, str, Any]], topics: TaskTopics) -> Iterator[PlannedTask | DoneTask]:
+def tasks_in(messages: Iterable[tuple[int, str, Any]], topics: TaskTopics) -> Iterator[PlannedTask | DoneTask]:
     """Yield the tasks that these messages tell of; None in place of a message is one that cannot be read."""
     for time, topic, message in messages:
         if task := topics.hear(time, topic, message):

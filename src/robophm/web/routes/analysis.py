@@ -19,7 +19,7 @@ from robophm.health.report import VIEWS, plain
 from robophm.health.unknown_rates import unknown
 from robophm.report.minimal_sets import MOST_PARTS, STEPS, counted, left_out
 from robophm.web.health import Life, life_of
-from robophm.web.prepared import Prepared, finite, unknown_of
+from robophm.web.prepared_robot import PreparedRobot, finite, unknown_of
 from robophm.web.routes.design import REFUSED, apply
 from robophm.web.service import Served, Service
 from robophm.web.shapes import Operation, Shape, UnknownRates
@@ -126,7 +126,7 @@ class WhatIf(Shape):
     changed: Curves
 
 
-def _system(prepared: Prepared, path: str) -> Block:
+def _system(prepared: PreparedRobot, path: str) -> Block:
     module = prepared.modules.get(path)
     if module is not None:
         return module.diagram
@@ -140,7 +140,9 @@ def _system(prepared: Prepared, path: str) -> Block:
     raise DesignError(f"no level, part or function '{path}'{nearest(path, known)}")
 
 
-def curves(service: Service, prepared: Prepared, path: str, horizon: float | None, points: int, state: int) -> Curves:
+def curves(
+    service: Service, prepared: PreparedRobot, path: str, horizon: float | None, points: int, state: int
+) -> Curves:
     """Return survival, hazard and density ahead in both views."""
     diagram = _system(prepared, path)
     exposure, ledger = service.past(prepared)

@@ -24,7 +24,7 @@ from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.monitoring.task_history import TaskRecord
 from robophm.transports.signals.sink import JudgedTask
 from robophm.web.jobs import Job
-from robophm.web.prepared import finite, unknown_of
+from robophm.web.prepared_robot import finite, unknown_of
 from robophm.web.routes.design import REFUSED
 from robophm.web.service import Served, Service
 from robophm.web.shapes import Shape, Trouble, UnknownRates

@@ -12,7 +12,7 @@ from robophm.groups.table import FARTHEST
 from robophm.life.distribution import FAINT
 
 
-class Solved(ABC):
+class SolvedGroup(ABC):
     """A group solved along a path. Times are the path's; ``now`` is when what is known of the members is known."""
 
     now: float

@@ -22,7 +22,7 @@ from robophm.web.shapes import LevelFigures, UnknownRates
 _KEPT = 4
 
 
-class Prepared:
+class PreparedRobot:
     """A robot prepared for questions: what does not change while its design does not."""
 
     def __init__(self, robot: Robot) -> None:
@@ -98,19 +98,19 @@ def finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-class Shelf:
+class PreparedRobots:
     """The latest few prepared robots, by identity; for any number of threads."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._found: OrderedDict[int, Prepared] = OrderedDict()
+        self._found: OrderedDict[int, PreparedRobot] = OrderedDict()
 
-    def of(self, robot: Robot) -> Prepared:
+    def of(self, robot: Robot) -> PreparedRobot:
         """Return the prepared robot, made now or remembered."""
         with self._lock:
             one = self._found.get(id(robot))
             if one is None or one.robot is not robot:
-                one = self._found[id(robot)] = Prepared(robot)
+                one = self._found[id(robot)] = PreparedRobot(robot)
             self._found.move_to_end(id(robot))
             while len(self._found) > _KEPT:
                 self._found.popitem(last=False)

@@ -51,7 +51,7 @@ class HeldValues(NamedTuple):
 _NONE = Samples(np.empty(0, np.int64), np.empty(0))
 
 
-class InOrder:
+class SampleSorter:
     """The samples of signals in order of their own time, which is not quite the order in which they were received.
 
     A header stamp that is believed is at most STAMP_LIMIT from receipt: what is so much older than the newest message
@@ -106,7 +106,7 @@ def in_order(recorded: Recorded, signals: Sequence[Signal], notes: Counter[str])
     if not present:
         return
     columns = recorded.columns(present)
-    ordered = InOrder(recorded, present, notes)
+    ordered = SampleSorter(recorded, present, notes)
     try:
         for block in columns:
             yield ordered.feed(block)
@@ -125,7 +125,7 @@ def finite(samples: Samples, name: str, notes: Counter[str]) -> Samples:
     return Samples(samples.times[true], samples.values[true])
 
 
-class Holding:
+class ValueHolder:
     """Makes stretches of the samples of one signal; one sample is kept back until the next is known."""
 
     def __init__(self, signal: Signal, max_age: int, notes: Counter[str]) -> None:
@@ -156,14 +156,14 @@ class Holding:
         return HeldValues(times, values, times, times, values)
 
 
-def held(
+def held_values(
     recorded: Recorded, signals: Sequence[Signal], max_age: int, notes: Counter[str]
 ) -> Iterator[Mapping[str, HeldValues]]:
     """Yield the stretches of the signals that a recording has, block by block; ``max_age`` [ns].
 
     The notes say what had to be decided, and where most samples are too far apart for their values to hold.
     """
-    holding = {signal.name: Holding(signal, max_age, notes) for signal in signals}
+    holding = {signal.name: ValueHolder(signal, max_age, notes) for signal in signals}
     for samples in in_order(recorded, signals, notes):
         yield {name: holding[name].feed(one) for name, one in samples.items()}
     yield {name: one.rest() for name, one in holding.items()}

@@ -14,7 +14,7 @@ Path = tuple[str, ...]
 """Keys from the top of a file down."""
 
 
-class Fault(DesignError):  # noqa: N818  what geologists and engineers call it
+class LocatedError(DesignError):
     """A design error at a place in the file, before the file's name and line are known."""
 
     def __init__(self, place: Path, message: str) -> None:
@@ -22,26 +22,26 @@ class Fault(DesignError):  # noqa: N818  what geologists and engineers call it
         self.place = place
 
 
-def at(*place: str) -> Callable[[str], Fault]:
+def error_at(*place: str) -> Callable[[str], LocatedError]:
     """Return a function that makes a fault at a place from its message."""
-    return partial(Fault, place)
+    return partial(LocatedError, place)
 
 
 @contextmanager
-def below(place: Path) -> Iterator[None]:
+def errors_below(place: Path) -> Iterator[None]:
     """Prefix this place to that of any fault raised inside."""
     try:
         yield
-    except Fault as fault:
-        raise Fault((*place, *fault.place), str(fault)) from None
+    except LocatedError as fault:
+        raise LocatedError((*place, *fault.place), str(fault)) from None
 
 
-def written(place: Path, value: object, unit: str) -> float:
-    """Return a quantity that a file states, in a unit. Raises Fault where it is none, or not finite."""
+def quantity_at(place: Path, value: object, unit: str) -> float:
+    """Return a quantity that a file states, in a unit. Raises LocatedError where it is none, or not finite."""
     try:
         number = quantity(value, unit)
     except UnitError as error:
-        raise Fault(place, str(error)) from None
+        raise LocatedError(place, str(error)) from None
     if not math.isfinite(number):
-        raise Fault(place, f"{value} is not a finite number")
+        raise LocatedError(place, f"{value} is not a finite number")
     return number

@@ -17,7 +17,7 @@ from robophm.core.errors import PlugError, RobophmError, UnitError
 from robophm.core.signal import SECOND, signal_name
 from robophm.core.units import conversion, quantity
 from robophm.design import schema
-from robophm.design.fault import Fault, Path
+from robophm.design.located_error import LocatedError, Path
 from robophm.design.robot import Channel, Component, Stress
 from robophm.design.task import TaskStress
 from robophm.hazard.handbooks import handbook_model
@@ -39,7 +39,7 @@ class Ambient(NamedTuple):
     """Whether the level itself states it; else all parts there state this same temperature."""
 
 
-class Cover(NamedTuple):
+class SensorCover(NamedTuple):
     """The sensors of a part's own stresses, and of those around it."""
 
     signals: Mapping[str, tuple[Path, schema.SignalBinding]]
@@ -50,14 +50,14 @@ class Cover(NamedTuple):
 
 
 @dataclass
-class Driving:
+class ChannelBuilder:
     """Makes the channels through which sensors reach the inputs of models."""
 
     used: dict[Path, None] = field(default_factory=dict)
     """Places of the signals that drive something, in the order of the design."""
 
-    def channels(self, model: Model, design: Mapping[str, Any], cover: Cover) -> dict[str, Channel]:
-        """Return the measured inputs of a model at a part. Raises Fault where a binding is none of the input."""
+    def channels(self, model: Model, design: Mapping[str, Any], cover: SensorCover) -> dict[str, Channel]:
+        """Return the measured inputs of a model at a part. Raises LocatedError where a binding is none of the input."""
         found = {}
         for name, entry in model.numbers.items():
             by = name if name in cover.signals else entry.driver
@@ -69,7 +69,7 @@ class Driving:
         return found
 
 
-def _reaches(by: str, entry: Range, cover: Cover) -> bool:
+def _reaches(by: str, entry: Range, cover: SensorCover) -> bool:
     """Whether a stress reaches an input: a temperature is that of a whole place, a voltage or load only of the part
     itself."""
     binding = cover.signals[by][1]
@@ -82,13 +82,13 @@ def _reaches(by: str, entry: Range, cover: Cover) -> bool:
     return by in cover.own and binding.rated is None
 
 
-def _rises(by: str, entry: Range, cover: Cover) -> bool:
+def _rises(by: str, entry: Range, cover: SensorCover) -> bool:
     """Whether the part is warmer than its sensor by the rise as designed, because no offset states by how much."""
     return by == TEMPERATURE and entry.warmth == "own" and by not in cover.own and by not in cover.offsets
 
 
 def drivers(
-    model: Model, design: Mapping[str, Any], channels: Mapping[str, Channel], cover: Cover
+    model: Model, design: Mapping[str, Any], channels: Mapping[str, Channel], cover: SensorCover
 ) -> dict[str, tuple[TaskStress, ...]]:
     """Return, by input, the names by which its stress may be stated, the one that takes precedence first."""
     found = {}
@@ -107,7 +107,7 @@ def drivers(
     return found
 
 
-def _stated_shift(by: str, unit: str, cover: Cover) -> float:
+def _stated_shift(by: str, unit: str, cover: SensorCover) -> float:
     """The difference of an input from what its sensor reads, as the design and the binding state it."""
     if by not in cover.signals:
         return 0.0
@@ -131,7 +131,7 @@ def difference(unit: str) -> str:
 def channel(
     place: Path, binding: schema.SignalBinding, unit: str, stress: str, more: str | float | None, rise: float
 ) -> Channel:
-    """Build the channel of a bound input in this unit, ``more`` and a ``rise`` above its sensor. Raises Fault."""
+    """Build the channel of a bound input in a unit, ``more`` and a ``rise`` above the sensor. Raises LocatedError."""
     try:
         written = unit if binding.unit is None else binding.unit
         if binding.rated is None:
@@ -149,20 +149,20 @@ def channel(
             offset, low, high = offset + shift, low + shift, high + shift
         signal = signal_name(binding.topic, binding.field)
     except RobophmError as error:
-        raise Fault(place, str(error)) from None
+        raise LocatedError(place, str(error)) from None
     if binding.range is None and binding.stale == "worst":
-        raise Fault(place, "stale: worst needs a 'range'; expected e.g. range: [-20, 80]")
+        raise LocatedError(place, "stale: worst needs a 'range'; expected e.g. range: [-20, 80]")
     age, shift = round(binding.max_age * SECOND), offset - conversion_offset
     return Channel(signal, written, scale, offset, low, high, age, binding.stale, shift, stress)
 
 
 def ambient_of(place: Path, level: Any, above: Ambient | None) -> Ambient | None:
-    """Return the ambient temperature that a level states, or its parts all share, else that above it. Raises Fault."""
+    """Return the ambient temperature that a level states or its parts share, else that above. Raises LocatedError."""
     if level.ambient is not None:
         try:
             return Ambient(quantity(level.ambient, "degC"), (*place, "ambient"), stated=True)
         except UnitError as error:
-            raise Fault((*place, "ambient"), str(error)) from None
+            raise LocatedError((*place, "ambient"), str(error)) from None
     around = set(_around(level))
     return Ambient(around.pop(), place, stated=False) if len(around) == 1 else above
 
@@ -186,7 +186,7 @@ def _around(level: Any) -> Iterator[float]:
                 continue
 
 
-def assumed(parts: Iterable[tuple[Component, Cover]]) -> Iterator[tuple[bool, str]]:
+def assumed(parts: Iterable[tuple[Component, SensorCover]]) -> Iterator[tuple[bool, str]]:
     """Yield what is assumed of temperatures that follow from others, with whether the design states what is needed."""
     found: dict[tuple[Path, Ambient | None], dict[str, None]] = {}
     for part, cover in parts:
@@ -217,7 +217,7 @@ def _celsius(text: str | float) -> float:
     return quantity(text, "degC")
 
 
-def undriven(parts: Iterable[tuple[Component, Cover]], used: Container[Path]) -> Iterator[str]:
+def undriven(parts: Iterable[tuple[Component, SensorCover]], used: Container[Path]) -> Iterator[str]:
     """Yield, for each sensor, the parts that it covers and yet does not drive, and why."""
     found: dict[Path, dict[str, dict[str, None]]] = {}
     for part, cover in parts:
@@ -232,7 +232,7 @@ def undriven(parts: Iterable[tuple[Component, Cover]], used: Container[Path]) ->
         yield f"{'/'.join(place)}: covers parts that no sensor drives: {said}"
 
 
-def _reason(stresses: tuple[Stress, ...], cover: Cover) -> str:
+def _reason(stresses: tuple[Stress, ...], cover: SensorCover) -> str:
     """The reason why none of the bound stresses reaches a failure mode."""
     bound = " and ".join(cover.signals)
     if not stresses:

@@ -7,7 +7,7 @@ from robophm.health.clock_jumps import waiting
 from robophm.health.ledger import Ledger
 
 
-def not_taken(ledger: Ledger) -> tuple[str, ...]:
+def rejected_samples(ledger: Ledger) -> tuple[str, ...]:
     """Return in words which samples were dropped or wait, and how long which signals had no valid value."""
     dropped = [_dropped(reason, count) for reason, count in sorted(ledger.counts.items())]
     silent: dict[int, list[str]] = {}
