@@ -147,7 +147,7 @@ def test_what_is_known_of_several_active_ones(status: list[bool | None]) -> None
 
 
 def test_what_has_no_exact_solution_names_the_way_that_is_left() -> None:
-    with pytest.raises(StructureError, match=r"2 active of 4 parts that age.*--monte-carlo"):
+    with pytest.raises(StructureError, match=r"2 active of 4 parts that age.*by simulation"):
         solved(standby(4, 2, 0.1), [Weibull(1.0, 2.0)] * 4)
     with pytest.raises(StructureError, match="expected a spare"):
         standby(3, 3)

@@ -62,7 +62,7 @@ def path(network: Network, inputs: Sequence[int], gate: Callable[[int, Iterable[
         if followed > LIMIT:
             raise StructureError(
                 f"network: too meshed to solve exactly, it has more than {LIMIT:,} ways past its nodes; "
-                "expected fewer links, or an estimate by simulation (--monte-carlo)"
+                "expected fewer links, or an estimate by simulation"
             )
     ends_in = series(stands.get(network.source), joined(network.source, network.sink), stands.get(network.sink))
     return -1 if ends_in is None else ends_in  # a Network has something that can fail on every path

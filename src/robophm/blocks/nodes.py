@@ -200,5 +200,5 @@ def too_large(limit: int) -> TooLargeError:
     """Return the error for a diagram that takes too many steps."""
     return TooLargeError(
         f"shared parts: too many to solve exactly, their decision diagram exceeds {limit:,} steps; "
-        "expected fewer parts that are drawn in several places, or an estimate by simulation (--monte-carlo)"
+        "expected fewer parts that are drawn in several places, or an estimate by simulation"
     )

@@ -31,12 +31,13 @@ def _run() -> int | None:
     """The exit code with which the process leaves."""
     try:
         from robophm.cli.app import app
+        from robophm.cli.shared.option_hints import with_options
         from robophm.core.errors import RobophmError
 
         try:
             app(prog_name="robophm")
         except RobophmError as error:
-            print(f"error: {error}", file=sys.stderr)
+            print(f"error: {with_options(str(error))}", file=sys.stderr)
             return INVALID
         except SystemExit as leaving:
             if leaving.code == INTERRUPTED:

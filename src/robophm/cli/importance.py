@@ -11,6 +11,7 @@ from typing import Annotated, Any, cast
 import typer
 
 from robophm.cli.shared.fault_trees import of_model
+from robophm.cli.shared.option_hints import with_options
 from robophm.cli.shared.options import Failed, Future, Json, Store, Working
 from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.stored_past import kept
@@ -170,7 +171,7 @@ def _show(title: str, found: Importances, question: Question, nominal: Importanc
         ever = "" if found.ever > 1 - 1e-6 else f", which comes with {percent_text(found.ever)}"
         out.print(f"causes: share of all failures to come that its own failure brings about (Barlow–Proschan){ever}")
     if found.refused:
-        out.print(f"No F–V: {found.refused}", style="yellow", markup=False)
+        out.print(f"No F–V: {with_options(found.refused)}", style="yellow", markup=False)
 
 
 def _share(value: float) -> str:

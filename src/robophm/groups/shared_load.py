@@ -30,7 +30,7 @@ class SharedLoad(SolvedGroup):
         if not alike(members, path):
             raise StructureError(
                 f"{group.name}: parts that age and share a load have no exact solution once they differ in age or "
-                "stress; expected equal ones, or robophm show DESIGN --monte-carlo 100000"
+                "stress; expected equal ones, or an estimate by simulation"
             )
         works, failed = (sum(one is said for one in status) for said in (True, False))
         # Where nobody has failed by now, and how many of those who may be the one who has.

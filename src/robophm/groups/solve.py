@@ -41,7 +41,7 @@ def solve(
         return SharedLoad(group, members, path, now, status)
     raise StructureError(
         f"{group.name}: {_words(group)} parts that age, or differ in age, has no exact solution; "
-        "expected constant rates, or its chance by simulation: robophm show DESIGN --monte-carlo 100000"
+        "expected constant rates, or an estimate by simulation"
     )
 
 

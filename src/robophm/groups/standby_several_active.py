@@ -41,7 +41,7 @@ class SeveralActiveStandby(SolvedGroup):
             raise StructureError(
                 f"{group.name}: {group.active} active of parts that age have no exact solution once spares differ in "
                 "age or something is known of one that is not the last; expected new spares, "
-                "or robophm show DESIGN --monte-carlo 100000"
+                "or an estimate by simulation"
             )
         self.now, self.told = now, any(one is not None for one in status)
         self._dead = status[-1] is False  # with the last cold spare, which only fails when called

@@ -211,7 +211,7 @@ def silent_states(outlook: Outlook, diagram: Block, hours: float, most: int = 15
         nothing = "nothing of known rate" if unknown(outlook, diagram) else "nothing"
         raise RobophmError(
             f"{nothing} can have failed unseen: every part is new, monitored, or needed by what works; expected a "
-            "robot with a past (--store, or --after) and redundancy that nobody watches"
+            "robot with a past and redundancy that nobody watches"
         )
     advance, effective = outlook.paced(np.array([hours]))
     states, weights, outcomes, listed = [], [], [], 0.0

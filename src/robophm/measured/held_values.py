@@ -171,5 +171,5 @@ def held_values(
         if 2 * one.apart > one.followed:
             notes[
                 f"most samples of {name} are more than {max_age / SECOND:g} s apart; between them nothing is known "
-                "unless --gap is longer"
+                "unless values hold for longer"
             ] += 1

@@ -242,7 +242,7 @@ def legs_of(found: StressProfiles) -> Legs:
     every = every[(every > _FAINT) & (every < 1 - _FAINT)]
     cuts = every[np.append(True, np.diff(every) > _FAINT)] if len(every) else every
     if len(cuts) >= MOST_LEGS:
-        raise RobophmError(f"{len(cuts) + 1:,} legs; expected at most {MOST_LEGS:,}, as with fewer levels (--bins)")
+        raise RobophmError(f"{len(cuts) + 1:,} legs; expected at most {MOST_LEGS:,}, as with fewer levels")
     edges = np.concatenate(([0.0], cuts, [1.0]))
     middle = (edges[:-1] + edges[1:]) / 2
     stated: dict[tuple[str, str], tuple[str, Floats]] = {}

@@ -65,7 +65,7 @@ class LiveTasks:
     def _planned(self, told: PlannedTask) -> JudgedTask | None:
         task = task_as_planned(told, self._speed, self._functions)
         if task is None:
-            self.notes[f"{told.topic}: a task that states no speed; expected one, e.g. --speed 0.3"] += 1
+            self.notes[f"{told.topic}: a task that states no speed; expected one, or the robot's usual speed"] += 1
             return None
         monitor = self._monitor
         views = outlooks(monitor.plant, monitor.exposure, monitor.exposure.settled(monitor.ledger))

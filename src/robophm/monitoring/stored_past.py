@@ -20,7 +20,7 @@ def existing_store(path: Path) -> SqliteStore:
     from robophm.stores.sqlite import SqliteStore
 
     if not path.exists():
-        raise StoreError(f"{path}: no such store; `robophm replay --store` makes it")
+        raise StoreError(f"{path}: no such store")
     return SqliteStore(path)
 
 

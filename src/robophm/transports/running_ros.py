@@ -84,7 +84,7 @@ def generation_here() -> tuple[int, str]:
     if answer is None:
         return 1, "a ROS master answers"
     if os.environ.get("ROS_MASTER_URI"):
-        raise SourceError(f"no ROS master: {answer}; start roscore, or ask for ROS 2 (--ros 2)")
+        raise SourceError(f"no ROS master: {answer}; start roscore, or ask for ROS 2")
     if _has("rclpy") or _has("cyclonedds"):
         return 2, "no ROS master answers"
     raise SourceError(f"no ROS found: {answer}, and nothing here speaks ROS 2: pip install robophm[ros2]")

@@ -16,6 +16,7 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
+from robophm.cli.shared.option_hints import with_options
 from robophm.core.errors import RobophmError
 from robophm.design.robot import Robot
 from robophm.health.failures_to_come import FailuresToCome
@@ -70,7 +71,7 @@ def json_text(document: Mapping[str, Any], *, indent: int | None = 2) -> str:
 
 def warn(text: str, kind: str = "warning") -> None:
     """Print one line on stderr that does not stop anything."""
-    print(f"{kind}: {text}", file=sys.stderr)
+    print(f"{kind}: {with_options(text)}", file=sys.stderr)
 
 
 def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], *, figures: Iterable[int] = ()) -> Table:

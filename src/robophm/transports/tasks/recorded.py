@@ -76,8 +76,8 @@ def told_by(recording: Recording, topics: Sequence[str] = ()) -> tuple[list[Plan
         raise SourceError(f"the recording tells of no task that can be read: {min(unread)}")
     if not told:
         raise SourceError(
-            f"the recording tells of no task; expected topics named {', '.join(TEXT_TOPICS)}, or --topic with a path "
-            "or with where the robot was"
+            f"the recording tells of no task; expected topics named {', '.join(TEXT_TOPICS)}, or another topic "
+            "with a path or with where the robot was"
         )
     return sorted(told, key=lambda one: one.time if isinstance(one, PlannedTask) else one.end), unread
 

@@ -153,7 +153,8 @@ class _Reader:
             listed = ", ".join(f"'{name}' (line {self.defined[name].line})" for name in free[:5])
             more = f" and {len(free) - 5} more" if len(free) > 5 else ""
             raise DesignError(
-                f"{self.file.name}: {len(free)} gates are used by no other: {listed}{more}; expected one, or --top"
+                f"{self.file.name}: {len(free)} gates are used by no other: {listed}{more}; expected one, or "
+                "the name of the top gate"
             )
         return free[0]
 

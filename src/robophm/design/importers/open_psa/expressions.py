@@ -88,7 +88,7 @@ class Expressions:
             return self._parameter(said)
         if said.tag == "system-mission-time":
             if self.time is None:
-                raise self.file.fault(said.line, "asks for the mission time; expected it as --time, in hours")
+                raise self.file.fault(said.line, "asks for the mission time; expected the mission time, in hours")
             return self.time
         if said.tag in _TIMED:
             cumulative = self._cumulative_hazard(said)
