@@ -18,7 +18,7 @@ from tempfile import TemporaryDirectory
 
 from robophm.calibration.fleet import CONTROLS, OURS, predict_fleet
 from robophm.calibration.score import Calibration, score
-from robophm.calibration.tasks import found_out
+from robophm.calibration.tasks import likelihood_ratio_p_value
 from robophm.cli.calibrate import print_calibration
 from robophm.cli.shared.output import console
 from robophm.simulation.fleet import simulate
@@ -109,7 +109,9 @@ def main() -> int:
     out.print(f"\nPIT: {bars}; 99 % band {lives.band[0]:,} … {lives.band[1]:,}", highlight=False)
     for one in lives.coverage:
         out.print(f"{one.level:.0%} interval: {one.share:.2%} ({one.low:.2%} … {one.high:.2%})", highlight=False)
-    controls = {name: found_out(predictions.tasks[name], predictions.tasks["robophm"]) for name in CONTROLS}
+    controls = {
+        name: likelihood_ratio_p_value(predictions.tasks[name], predictions.tasks["robophm"]) for name in CONTROLS
+    }
     told = ", ".join(f"{name} p = {p_value:.2g}" for name, p_value in controls.items())
     out.print(f"\nby the ratio of likelihoods to ours: {told}", highlight=False)
     wrong = faults(calibration, controls)

@@ -11,7 +11,7 @@ from benchmarks import Line, agree, benchmark, race
 from benchmarks.designs import twins
 from robophm.blocks.diagram import Block, KOutOfN, Series, Unit
 from robophm.blocks.reliability import Structure
-from robophm.groups.monte_carlo import Wear, simulate
+from robophm.groups.monte_carlo import AgeingMode, simulate
 
 SAMPLES = 100_000
 HOURS = 500.0
@@ -21,7 +21,7 @@ HOURS = 500.0
 def hundred_parts() -> Iterator[Line]:
     twin = twins(100)
     robot, peer = twin.robot, twin.rbd
-    units = {part.path: [Wear(mode.life) for mode in part.modes] for part in robot.all_components()}
+    units = {part.path: [AgeingMode(mode.life) for mode in part.modes] for part in robot.all_components()}
     lives = {name: wear[0].life for name, wear in units.items()}
     random = np.random.default_rng(1)
 

@@ -20,7 +20,7 @@ from robophm.core.signal import HOUR, SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.hazard.acceleration import BOLTZMANN
-from robophm.monitoring.by_block import BlockMonitor
+from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robophm.calibration.predictions import Tasks
-from robophm.calibration.tasks import LEVEL, MOST_BINS, found_out, score_tasks
+from robophm.calibration.tasks import LEVEL, MOST_BINS, likelihood_ratio_p_value, score_tasks
 from robophm.calibration.verdict import judge_tasks
 from robophm.core.errors import ModelError
 
@@ -216,7 +216,7 @@ def test_a_right_model_is_found_out_as_rarely_as_said():
     values = []
     for _ in range(2000):
         failed = rng.random(p.size) < p
-        values.append(found_out(tasks(p, failed), tasks(other, failed)))
+        values.append(likelihood_ratio_p_value(tasks(p, failed), tasks(other, failed)))
     assert np.mean(np.array(values) < 0.05) == pytest.approx(0.05, abs=0.02)
     assert np.mean(np.array(values) < 0.01) == pytest.approx(0.01, abs=0.008)
 
@@ -230,7 +230,7 @@ def test_no_test_finds_more():
         return np.prod(np.where(failed, model, 1 - model))
 
     ratios = [likelihood(other, failed) / likelihood(p, failed) for failed in outcomes]
-    values = [found_out(tasks(p, failed), tasks(other, failed)) for failed in outcomes]
+    values = [likelihood_ratio_p_value(tasks(p, failed), tasks(other, failed)) for failed in outcomes]
     order = np.argsort(ratios)
     assert np.all(np.diff(np.array(values)[order]) <= 1e-12)
 
@@ -241,12 +241,16 @@ def test_it_is_found_out_far_sooner_than_by_its_own_score():
     truth = risks(rng, 20_000)
     model = np.where(rng.random(truth.size) < 0.1, truth / 2, truth)
     failed = rng.random(truth.size) < truth
-    assert found_out(tasks(model, failed), tasks(truth, failed)) < 1e-6 < score_tasks(tasks(model, failed)).p_value
-    assert found_out(tasks(truth, failed), tasks(model, failed)) > LEVEL
+    assert (
+        likelihood_ratio_p_value(tasks(model, failed), tasks(truth, failed))
+        < 1e-6
+        < score_tasks(tasks(model, failed)).p_value
+    )
+    assert likelihood_ratio_p_value(tasks(truth, failed), tasks(model, failed)) > LEVEL
 
 
 def test_what_is_called_impossible_and_happens_finds_out():
-    assert found_out(tasks([0, 0.5], [1, 0]), tasks([0.1, 0.5], [1, 0])) == 0
-    assert found_out(tasks([0.5, 0.5], [1, 0]), tasks([0.5, 0.5], [1, 0])) == 1
+    assert likelihood_ratio_p_value(tasks([0, 0.5], [1, 0]), tasks([0.1, 0.5], [1, 0])) == 0
+    assert likelihood_ratio_p_value(tasks([0.5, 0.5], [1, 0]), tasks([0.5, 0.5], [1, 0])) == 1
     with pytest.raises(ModelError, match="not of the same tasks"):
-        found_out(tasks([0.5], [1]), tasks([0.5], [0]))
+        likelihood_ratio_p_value(tasks([0.5], [1]), tasks([0.5], [0]))

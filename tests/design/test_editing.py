@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from robophm.design import editing
-from robophm.design.fault import Fault
 from robophm.design.file import parse, round_trip
+from robophm.design.located_error import LocatedError
 from robophm.design.problems import check
 
 DESIGN = """\
@@ -235,7 +235,7 @@ def test_a_network_is_made_of_parts_beside_each_other():
     assert found["diagram"]["series"][0] == {
         "network": {"from": "in 2", "to": "out", "links": [["in 2", "a", "out"], ["in 2", "b", "out"]]}
     }
-    with pytest.raises(Fault, match="a: in a network"):
+    with pytest.raises(LocatedError, match="a: in a network"):
         edited(lambda d: editing.place(d, [], ["in"], ["a"]), network)
     apart = document_of(edited(lambda d: editing.ungroup(d, [], ["a", "b"]), network))
     assert apart["diagram"] == {"series": ["a", "b", "in"]}
@@ -266,7 +266,7 @@ def test_a_network_is_made_of_parts_beside_each_other():
     ],
 )
 def test_what_cannot_be_done_is_said(change, message):
-    with pytest.raises(Fault, match=message):
+    with pytest.raises(LocatedError, match=message):
         edited(change)
 
 

@@ -13,7 +13,7 @@ from robophm.design.task import Knowledge, Leg, Task
 from robophm.design.task_file import load_plan, parse_plan
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
-from robophm.health.mission import completion, deciding
+from robophm.health.mission import completion, deciding_components
 from robophm.health.outlooks import as_designed, outlooks
 from robophm.health.plant import Plant
 
@@ -165,8 +165,8 @@ def test_with_an_encoder_lost_the_other_decides(new):
     both, one = (completion(outlook, carrying(load=0.5)) for outlook in (new(), lost))
     ratio = math.exp(-ENCODER * 8) / (1 - pair_fails(ENCODER * 8))
     assert one.probability / both.probability == pytest.approx(ratio, rel=1e-12)
-    at_once = [found.path for found in deciding(lost, carrying(load=0.5))].index("Joint 2/Encoder")
-    assert at_once < [found.path for found in deciding(lost, carrying(load=0.5))].index("Joint 1/Encoder")
+    at_once = [found.path for found in deciding_components(lost, carrying(load=0.5))].index("Joint 2/Encoder")
+    assert at_once < [found.path for found in deciding_components(lost, carrying(load=0.5))].index("Joint 1/Encoder")
 
 
 def test_a_broken_brake_stops_what_needs_it(new):

@@ -11,7 +11,7 @@ from solving import sharing, solved, standby
 
 from robophm.blocks.diagram import LoadSharing, Standby
 from robophm.core.waiting_time import mean_time, time_at
-from robophm.groups.state import Solved
+from robophm.groups.solved_group import SolvedGroup
 from robophm.life.weibull import Weibull
 
 GRID = np.exp(np.linspace(np.log(1e-3), np.log(3e6), 90))
@@ -52,7 +52,7 @@ def groups(n: int) -> st.SearchStrategy[Drawn]:
     return spares | spares | spares | shared
 
 
-def curve(one: Solved, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def curve(one: SolvedGroup, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """P(fails by then) and P(survives)."""
     hazard = one.lived(np.zeros(len(times)), times)
     return -np.expm1(-hazard), np.exp(-hazard)

@@ -10,7 +10,7 @@ from robophm.blocks.diagram import LoadSharing, Standby, equal_share
 from robophm.groups.member import Mode
 from robophm.groups.path import Path
 from robophm.groups.solve import solve
-from robophm.groups.state import Solved
+from robophm.groups.solved_group import SolvedGroup
 from robophm.life.distribution import LifeDistribution
 
 
@@ -29,20 +29,20 @@ def sharing(n: int, k: int, exponent: float) -> LoadSharing:
 def solved(
     group: Standby | LoadSharing, lives: Sequence[LifeDistribution], *, now: float = 0.0,
     status: Sequence[bool | None] | None = None, way: type | None = None,
-) -> Solved:  # fmt: skip
+) -> SolvedGroup:  # fmt: skip
     """All age by one hour in each hour."""
     path = Path(len(lives))
     path.add(np.ones(len(lives)))
     members = [[Mode(i, life)] for i, life in enumerate(lives)]
     if way:
-        found: Solved = way(group, members, path, now, status or [None] * len(lives))
+        found: SolvedGroup = way(group, members, path, now, status or [None] * len(lives))
         return found
     return solve(group, members, path, now, status)
 
 
-def works(of: Solved, *times: float) -> np.ndarray:
+def works(of: SolvedGroup, *times: float) -> np.ndarray:
     return np.exp(of.log_works(np.array(times)))
 
 
-def fails(of: Solved, *times: float) -> np.ndarray:
+def fails(of: SolvedGroup, *times: float) -> np.ndarray:
     return np.exp(of.log_fails_in(np.zeros(len(times)), np.array(times)))

@@ -14,12 +14,12 @@ from solving import fails, sharing, solved, works
 
 from robophm.core.errors import StructureError
 from robophm.groups.markov_chain import Chain
-from robophm.groups.shared_load import Sharing
+from robophm.groups.shared_load import SharedLoad
 from robophm.life.exponential import Exponential
 from robophm.life.weibull import Weibull
 
 
-@pytest.mark.parametrize("way", [Chain, Sharing])
+@pytest.mark.parametrize("way", [Chain, SharedLoad])
 def test_a_pair_with_constant_rates(way: type) -> None:
     """Both at λ, then one at 8λ: R = (8·exp(−2λt) − 2·exp(−8λt))/6, a hypoexponential life."""
     one = solved(sharing(2, 1, 3.0), [Exponential(0.5)] * 2, way=way)
@@ -66,7 +66,8 @@ def test_a_pair_that_ages_against_many_digits(t: float) -> None:
 def test_what_is_known_of_members_by_both_ways(status: list[bool | None]) -> None:
     now, t = 0.4, np.array([0.45, 0.5, 2.0])
     one, other = (
-        solved(sharing(3, 2, 3.0), [Exponential(1.0)] * 3, now=now, status=status, way=way) for way in (Chain, Sharing)
+        solved(sharing(3, 2, 3.0), [Exponential(1.0)] * 3, now=now, status=status, way=way)
+        for way in (Chain, SharedLoad)
     )
     np.testing.assert_allclose(one.lived(t, t / 9), other.lived(t, t / 9), rtol=1e-11)
     np.testing.assert_allclose(one.rate(t), other.rate(t), rtol=1e-11)

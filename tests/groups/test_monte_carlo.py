@@ -17,7 +17,7 @@ from robophm.blocks.diagram import Block, KOutOfN, Link, LoadSharing, Network, P
 from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.graph import ALL, ANY, NOT, ODD, UNIT, Gate
 from robophm.blocks.reliability import Structure
-from robophm.groups.monte_carlo import Wear, interval, simulate, simulate_tree, toss
+from robophm.groups.monte_carlo import AgeingMode, interval, simulate, simulate_tree, toss
 from robophm.life.distribution import LifeDistribution
 from robophm.life.exponential import Exponential
 from robophm.life.weibull import Weibull
@@ -27,7 +27,7 @@ SAMPLES = 400_000
 
 
 def chance(group: Standby | LoadSharing, lives: list[LifeDistribution], t: float) -> tuple[float, float]:
-    units = {name: [Wear(life)] for (name,), life in zip(names(len(lives)), lives, strict=True)}
+    units = {name: [AgeingMode(life)] for (name,), life in zip(names(len(lives)), lives, strict=True)}
     found = simulate(group, units, t, SAMPLES, seed=1, confidence=SURE)
     return found.low, found.high
 
@@ -54,7 +54,7 @@ def test_every_way_of_solving(group: Standby | LoadSharing, lives: list[LifeDist
 def test_a_bridge_and_a_bridge_that_leads_one_way() -> None:
     """Works if the middle does as two parallels in series, else as two series in parallel; one way, less one path."""
     p = {"a": 0.9, "b": 0.8, "c": 0.7, "d": 0.6, "m": 0.5}
-    units = {name: [Wear(Exponential(-float(np.log(one))))] for name, one in p.items()}
+    units = {name: [AgeingMode(Exponential(-float(np.log(one))))] for name, one in p.items()}
     a, b, c, d, m = p.values()
     parted = 1 - (1 - a * c) * (1 - b * d)
     over = a * (1 - (1 - c) * (1 - d)) + (1 - a) * b * d  # a bridge from a to d alone
@@ -68,7 +68,7 @@ def test_a_bridge_and_a_bridge_that_leads_one_way() -> None:
 def test_a_diagram_with_shared_parts() -> None:
     diagram: Block = Series("a", Parallel(Series("b", "c"), Series("b", "d"), KOutOfN(2, "c", "d", "e")))
     p = {"a": 0.97, "b": 0.8, "c": 0.6, "d": 0.5, "e": 0.7}
-    units = {name: [Wear(Exponential(-float(np.log(one))))] for name, one in p.items()}
+    units = {name: [AgeingMode(Exponential(-float(np.log(one))))] for name, one in p.items()}
     structure = Structure(diagram)
     works = np.array([p[name] for name in structure.names])
     found = simulate(diagram, units, 1.0, SAMPLES, seed=2, confidence=SURE)

@@ -15,8 +15,8 @@ from solving import fails, solved, standby, works
 
 from robophm.core.errors import StructureError
 from robophm.groups.markov_chain import Chain
-from robophm.groups.standby_one_active import InOrder
-from robophm.groups.standby_several_active import Positions
+from robophm.groups.standby_one_active import OneActiveStandby
+from robophm.groups.standby_several_active import SeveralActiveStandby
 from robophm.life.exponential import Exponential
 from robophm.life.gamma import Gamma
 from robophm.life.weibull import Weibull
@@ -24,7 +24,7 @@ from robophm.life.weibull import Weibull
 TIMES = (1e-6, 1e-2, 0.3, 1.0, 5.0, 50.0)
 
 
-@pytest.mark.parametrize("way", [Chain, InOrder])
+@pytest.mark.parametrize("way", [Chain, OneActiveStandby])
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_cold_spares_of_constant_rate_make_an_erlang_life(way: type, n: int) -> None:
     one = solved(standby(n), [Exponential(1.0)] * n, way=way)
@@ -32,7 +32,7 @@ def test_cold_spares_of_constant_rate_make_an_erlang_life(way: type, n: int) -> 
     np.testing.assert_allclose(fails(one, *TIMES), gammainc(n, TIMES), rtol=1e-12)
 
 
-@pytest.mark.parametrize("way", [Chain, InOrder])
+@pytest.mark.parametrize("way", [Chain, OneActiveStandby])
 def test_a_pair_with_a_warm_spare_and_a_switch_that_may_fail(way: type) -> None:
     """R = exp(−λt)·(1 + p·(1 − exp(−δλt))/δ), cold: exp(−λt)·(1 + pλt)."""
     rate, t = 0.02, np.array([0.5, 10.0, 80.0])
@@ -99,7 +99,9 @@ KNOWN = [[None] * 4, [False, None, None, True], [None, False, True, None], [True
 def test_what_is_known_of_members_by_both_ways(status: list[bool | None]) -> None:
     lives = [Exponential(rate) for rate in (1.0, 1.3, 0.7, 2.0)]
     now, t = 0.7, np.array([0.7, 0.71, 2.0, 5.0])
-    one, other = (solved(standby(4, 1, 0.3, 0.9), lives, now=now, status=status, way=way) for way in (Chain, InOrder))
+    one, other = (
+        solved(standby(4, 1, 0.3, 0.9), lives, now=now, status=status, way=way) for way in (Chain, OneActiveStandby)
+    )
     np.testing.assert_allclose(one.log_works(t), other.log_works(t), rtol=1e-11)
     np.testing.assert_allclose(one.log_fails_in(t, t / 9), other.log_fails_in(t, t / 9), rtol=1e-11)
     np.testing.assert_allclose(one.log_density(t), other.log_density(t), rtol=1e-11)
@@ -123,7 +125,7 @@ def test_the_hazard_rate_is_the_derivative() -> None:
 def test_several_active_in_cold_standby_are_independent_places(switch: float) -> None:
     """By the way for lives that age, of constant rates: what the Markov chain says."""
     lives = [Exponential(1.0)] * 4
-    one, other = (solved(standby(4, 2, 0.0, switch), lives, way=way) for way in (Positions, Chain))
+    one, other = (solved(standby(4, 2, 0.0, switch), lives, way=way) for way in (SeveralActiveStandby, Chain))
     t = np.array([0.01, 0.7, 3.0])
     np.testing.assert_allclose(one.log_works(t), other.log_works(t), rtol=1e-11, atol=1e-14)
     np.testing.assert_allclose(one.log_fails_in(t, t / 9), other.log_fails_in(t, t / 9), rtol=1e-11)
@@ -135,7 +137,9 @@ def test_several_active_in_cold_standby_are_independent_places(switch: float) ->
 def test_what_is_known_of_several_active_ones(status: list[bool | None]) -> None:
     """Three that differ, and two equal spares: what the Markov chain says; with the last cold spare all are gone."""
     lives, now, t = [Exponential(rate) for rate in (1.0, 1.3, 0.7, 2.0, 2.0)], 0.4, np.array([0.4, 0.7, 3.0])
-    one, other = (solved(standby(5, 3, 0.0, 0.9), lives, now=now, status=status, way=way) for way in (Positions, Chain))
+    one, other = (
+        solved(standby(5, 3, 0.0, 0.9), lives, now=now, status=status, way=way) for way in (SeveralActiveStandby, Chain)
+    )
     np.testing.assert_allclose(one.log_works(t), other.log_works(t), rtol=1e-11, atol=1e-14)
     if status[-1] is not False:
         np.testing.assert_allclose(one.log_fails_in(t, t / 9), other.log_fails_in(t, t / 9), rtol=1e-11)
@@ -143,7 +147,7 @@ def test_what_is_known_of_several_active_ones(status: list[bool | None]) -> None
 
 
 def test_what_has_no_exact_solution_names_the_way_that_is_left() -> None:
-    with pytest.raises(StructureError, match=r"2 active of 4 parts that age.*--monte-carlo"):
+    with pytest.raises(StructureError, match=r"2 active of 4 parts that age.*by simulation"):
         solved(standby(4, 2, 0.1), [Weibull(1.0, 2.0)] * 4)
     with pytest.raises(StructureError, match="expected a spare"):
         standby(3, 3)

@@ -17,7 +17,7 @@ from robophm.design.task import Knowledge, Leg, Task
 from robophm.design.task_file import parse_plan
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
-from robophm.health.mission import completion, deciding
+from robophm.health.mission import completion, deciding_components
 from robophm.health.outlooks import nominal_outlook, outlooks
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
@@ -185,7 +185,7 @@ def test_a_cause_idles_with_its_members_and_feels_what_is_stated_of_them() -> No
     task = Task((Leg(10.0, functions=("a",), stresses={"A/temperature": 35.0}),))
     own, cause = mpf("0.009") * 20, (mpf("0.0005") * 20 + mpf("0.0005") * 1)
     assert completion(outlook, task).probability == exact(exp(-own - cause))
-    assert {one.path: one.failure_without for one in deciding(outlook, task)} == {
+    assert {one.path: one.failure_without for one in deciding_components(outlook, task)} == {
         "A": exact(fails(cause)),
         "heat": exact(fails(own)),
     }

@@ -5,7 +5,7 @@ import pytest
 from robophm.core.errors import RobophmError
 from robophm.design.file import parse
 from robophm.design.task import Plan, Task
-from robophm.health.draws import MOST_DRAWN, affordable
+from robophm.health.draws import MOST_DRAWN, check_draws
 from robophm.health.task_report import task_report
 from robophm.monitoring.monitor import Monitor
 
@@ -18,7 +18,7 @@ ROBOT = "schema_version: 1\nname: R\ncomponents:\n" + "".join(
 def test_as_many_as_take_the_memory_that_there_may_be():
     robot = parse(ROBOT)
     most = MOST_DRAWN // PARTS
-    assert affordable(most, robot) == most
+    assert check_draws(most, robot) == most
     for wrong, says in (
         (most + 1, f"draws {most + 1}: too many for so many uncertain rates; expected at most {most}"),
         (1.5, "draws 1.5: expected a whole number"),

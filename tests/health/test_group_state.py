@@ -14,7 +14,7 @@ from scipy.integrate import quad
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Task
-from robophm.health.mission import completion, deciding, following, repetitions
+from robophm.health.mission import completion, consecutive_completions, deciding_components, repetitions
 from robophm.health.outlooks import as_designed, nominal_outlook
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
@@ -193,7 +193,7 @@ def test_laws_of_tasks(parts: str) -> None:
     whole, split = completion(outlook, hours(50.0)), completion(outlook, hours(20.0, 30.0))
     assert split.failure == pytest.approx(whole.failure, rel=1e-12)
     assert split.probability == pytest.approx(whole.probability, rel=1e-12)
-    first, then = following(outlook, [hours(20.0), hours(30.0)])
+    first, then = consecutive_completions(outlook, [hours(20.0), hours(30.0)])
     assert first.probability * then.probability == pytest.approx(whole.probability, rel=1e-12)
     rounds = np.hstack(list(repetitions(outlook, [hours(10.0)], 5)))
     assert np.prod(rounds[0]) == pytest.approx(whole.probability, rel=1e-12)
@@ -218,7 +218,7 @@ def test_ages_that_do_not_keep_their_proportions() -> None:
 
 def test_a_group_decides_as_one() -> None:
     one = robot(f"{{series: [{COLD}, C]}}", "{A: {rate: 0.01 /h}, B: {rate: 0.01 /h}, C: {rate: 1e-6 /h}}")
-    first, second = deciding(new(one), hours(50.0))
+    first, second = deciding_components(new(one), hours(50.0))
     assert first.path == "standby of A, B"
     assert first.failure_without == pytest.approx(-math.expm1(-50e-6), rel=1e-12)
     assert second.path == "C"

@@ -13,7 +13,7 @@ from robophm.core.errors import DesignError
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
-from robophm.groups.monte_carlo import Wear, simulate
+from robophm.groups.monte_carlo import AgeingMode, simulate
 from robophm.health.outlooks import nominal_outlook
 from robophm.health.plant import Plant
 
@@ -29,7 +29,9 @@ def works(one: Robot, hours: float) -> float:
 
 
 def chance(one: Robot, hours: float) -> tuple[float, float]:
-    units = {unit: [Wear(mode.life) for mode in part.modes] for part in one.all_components() for unit in part.units}
+    units = {
+        unit: [AgeingMode(mode.life) for mode in part.modes] for part in one.all_components() for unit in part.units
+    }
     found = simulate(one.diagram, units, hours, 400_000, seed=3, confidence=SURE)
     return found.low, found.high
 

@@ -11,7 +11,7 @@ from robophm.core.signal import SECOND, Sample
 from robophm.design.task import Knowledge, Leg, Task
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
-from robophm.health.mission import Completion, completion, following
+from robophm.health.mission import Completion, completion, consecutive_completions
 from robophm.health.outlooks import as_designed, outlooks
 from robophm.health.plant import Plant
 
@@ -131,7 +131,7 @@ def test_a_broken_arm_zeroes_only_what_needs_it() -> None:
     same(completion(outlook, drive), mp.exp(-mpf(2e-3)), -mp.expm1(-mpf(2e-3)))
     for broken in (Task((hour("drive"), hour("lift"))), Task((hour("lift"),)), Task((Leg(1.0),))):
         assert completion(outlook, broken) == Completion(0.0, 1.0)
-        assert following(outlook, [drive, broken])[1] == Completion(0.0, 1.0)
+        assert consecutive_completions(outlook, [drive, broken])[1] == Completion(0.0, 1.0)
         assert repeated(outlook, [broken], 3).tolist() == [[0.0] * 3, [1.0] * 3]
 
 

@@ -17,7 +17,7 @@ from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Task
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
-from robophm.health.mission import completion, deciding
+from robophm.health.mission import completion, deciding_components
 from robophm.health.outlooks import outlooks
 from robophm.health.plant import Plant
 
@@ -257,7 +257,7 @@ def test_a_component_that_cannot_fail(seed: int) -> None:
     design = case.design()
     outlook = lived(design)
     task = Task(tuple(case.legs))
-    found = {one.path: one for one in deciding(outlook, task)}
+    found = {one.path: one for one in deciding_components(outlook, task)}
     whole = completion(outlook, task).failure
     for part in case.parts:
         immortal = Case([replace(one) for one in case.parts], case.functions, case.legs)
@@ -272,5 +272,5 @@ def test_a_component_that_cannot_fail(seed: int) -> None:
             )
         else:
             assert failure == exact(whole)
-    shares = [one.share for one in deciding(outlook, task)]
+    shares = [one.share for one in deciding_components(outlook, task)]
     assert shares == sorted(shares, reverse=True)

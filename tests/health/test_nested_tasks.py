@@ -16,7 +16,7 @@ from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Leg, Task
 from robophm.health.importance import Drawn, importances
-from robophm.health.mission import completion, deciding
+from robophm.health.mission import completion, deciding_components
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 
@@ -111,7 +111,7 @@ def test_tasks_of_nested_designs(seed: int) -> None:
         failure, probability = expected(robot, task)
     assert found.failure == pytest.approx(float(failure), rel=1e-12, abs=0)
     assert found.probability == pytest.approx(float(probability), rel=1e-12, abs=0)
-    for one in deciding(outlook, Task(tuple(task))):
+    for one in deciding_components(outlook, Task(tuple(task))):
         assert 0 <= one.failure_without <= found.failure * (1 + 1e-12)
     if seed % 6 == 0:
         for diagram in (robot.diagram, *robot.functions.values()):

@@ -14,7 +14,7 @@ from mpmath import mp, mpf
 from robophm.core.errors import DesignError
 from robophm.design.file import parse
 from robophm.design.task import Knowledge, Leg, Task
-from robophm.health.mission import Completion, completion, following, repetitions
+from robophm.health.mission import Completion, completion, consecutive_completions, repetitions
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 
@@ -52,7 +52,7 @@ def test_repetitions_are_conditional_on_those_before(task: Task, count: int) -> 
 @given(st.lists(tasks, min_size=1, max_size=4))
 def test_a_task_that_follows_is_conditional_on_those_before(plan: list[Task]) -> None:
     """Where all is known to work: else another function tells at its task what it would have told before."""
-    found = following(ALL_WORK, plan)
+    found = consecutive_completions(ALL_WORK, plan)
     whole = completion(ALL_WORK, Task(tuple(leg for task in plan for leg in task.legs)))
     assume(whole.probability > 1e-250)
     assert math.prod(one.probability for one in found) == exact(whole.probability)
@@ -62,7 +62,7 @@ def test_a_task_that_follows_is_conditional_on_those_before(plan: list[Task]) ->
 
 @given(tasks, st.integers(1, 4))
 def test_a_task_that_follows_itself_is_repeated(task: Task, count: int) -> None:
-    once = following(OUTLOOK, [task] * count)
+    once = consecutive_completions(OUTLOOK, [task] * count)
     again = repeated(OUTLOOK, [task], count)
     assume(again.shape[1] == count)
     assume(again[0].min() > 1e-250)
@@ -72,7 +72,7 @@ def test_a_task_that_follows_itself_is_repeated(task: Task, count: int) -> None:
 
 def test_what_follows_nothing_is_as_it_is() -> None:
     task = Task((hour("drive"), hour("see")))
-    empty, first, second = following(OUTLOOK, [Task(()), task, Task(())])
+    empty, first, second = consecutive_completions(OUTLOOK, [Task(()), task, Task(())])
     assert empty == second == Completion(1.0, 0.0)
     alike(first, completion(OUTLOOK, task))
 
@@ -180,6 +180,6 @@ def test_a_list_multiplies_also_where_its_tasks_need_different_functions() -> No
     text = {"schema_version": 1, "name": "R", "components": parts, "functions": functions}
     outlook = as_designed(Plant(parse(json.dumps(text))))
     first, second = (Task((Leg(1.0, functions=(name,)),)) for name in functions)
-    one, two = following(outlook, [first, second])
+    one, two = consecutive_completions(outlook, [first, second])
     both = completion(outlook, Task((*first.legs, *second.legs)))
     assert one.probability * two.probability == pytest.approx(both.probability, rel=1e-14)

@@ -23,7 +23,7 @@ from robophm.health.effects import silent_states
 from robophm.health.failures_to_come import failures_to_come
 from robophm.health.fleet import Fleet
 from robophm.health.importance import Drawn, importances
-from robophm.health.mission import completion, deciding, following, repetitions
+from robophm.health.mission import completion, consecutive_completions, deciding_components, repetitions
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
@@ -185,7 +185,7 @@ def test_what_it_hangs_on(diagram: str, lived: str) -> None:
                 if now and not end and any(not any(up[name] for name in cut) for cut in through)
             )  # fmt: skip
             assert one.fussell_vesely == exact(seen / fails, 1e-11)
-    for part in deciding(outlook, Task.plain(0, 0.5)):
+    for part in deciding_components(outlook, Task.plain(0, 0.5)):
         assert 0 <= part.failure_without < 1
 
 
@@ -209,7 +209,7 @@ def test_tasks_in_a_row_and_again_and_again() -> None:
     with mp.workdps(30):
         lives = [brute.ahead(mpf(k))[1] for k in range(41)]
         given = [float(lives[k + 1] / lives[k]) for k in range(40)]
-    found = following(outlook, [Task.plain(0, 1.0)] * 40)
+    found = consecutive_completions(outlook, [Task.plain(0, 1.0)] * 40)
     assert [one.probability for one in found] == [exact(one) for one in given]
     again = np.concatenate(list(repetitions(outlook, [Task.plain(0, 1.0)], 40)), axis=1)
     assert again[0].tolist() == [exact(one) for one in given]

@@ -11,7 +11,7 @@ from robophm.design.file import parse
 from robophm.health.by_chance import survival_by_chance
 from robophm.health.outlooks import as_designed, nominal_outlook
 from robophm.health.plant import Plant
-from robophm.health.when_new import hazard_rates, promises
+from robophm.health.when_new import hazard_rates, nominal_figures
 
 ROBOT = parse("""
 schema_version: 1
@@ -34,7 +34,7 @@ SAMPLES = 200_000
 
 
 def test_each_level_in_closed_form() -> None:
-    found = {one.path: one for one in promises(Plant(ROBOT), HOURS)}
+    found = {one.path: one for one in nominal_figures(Plant(ROBOT), HOURS)}
     assert list(found) == ["", "pair", "lamps"]
     a, b = 1e-3, 2e-3
     left, right, both = (math.exp(-rate * HOURS) for rate in (a, b, a + b))
@@ -69,7 +69,7 @@ def test_hazard_rates_now_of_levels_and_of_components_with_all_their_parts() -> 
 
 
 def test_by_chance_it_survives_as_often() -> None:
-    (exact, *_) = promises(Plant(ROBOT), HOURS)
+    (exact, *_) = nominal_figures(Plant(ROBOT), HOURS)
     found = survival_by_chance(ROBOT, HOURS, SAMPLES, seed=2)
     assert found.probability == pytest.approx(exact.reliability, abs=sure(exact.reliability))
     assert found == survival_by_chance(ROBOT, HOURS, SAMPLES, seed=2)

@@ -10,6 +10,17 @@ OURS = {  # what it is called instead (docs/reference/glossary.md)
     "VirtualLife": "BlockMonitor", "Leaps": "ClockJumps", "Swapped": "WhatIfReplaced", "Witness": "IntervalObserver",
     "Bundle": "StressGroups", "Said": "SignalSamples", "Heard": "SignalColumns", "Hearing": "Receiver",
     "Course": "ReportHistory", "Went": "the value itself", "judging": "task_evaluation", "swapped": "what_if_replaced",
+    "Fault": "LocatedError, a fault being one of the robot", "fault_of": "place_and_message", "Checked": "CheckResult",
+    "takers": "inputs_of_stress", "driving": "sensor_channels", "Driving": "ChannelBuilder", "Cover": "SensorCover",
+    "told_apart": "distinguished_parts", "Holding": "ValueHolder", "InOrder": "SampleSorter, or OneActiveStandby",
+    "Solved": "SolvedGroup", "Together": "SeriesOfParts", "Positions": "SeveralActiveStandby",
+    "Sharing": "SharedLoad", "not_taken": "rejected_samples", "affordable": "check_draws", "Promise": "NominalFigures",
+    "promises": "nominal_figures", "Deciding": "DecidingComponent", "deciding": "deciding_components",
+    "Repaired": "RemovedJump", "unseen": "undetected_modes", "greedily": "choose_greedily", "Upkept": "MaintainedPart",
+    "Return": "ReturnOnMonitoring", "return_on_watching": "return_on_monitoring", "by_block": "block_monitor",
+    "lacking": "missing_signals", "Ear": "TopicReader", "Greeting": "PendingSubscriber", "Callee": "CalledNode",
+    "told_in": "tasks_in", "Prepared": "PreparedRobot", "Shelf": "PreparedRobots", "speakable": "json_values",
+    "paper_says": "paper_prediction", "found_out": "likelihood_ratio_p_value",
 }  # fmt: skip
 
 

@@ -10,11 +10,11 @@ from robophm.core.errors import DesignError, RobophmError, SourceError
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.file import load, parse
 from robophm.design.task_file import parse_plan
-from robophm.health.mission import following, plan_future, planned
+from robophm.health.mission import consecutive_completions, plan_future, planned
 from robophm.health.outlooks import outlooks
 from robophm.measured import profile
 from robophm.measured.levels import marginal
-from robophm.measured.profile import lived, task_text
+from robophm.measured.profile import stress_profiles, task_text
 from robophm.measured.recordings import recordings
 from robophm.monitoring.monitor import Monitor
 from robophm.transports.recordings.recording import Recording
@@ -84,7 +84,7 @@ def drive(request):
 
 def test_exposure_is_that_of_a_replay(drive):
     path, robot, _, ledger = drive
-    found = lived(robot, recordings([path])[0], 20)
+    found = stress_profiles(robot, recordings([path])[0], 20)
     for one, other in ((found.ledger.age, ledger.age), (found.ledger.effective, ledger.effective),
                        (found.ledger.hazard, ledger.hazard), (found.ledger.clocks, ledger.clocks)):  # fmt: skip
         assert one.value == pytest.approx(other.value, rel=1e-11)
@@ -94,7 +94,7 @@ def test_exposure_is_that_of_a_replay(drive):
 def test_time_at_level_is_that_of_a_plain_loop(day):
     """Of the OTA's power module, which is on throughout: temperature as it holds for 5 s, else as designed."""
     name = "/ota/power/temperature.temperature"
-    found = lived(load(OTA), recordings([day])[0], 20)
+    found = stress_profiles(load(OTA), recordings([day])[0], 20)
     power = next(one for one in found.profiles if one.inputs[0].signal == name)
     begins, hours = marginal(power.levels, 0)
     width = power.levels.widths[0]
@@ -109,7 +109,7 @@ def test_time_at_level_is_that_of_a_plain_loop(day):
 @pytest.mark.parametrize("levels", [2, 7, 20])
 def test_the_load_to_come_ages_every_part_as_the_recording_did(drive, levels):
     path, robot, monitor, ledger = drive
-    found = lived(robot, recordings([path])[0], levels)
+    found = stress_profiles(robot, recordings([path])[0], levels)
     assert all(abs(one.error) < 1e-12 for one in found.profiles)
     plan = parse_plan(task_text(found, "as lived", "day"), robot)
     new = outlooks(monitor.plant, monitor.exposure, Monitor(robot).ledger)["sensor_based"]
@@ -128,12 +128,12 @@ def test_the_load_to_come_ages_every_part_as_the_recording_did(drive, levels):
 def test_prognosis_of_the_profile_is_that_of_the_recordings_own_history(day):
     """All lives are exponential but for none, all scale by age: survival over one round is that of the day lived."""
     robot = load(OTA)
-    found = lived(robot, recordings([day])[0], 20)
+    found = stress_profiles(robot, recordings([day])[0], 20)
     plan = parse_plan(task_text(found, "as lived", "day"), robot)
     monitor, ledger = replayed(robot, day)
     fresh = outlooks(monitor.plant, monitor.exposure, Monitor(robot).ledger)["sensor_based"]
     lived_through = outlooks(monitor.plant, monitor.exposure, ledger)["sensor_based"].survival(robot.diagram)
-    (ahead,) = following(fresh, plan.tasks)
+    (ahead,) = consecutive_completions(fresh, plan.tasks)
     assert ahead.failure == pytest.approx(lived_through.failed, rel=1e-10)
     assert ahead.probability == pytest.approx(lived_through.works, rel=1e-12)
 
@@ -144,7 +144,7 @@ def test_hazard_scaling_depends_on_the_order_and_comes_close(day):
                                    "life: {distribution: weibull, shape: 3}")  # fmt: skip
     robot = parse(text)
     i = next(i for i, mode in enumerate(robot.modes) if mode.path == "Power/Battery")
-    found = lived(robot, recordings([day])[0], 20)
+    found = stress_profiles(robot, recordings([day])[0], 20)
     plan = parse_plan(task_text(found, "as lived", "day"), robot)
     monitor, ledger = replayed(robot, day)
     fresh = outlooks(monitor.plant, monitor.exposure, Monitor(robot).ledger)["sensor_based"]
@@ -155,7 +155,7 @@ def test_hazard_scaling_depends_on_the_order_and_comes_close(day):
 
 def test_the_task_may_stand_in_a_design(day):
     robot = load(OTA)
-    found = lived(robot, recordings([day])[0], 10)
+    found = stress_profiles(robot, recordings([day])[0], 10)
     text = task_text(found, "as lived", "day")
     (task,) = yaml.safe_load(text)["tasks"]
     design = yaml.safe_load(OTA.read_text())
@@ -165,7 +165,7 @@ def test_the_task_may_stand_in_a_design(day):
 
 
 def test_what_is_the_same_in_a_module_is_said_once(day):
-    found = lived(load(OTA), recordings([day])[0], 10)
+    found = stress_profiles(load(OTA), recordings([day])[0], 10)
     (task,) = yaml.safe_load(task_text(found, "as lived", "day"))["tasks"]
     modules = ("Power", "Sensing", "Communication", "Mobility", "Computation")
     assert set(task["legs"][0]["stresses"]) == {f"{module}/temperature" for module in modules}
@@ -185,7 +185,7 @@ components:
     signals: {temperature: {topic: /motor/temperature, field: temperature, unit: degC, range: [-40, 125]}}
 """
     robot = parse(design)
-    found = lived(robot, recordings([path])[0], 20)
+    found = stress_profiles(robot, recordings([path])[0], 20)
     (hot,) = found.profiles
     assert any("beyond what its model is printed for" in note for note in found.notes)
     # 50 s at 60 and 49 s at 90, of which 80 stands for the latter
@@ -198,18 +198,18 @@ def test_what_cannot_be_profiled(tmp_path):
     path = write(tmp_path / "drive.mcap", [(START, START, 20.0)])
     robot = load(OTA)
     with pytest.raises(SourceError, match="no topic '/ota/odom'"):
-        lived(robot, recordings([path])[0], 20)
+        stress_profiles(robot, recordings([path])[0], 20)
     unmeasured = parse("schema_version: 1\nname: R\npowered: {topic: /level, field: data}\n"
                        "components: {A: {rate: 1 FIT}}")  # fmt: skip
     with pytest.raises(SourceError, match="no part of R has a measured input"):
-        lived(unmeasured, recordings([path])[0], 20)
+        stress_profiles(unmeasured, recordings([path])[0], 20)
     with pytest.raises(SourceError, match="never on for any time"):
-        lived(parse(MIXED.replace("/level, field: data", "/motor/temperature, field: variance")),
+        stress_profiles(parse(MIXED.replace("/level, field: data", "/motor/temperature, field: variance")),
               recordings([path])[0], 20)  # fmt: skip
 
 
 def test_more_legs_than_a_task_may_have(day, monkeypatch):
-    found = lived(load(OTA), recordings([day])[0], 20)
+    found = stress_profiles(load(OTA), recordings([day])[0], 20)
     legs = yaml.safe_load(task_text(found, "as lived", "day"))["tasks"][0]["legs"]
     monkeypatch.setattr(profile, "MOST_LEGS", len(legs) - 1)
     with pytest.raises(RobophmError, match=f"{len(legs)} legs; expected at most {len(legs) - 1}, as with fewer levels"):
@@ -223,7 +223,7 @@ def test_names_that_yaml_would_read_otherwise(tmp_path):
         "  other: {rate: 1 FIT, acceleration: {model: q10}}\n"
     )
     robot = parse(f"schema_version: 1\nname: R\n{part}")
-    text = task_text(lived(robot, recordings([path])[0], 20), 'name: "x" #', "drive\nwith: break")
+    text = task_text(stress_profiles(robot, recordings([path])[0], 20), 'name: "x" #', "drive\nwith: break")
     (task,) = parse_plan(text, robot).tasks
     assert task.name == 'name: "x" #'
     assert list(task.legs[0].stresses) == ['a: #1, {"x"}/temperature']

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from robophm.core.errors import RobophmError
 from robophm.core.signal import HOUR, SECOND
 from robophm.measured.find import Condition, find
-from robophm.measured.held import HeldValues
+from robophm.measured.held_values import HeldValues
 from robophm.measured.levels import MOST_STEPS, Levels, marginal
 from robophm.measured.recordings import recordings, signal_of
 from robophm.measured.series import MOST_COLUMNS, Series

@@ -13,7 +13,7 @@ import pytest
 from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
-from robophm.monitoring.by_block import BlockMonitor
+from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay

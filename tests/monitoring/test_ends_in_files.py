@@ -16,7 +16,7 @@ import robophm
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.file import parse
 from robophm.design.robot import Robot
-from robophm.measured.profile import lived
+from robophm.measured.profile import stress_profiles
 from robophm.measured.recordings import recordings
 from robophm.monitoring.replay import kept_ledger, replay
 from robophm.monitoring.task_history import judge_tasks
@@ -257,4 +257,4 @@ def test_six_bags_count_as_much_wherever_a_robot_lives_through_them(design: Robo
     worn = wear_history(design, paths, worn_modes(design))
     assert worn.monitor.report().clocks["operating"] == pytest.approx(0.1, rel=1e-12)
     (together,) = recordings(paths, together=True)
-    assert lived(design, together, 20).ledger.clocks.value[0] == pytest.approx(0.1, rel=1e-12)
+    assert stress_profiles(design, together, 20).ledger.clocks.value[0] == pytest.approx(0.1, rel=1e-12)

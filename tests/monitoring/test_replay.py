@@ -68,10 +68,10 @@ def test_a_recording_is_counted_once_in_whatever_pieces(ota: Robot, recorded: di
 
 KILLED = """
 import os, sys, time
-import robophm, robophm.monitoring.replay, robophm.monitoring.by_block
+import robophm, robophm.monitoring.replay, robophm.monitoring.block_monitor
 from robophm.stores.sqlite import SqliteStore
 robophm.monitoring.replay.SAVE_EVERY = 0.01
-robophm.monitoring.by_block.ENOUGH = 500
+robophm.monitoring.block_monitor.ENOUGH = 500
 def tick(monitor):
     time.sleep(0.002)
     os.write(1, b".")

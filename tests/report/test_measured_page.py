@@ -7,7 +7,7 @@ from collections import Counter
 import numpy as np
 
 from robophm.core.signal import SECOND
-from robophm.measured.held import HeldValues
+from robophm.measured.held_values import HeldValues
 from robophm.measured.recordings import Signal
 from robophm.measured.statistics import Look, Seen
 from robophm.report.measured_page import statistics_page

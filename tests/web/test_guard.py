@@ -35,7 +35,7 @@ def test_an_address_that_others_reach_needs_a_token(tmp_path):
     command = [sys.executable, "-m", "robophm", "serve", str(design), "--host", "0.0.0.0", "--port", "0"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 3
-    assert done.stderr.startswith("error: --host 0.0.0.0: others on the network would reach the design")
+    assert done.stderr.startswith("error: 0.0.0.0: others on the network would reach the design")
     assert done.stderr.count("\n") == 1
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from robophm.core.errors import DesignError, StoreError
 from robophm.design import editing
-from robophm.design.fault import Fault
+from robophm.design.located_error import LocatedError
 from robophm.web.workspace import OutsideError, StaleError, Workspace
 
 from .conftest import SMALL
@@ -65,7 +65,7 @@ def test_an_edit_that_fails_half_way_leaves_nothing(path):
         editing.put(document, ["components", "horn"], HORN)
         editing.delete(document, ["components", "nothing"])
 
-    with pytest.raises(Fault):
+    with pytest.raises(LocatedError):
         work.edit(1, half, "")
     assert work.draft().text == SMALL
     assert work.edit(1, put(["name"], "other"), "").text == SMALL.replace("courier\n", "other\n")
@@ -231,6 +231,6 @@ def test_a_file_that_appears_where_a_robot_was_begun_is_not_written_over(tmp_pat
 def test_a_file_that_is_no_design_is_not_taken(path):
     work = Workspace(path)
     path.write_text("{")
-    with pytest.raises(Fault):
+    with pytest.raises(LocatedError):
         work.take(1)
     assert work.draft().text == SMALL

@@ -1,1 +1,1 @@
-"""How parts make a system: block diagrams and their exact evaluation."""
+"""Structures of parts: block diagrams and fault trees, and their exact evaluation."""

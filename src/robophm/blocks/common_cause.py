@@ -1,4 +1,4 @@
-"""How much of what fails a part is shared with parts like it: the parametric models of common cause failure.
+"""Parametric models of common cause failure: how much of a part's failures it shares with parts like it.
 
 A model says which share of a part's failures, by rate or by probability, is due to a cause that fails exactly a given
 set of k of the n parts of a group: Q_k / Q_t. Each such set has a cause of its own, a unit that is drawn in series with
@@ -18,14 +18,16 @@ from math import comb, isclose
 from robophm.core.errors import StructureError
 
 Shares = tuple[float, ...]
-"""Of one part of n: at k − 1 the share of its failures that any one set of k parts with it in it has in common."""
+"""Shares of one part of n: at k − 1, the share of its failures that any one set of k parts, it among them, has in
+common.
+"""
 
 MOST_PARTS = 8
-"""In a group any set of which may fail together; there are 2ⁿ of them."""
+"""The most parts of a group any set of which may fail together; there are 2ⁿ sets."""
 
 
 def beta_factor(beta: float, parts: int) -> Shares:
-    """A share ``beta`` of all failures takes all parts of the group, the rest one alone. Raises StructureError."""
+    """Return shares by which a part ``beta`` of failures takes all parts, the rest one alone. Raises StructureError."""
     _check(parts)
     if not 0 <= beta < 1:
         raise StructureError(f"beta {beta:g}; expected 0 ≤ beta < 1")
@@ -33,7 +35,7 @@ def beta_factor(beta: float, parts: int) -> Shares:
 
 
 def multiple_greek_letter(letters: Sequence[float], parts: int) -> Shares:
-    """Q_k/Q_t = ρ₁ρ₂…ρ_k (1 − ρ_k₊₁) / C(n−1, k−1), with ρ₁ = 1 and ρ_n₊₁ = 0.
+    """Return the shares Q_k/Q_t = ρ₁ρ₂…ρ_k (1 − ρ_k₊₁) / C(n−1, k−1), with ρ₁ = 1 and ρ_n₊₁ = 0.
 
     ``letters`` are ρ₂ … ρ_n = β, γ, δ …: the share of the failures of at least k − 1 parts that takes at least k.
     Raises StructureError.
@@ -52,7 +54,7 @@ def multiple_greek_letter(letters: Sequence[float], parts: int) -> Shares:
 
 
 def alpha_factor(alpha: Sequence[float], parts: int, *, staggered: bool = True) -> Shares:
-    """``alpha`` at k − 1 is the share of the group's failure events in which exactly k parts fail.
+    """Return shares from ``alpha``: at k − 1, the share of the group's failure events in which exactly k parts fail.
 
     Staggered testing Q_k/Q_t = α_k / C(n−1, k−1), else k·α_k / (α_t C(n−1, k−1)) with α_t = Σ k·α_k.
     Raises StructureError.
@@ -70,7 +72,7 @@ def alpha_factor(alpha: Sequence[float], parts: int, *, staggered: bool = True) 
 
 
 def shared_causes(shares: Shares) -> Iterator[tuple[tuple[int, ...], float]]:
-    """The sets of parts, by number, that a cause fails together, and its share of the failures of each of them."""
+    """Yield the sets of parts, by number, that a cause fails together, and its share of each one's failures."""
     for k, share in enumerate(shares[1:], 2):
         if share > 0:
             for together in combinations(range(len(shares)), k):

@@ -1,4 +1,4 @@
-"""From gates to the nodes of a decision diagram, by an order of the variables that keeps them few."""
+"""Compilation of gates to nodes of a decision diagram, by an order of the variables that keeps them few."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from robophm.blocks.nodes import FALSE, TRUE, Table, TooLargeError, too_large
 from robophm.blocks.ordering import Gate, orders
 
 _SHARES = (36, 6)
-"""Of the limit, that every order may take before one may take more; from one to the next it is six times as much."""
+"""Shares of the limit (1/36, 1/6) that every order may take before any may take more."""
 
 
 class Compiled(NamedTuple):
-    """A table, the variable that each of its levels decides, and the node of every input: variables, then gates."""
+    """A compiled structure: nodes in a table, each level's variable, and the node of every input (variables, then
+    gates).
+    """
 
     table: Table
     order: list[int]
@@ -21,7 +23,7 @@ class Compiled(NamedTuple):
 
 
 def compiled(variables: int, gates: Sequence[Gate], limit: int) -> Compiled:
-    """Gates in topological order; ``k`` as of graph.Gate, inputs below ``variables`` are the variables.
+    """Compile gates in topological order; ``k`` as of graph.Gate, inputs below ``variables`` are the variables.
 
     Every order that there is a rule for may take a small share of the limit, then a larger one; the first that
     comes through is taken. All of the limit is for the one that came furthest, unless it is not to come through: with

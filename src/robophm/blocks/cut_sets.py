@@ -29,7 +29,8 @@ MOST_PENDING = 1_000_000
 _Number = TypeVar("_Number", int, float)
 
 _Cost = tuple[int, int]
-"""Of a set or a part of one: its units where they are what counts, else 0; and −log of its probability, in 1e-12.
+"""Cost of a set or a part of one: its units where they are what counts, else 0; and −log of its probability, in 1e-12.
+Whole numbers, so that what is alike stays alike in whatever order it is added up.
 
 Whole numbers, so that what is alike stays alike in whatever order it is added up.
 """
@@ -39,7 +40,7 @@ _IMPOSSIBLE = 10**24
 
 
 class _Goal(NamedTuple):
-    """What is left to be chosen: a way down from a node of a part, then the rest, which costs at least so much."""
+    """A set that is partly chosen: a way down from a node of a part, then the rest, which costs at least so much."""
 
     part: int
     node: int
@@ -68,21 +69,21 @@ class MinimalSets:
 
     @classmethod
     def cuts(cls, diagram: Block) -> MinimalSets:
-        """The minimal cut sets of a block diagram."""
+        """Return the minimal cut sets of a block diagram."""
         return cls(FaultTree.of(diagram))
 
     @classmethod
     def paths(cls, diagram: Block) -> MinimalSets:
-        """The minimal path sets of a block diagram."""
+        """Return the minimal path sets of a block diagram."""
         names, gates, _ = graph(diagram)
         return cls(FaultTree(names, [Gate(*gate) for gate in gates]))
 
     def count(self) -> int:
-        """How many there are."""
+        """Return the number of all minimal sets."""
         return self._summed([1] * self._modular.events)
 
     def count_by_order(self, most: int) -> list[int]:
-        """How many there are of 1, 2, … ``most`` units."""
+        """Return the numbers of minimal sets of 1, 2, … ``most`` units."""
         counts: list[list[int]] = [[0, 1]] * self._modular.events  # of 0, 1, … units
         for part in self._parts:
             of: dict[int, list[int]] = {FALSE: [], TRUE: [1]}
@@ -97,7 +98,7 @@ class MinimalSets:
         return [*counts[-1], *[0] * most][1 : most + 1]
 
     def mass(self, probability: ArrayLike) -> float:
-        """Sum of their probabilities, from those of the events, shape (events,): no less than that of the top."""
+        """Return the sum of the sets' probabilities, from those of the events, shape (events,): at least the top's."""
         return float(self._summed([float(one) for one in self._probabilities(probability)]))
 
     def _summed(self, of_rows: list[_Number]) -> _Number:
@@ -110,11 +111,11 @@ class MinimalSets:
         return of_rows[-1]
 
     def likeliest(self, probability: ArrayLike) -> Iterator[MinimalSet]:
-        """All of them, one after the other, those of the highest probability first; none that is impossible."""
+        """Yield all sets, those of the highest probability first; none that is impossible."""
         return self._best(self._probabilities(probability), by_order=False)
 
     def smallest(self, probability: ArrayLike) -> Iterator[MinimalSet]:
-        """All of them, one after the other, those of the fewest units first, and of these the likeliest."""
+        """Yield all sets, those of the fewest units first, and of these the likeliest."""
         return self._best(self._probabilities(probability), by_order=True)
 
     def _probabilities(self, probability: ArrayLike) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -124,7 +125,8 @@ class MinimalSets:
         return p
 
     def _best(self, p: np.ndarray[tuple[int, ...], np.dtype[np.float64]], *, by_order: bool) -> Iterator[MinimalSet]:
-        """What is begun and could still become best goes on first: what is finished so is the best there is."""
+        """The sets, best first: what is begun and could still become best goes on first, so the finished one is
+        best."""
         cost = [(int(by_order), round(-1e12 * math.log(one)) if one > 0 else _IMPOSSIBLE) for one in p]
         done = (0, 0)
         least: list[_Cost] = [*cost]  # of each row

@@ -17,11 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 from robophm.blocks.compiling import compiled
 from robophm.blocks.nodes import Table, too_large
 from robophm.blocks.ordering import Gate
+from robophm.core.argument_checks import floats
 from robophm.core.errors import StructureError
-from robophm.core.given import floats
 
 Array = NDArray[np.float64]
-"""Of floats; of decimals where probabilities are too small for a float."""
+"""An array of floats; of decimals where probabilities are too small for a float."""
 
 LIMIT = 500_000
 """Largest number of nodes, of pairs of nodes, and of steps to build them, of one decision diagram."""
@@ -32,7 +32,7 @@ _T = TypeVar("_T")
 
 
 def numbers(values: ArrayLike) -> Array:
-    """As floats; decimals stay what they are."""
+    """Return values as an array of floats; decimals stay decimals."""
     if isinstance(values, np.ndarray) and values.dtype == object:
         if all(isinstance(one, Decimal) or one in (0, 1) for one in values.flat):
             return values
@@ -69,7 +69,7 @@ class DecisionDiagram:
         """Number of nodes and pairs: what an evaluation holds per column."""
 
     def evaluate(self, b: Array, c: Array, s: Array, works: Array, lost: Array) -> tuple[Array, Array, Array]:
-        """(b, c, s) of the system from those of its variables, each of shape (variables, columns).
+        """Return (b, c, s) of the system from those of its variables, each of shape (variables, columns).
 
         b: failed by now; c: fails in the task (or failure density); s: works at the end; ``works``: works
         now; ``lost``: failed at the end. For the density, now and the end are the same moment.
@@ -93,7 +93,7 @@ class DecisionDiagram:
         return failed[self._root], change[self._root], differ[self._root_works]
 
     def sensitivity(self, failed: Array, works: Array) -> Array:
-        """Of each variable, P(the system works if it does, and has failed if it has); shape (variables, columns)."""
+        """Return P(the system works if the variable does, and has failed if it has), shape (variables, columns)."""
         nodes, pairs = self._size
         differ = np.zeros((pairs, failed.shape[1]), failed.dtype)
         differ[1] = 1
@@ -111,7 +111,7 @@ class DecisionDiagram:
 
 
 class Difference:
-    """What separates two coherent structures of the same independent variables, the second of which implies the first.
+    """The difference of two coherent structures of the same independent variables; the second implies the first.
 
     ``gates`` as of a DecisionDiagram; ``first`` and ``second`` are numbers of inputs, a first of None always
     works. Raises StructureError where the diagram would exceed LIMIT.
@@ -129,7 +129,7 @@ class Difference:
         """Number of pairs: what an evaluation holds per column."""
 
     def evaluate(self, failed: Array, works: Array) -> Array:
-        """P(first has failed), P(first works, second has failed), P(second works); shape (3, columns).
+        """Return P(first has failed), P(first works, second has failed), P(second works); shape (3, columns).
 
         ``failed`` + ``works`` = 1 of each variable, shape (variables, columns). Every term is positive.
         """

@@ -1,4 +1,4 @@
-"""A block diagram: units, and how they are wired. The same name in several places is one part."""
+"""Block diagrams: units, and how they are wired. The same name in several places is one part."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robophm.core.argument_checks import instance, shown
 from robophm.core.errors import StructureError, nearest
-from robophm.core.given import instance, shown
 
 MOST_LINKS = 2000
-"""Of one network."""
+"""The most links of one network."""
 
 
 @dataclass(frozen=True)
 class Unit:
-    """One part, by name. It works or it has failed."""
+    """One part of a diagram, by name. It works or it has failed."""
 
     name: str
 
     def __post_init__(self) -> None:
-        """Check the name: StructureError."""
+        """Check the name; StructureError where it is none."""
         instance(self.name, str, "unit", "a name", StructureError)
 
 
 @dataclass(frozen=True, init=False)
 class Series:
-    """Works while all of its blocks work."""
+    """A series of blocks: it works while all of them work."""
 
     blocks: tuple[Block, ...]
 
@@ -39,7 +39,7 @@ class Series:
 
 @dataclass(frozen=True, init=False)
 class Parallel:
-    """Works while any of its blocks works."""
+    """Blocks in parallel: they work while any of them works."""
 
     blocks: tuple[Block, ...]
 
@@ -49,7 +49,7 @@ class Parallel:
 
 @dataclass(frozen=True, init=False)
 class KOutOfN:
-    """Works while at least ``k`` of its blocks work."""
+    """A k-out-of-n of blocks: it works while at least ``k`` of them work."""
 
     k: int
     blocks: tuple[Block, ...]
@@ -74,7 +74,7 @@ class Group(Unit):
     """Units of members that age as if they stood alone, whoever works: what members depend on."""
 
     def __post_init__(self) -> None:
-        """Check what the members are: StructureError where one is in the group twice, or alone."""
+        """Check the members; StructureError where one is in the group twice, or alone."""
         super().__post_init__()
         drawn = [unit for member in self.members for unit in member]
         twice = next((unit for unit in drawn if drawn.count(unit) > 1), None)
@@ -86,7 +86,7 @@ class Group(Unit):
 
 @dataclass(frozen=True)
 class Standby(Group):
-    """The first ``active`` members work; where one fails, the next that has not failed takes its place.
+    """A standby group: the first ``active`` members work; where one fails, the next that has not failed takes over.
 
     A spare that waits ages at the share ``dormancy`` of the speed: 0 cold, 1 hot. A failure of an active member calls
     for one switch, which is made with probability ``switch``; where it is not, or no spare is left, the group fails.
@@ -97,7 +97,7 @@ class Standby(Group):
     switch: float = 1.0
 
     def __post_init__(self) -> None:
-        """Check the numbers: StructureError."""
+        """Check the numbers; StructureError where one is out of range."""
         super().__post_init__()
         if not 1 <= self.active < len(self.members):
             raise StructureError(f"{self.name}: active = {self.active} of {len(self.members)}; expected a spare")
@@ -108,13 +108,16 @@ class Standby(Group):
 
 @dataclass(frozen=True)
 class LoadSharing(Group):
-    """Works while at least ``k`` members do; with 0, 1, … failed, each of the others ages ``factors`` times as fast."""
+    """A load-sharing group: it works while at least ``k`` members do, which age faster the more of the others failed.
+
+    With 0, 1, … failed, each of the others ages ``factors`` times as fast.
+    """
 
     k: int = 1
     factors: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        """Check the numbers: StructureError."""
+        """Check the numbers; StructureError where one is out of range."""
         super().__post_init__()
         n = len(self.members)
         if not 1 <= self.k <= n:
@@ -126,7 +129,7 @@ class LoadSharing(Group):
 
 
 def equal_share(n: int, k: int, exponent: float) -> tuple[float, ...]:
-    """How much faster each of the survivors ages, with 0, 1, … n − k of n failed, that share one load equally.
+    """Return how much faster each survivor ages with 0, 1, … n − k of n failed, all sharing one load equally.
 
     A power of the load, 3 for bearings: (n/alive)^exponent; at the stated rate all share it.
     """
@@ -134,7 +137,7 @@ def equal_share(n: int, k: int, exponent: float) -> tuple[float, ...]:
 
 
 class Link(NamedTuple):
-    """What joins two nodes of a network: nothing that can fail, or a block; both ways, or from start to end."""
+    """A link of two nodes of a network: nothing that can fail, or a block; both ways, or from start to end."""
 
     start: str
     end: str
@@ -144,7 +147,7 @@ class Link(NamedTuple):
 
 @dataclass(frozen=True, init=False)
 class Network:
-    """Works while a path of working links and nodes leads from its source to its sink.
+    """A network: it works while a path of working links and nodes leads from its source to its sink.
 
     ``nodes`` says what stands at each node; a node that is not in it cannot fail. Without ``nodes``, a unit of
     its name stands at each but the source and the sink. A plain pair of names is a link both ways that cannot
@@ -183,7 +186,7 @@ class Network:
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """What stands at its nodes and on its links, in the order of its links."""
+        """Return the blocks at its nodes and on its links, in the order of its links."""
         at, found = dict(self.nodes), []
         for link in self.links:
             on: list[Block | str | None] = [at.pop(link.start, None), link.block, at.pop(link.end, None)]
@@ -191,7 +194,7 @@ class Network:
         return tuple(found)
 
     def with_blocks(self, blocks: Iterable[Block]) -> Network:
-        """The same network with other blocks in the places of ``blocks``."""
+        """Return the same network with other blocks in the places of ``blocks``."""
         new, at, nodes, links = iter(blocks), dict(self.nodes), {}, []
         for link in self.links:
             if at.pop(link.start, None):
@@ -213,7 +216,7 @@ def _blocks(kind: str, blocks: tuple[Block | str, ...]) -> tuple[Block, ...]:
 
 
 def as_block(block: Block | str, where: str) -> Block:
-    """A name as a unit. Raises StructureError for what is no block."""
+    """Return a block; a name becomes a unit. Raises StructureError for what is no block."""
     if isinstance(block, str):
         return Unit(block)
     found: Block = instance(block, Block, f"{where}:", "a block, or the name of a unit", StructureError)
@@ -221,7 +224,7 @@ def as_block(block: Block | str, where: str) -> Block:
 
 
 def units(block: Block) -> Iterator[str]:
-    """Names of the units of a diagram in drawing order, a name as often as it is drawn."""
+    """Yield the names of a diagram's units in drawing order, a name as often as it is drawn."""
     stack = [block]
     while stack:
         top = stack.pop()
@@ -232,7 +235,7 @@ def units(block: Block) -> Iterator[str]:
 
 
 def drawn(block: Block) -> int:
-    """How many units a diagram draws, a unit as often as it is drawn; quick where blocks are drawn many times."""
+    """Return how many units a diagram draws, one as often as it is drawn; quick where blocks are drawn many times."""
     count: dict[int, int] = {}  # by id(): a block's own hash would recurse
     stack = [block]
     while stack:
@@ -247,7 +250,7 @@ def drawn(block: Block) -> int:
 
 
 def with_blocks(block: Block, blocks: Iterable[Block]) -> Block:
-    """A block like this one of other blocks; a unit has none and stays."""
+    """Return a block like this one, made of other blocks; a unit has none and stays."""
     if isinstance(block, Unit):
         return block
     if isinstance(block, Network):

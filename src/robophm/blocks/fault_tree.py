@@ -1,4 +1,4 @@
-"""A fault tree: when the top event occurs, given which basic events have. Its probability, exact for any gates."""
+"""Fault trees: the probability of a top event from those of its basic events, exact for any gates."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 class FaultTree:
-    """Basic events, which occur independently, and gates over them.
+    """A fault tree: basic events, which occur independently, and gates over them.
 
     ``gates`` come inputs first; those of UNIT are the events in the order of ``names``, the last one is the top.
     ``k`` is how many inputs must have occurred (ALL, ANY or a number), or NOT or ODD. What the top does not hang on
@@ -34,7 +34,8 @@ class FaultTree:
 
     @classmethod
     def of(cls, diagram: Block, limit: int = LIMIT) -> FaultTree:
-        """The fault tree of a block diagram: its top event is that the diagram fails, its events that units have."""
+        """Make the fault tree of a block diagram: its top event is that the diagram fails, its events that units
+        have."""
         names, gates, _ = graph(diagram)
         return cls(names, dual(gates), limit)
 
@@ -44,7 +45,7 @@ class FaultTree:
         return all(gate.k not in (NOT, ODD) for gate in self.gates)
 
     def diagram(self) -> Block:
-        """The block diagram that fails when the top event occurs. Raises StructureError where there is none."""
+        """Return the block diagram that fails when the top event occurs. Raises StructureError where there is none."""
         self.must_be_coherent("has no block diagram")
         events = iter(self.names)
         blocks: list[Block] = []
@@ -59,17 +60,17 @@ class FaultTree:
         return blocks[-1]
 
     def must_be_coherent(self, otherwise: str) -> None:
-        """Raises StructureError where a gate asks that something has not occurred."""
+        """Raise StructureError where a gate asks that something has not occurred."""
         if not self.coherent:
             raise StructureError(f"fault tree: it has 'not' or 'xor' gates, so that it {otherwise}")
 
     @cached_property
     def modular(self) -> Modular:
-        """Solved. Raises StructureError where it is too large to solve exactly."""
+        """Return the tree solved by modules. Raises StructureError where it is too large to solve exactly."""
         return Modular(self.gates, self.limit)
 
     def probability(self, occurred: ArrayLike, not_yet: ArrayLike | None = None) -> Array:
-        """Of the top event, shape (...), from those of the events, shape (events, ...); ``not_yet`` = 1 − ``occurred``.
+        """Return P(top event), shape (...), from ``occurred`` and ``not_yet`` = 1 − ``occurred``, shape (events, ...).
 
         Nothing is subtracted: the smallest probability has all its digits. Raises StructureError as ``modular``.
         """
@@ -82,6 +83,6 @@ class FaultTree:
 
 
 def dual(gates: Sequence[Gate]) -> list[Gate]:
-    """From when something works to when it fails, or back: k of n work unless n + 1 − k have failed."""
+    """Return the dual structure, from working to failing or back: k of n work unless n + 1 − k have failed."""
     swapped = {ALL: ANY, ANY: ALL, UNIT: UNIT}
     return [Gate(swapped.get(k, len(inputs) + 1 - k), inputs) for k, inputs in gates]

@@ -22,7 +22,8 @@ Call = Callable[[], object]
 
 
 def merging(one: Array, other: Array, out: Array, scratch: Array, lost: int, held: int, task: bool) -> Iterator[Call]:
-    """Two inputs as one: in series with ``lost`` FAILED and ``held`` WORKS, in parallel the other way round.
+    """Yield the arithmetic that merges two inputs to one: in series, ``lost`` FAILED and ``held`` WORKS; else in
+    parallel.
 
     What the first has lost or, while the first holds, the second has lost is lost. A change of the system is one of
     the first while the second holds now, or one of the second while the first holds at the end. ``scratch`` is an
@@ -45,7 +46,7 @@ def merging(one: Array, other: Array, out: Array, scratch: Array, lost: int, hel
 
 
 def in_series(units: Array) -> Array:
-    """What a task makes of all of them together; shape (numbers, n, columns) → (numbers, columns)."""
+    """Return the outcome of a task for units in series; shape (numbers, n, columns) → (numbers, columns)."""
     while units.shape[1] > 1:
         half = units.shape[1] // 2
         merged = np.empty_like(units, shape=(len(units), half, units.shape[2]))
@@ -58,18 +59,18 @@ def in_series(units: Array) -> Array:
 
 
 def sides(units: Array, task: bool) -> tuple[Array, Array]:
-    """(works now, failed at the end)."""
+    """Return (works now, failed at the end)."""
     if not task:
         return units[WORKS], units[FAILED]
     return units[WORKS] + units[CHANGE], units[FAILED] + units[CHANGE]
 
 
 FEW = 8
-"""So many inputs are counted one by one, all gates and columns at once; more by products of their polynomials."""
+"""The most inputs that are counted one by one, all gates and columns at once; more by products of polynomials."""
 
 
 def counting(k: int, inputs: Array, out: Array, task: bool) -> Iterator[Call]:
-    """k of n independent inputs, shape (numbers, n, columns), into ``out``, shape (numbers, columns)."""
+    """Yield the arithmetic of k of n inputs, shape (numbers, n, columns), into ``out``, shape (numbers, columns)."""
     numbers, n, columns = inputs.shape
     if n > FEW:
         yield partial(_by_products, k, inputs, out, task)
@@ -114,7 +115,7 @@ def counting(k: int, inputs: Array, out: Array, task: bool) -> Iterator[Call]:
 
 
 class _Counts:
-    """Where counts of shape (..., up to n + 1, columns) are made, each from the one before, which stays."""
+    """Arrays for counts of shape (..., up to n + 1, columns), each made from the one before, which stays."""
 
     def __init__(self, shape: tuple[int, ...], n: int, columns: int, kind: np.dtype[Any]) -> None:
         self._turns = np.empty((2, *shape, n + 1, columns), kind)
@@ -122,7 +123,7 @@ class _Counts:
         self._n = n
 
     def one_more(self, counts: Array, chance: Array) -> tuple[list[Call], Array]:
-        """How many work, with one more that has failed or works by ``chance``, shape (2, columns), and where it is.
+        """Return the arithmetic of counts with one more input, which has failed or works by ``chance``.
 
         What has failed leaves the count, what works moves it by one: beyond either there is always nothing.
         """
@@ -137,7 +138,7 @@ class _Counts:
 
 
 def counted(k: int, units: list[list[float]]) -> tuple[float, float, float]:
-    """The same of one column of a few units, each (failed, works, density), by plain numbers: to the last bit."""
+    """Return k of n for one column of a few units, each (failed, works, density), by plain numbers: to the last bit."""
     failed, works, density = units[0]
     count, changing = [failed, works], [density]
     for failed, works, density in units[1:]:
@@ -153,7 +154,7 @@ def counted(k: int, units: list[list[float]]) -> tuple[float, float, float]:
 
 
 def _with(counts: list[float], failed: float, works: float) -> list[float]:
-    """How many work, with one more that may."""
+    """The probabilities of how many work, with one more input that may."""
     more = [one * works for one in counts]
     rest = [one * failed for one in counts]
     return [rest[0], *(one + other for one, other in zip(rest[1:], more[:-1], strict=True)), more[-1]]
@@ -190,7 +191,7 @@ def _joined(
 
 
 def _product(one: Array, other: Array) -> Array:
-    """Of two polynomials, their coefficients along the first axis."""
+    """The product of two polynomials, their coefficients along the first axis."""
     if one.ndim == 1:
         return np.convolve(one, other)
     if len(one) > len(other):
@@ -211,7 +212,7 @@ def _in_few(units: Array) -> Array:
 
 
 def _multiplied(few: Array, task: bool) -> tuple[Array, Array, Array]:
-    """As ``_counted``, of one column given as columns of a few."""
+    """The results of ``_counted`` for one column, given as columns of a few."""
     now, end, change = (np.ascontiguousarray(one.T) for one in _counted(few, task))
     parts = list(zip(now, end, change, strict=True))
     while len(parts) > 1:
@@ -222,7 +223,7 @@ def _multiplied(few: Array, task: bool) -> tuple[Array, Array, Array]:
 
 
 def exactly(k: int, inputs: Array) -> Array:
-    """P(k of the other inputs work) of each of n independent ones, shapes (numbers, n, columns) → (n, columns)."""
+    """Return P(k of the other inputs work) for each of n independent ones, (numbers, n, columns) → (n, columns)."""
     n = inputs.shape[1]
     one = [np.ones((1, inputs.shape[2]), inputs.dtype)]
     before, after = one.copy(), one.copy()  # counts of the inputs before each, and after each

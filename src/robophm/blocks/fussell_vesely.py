@@ -1,4 +1,4 @@
-"""Fussell–Vesely importance: how likely it is that a minimal cut set with a unit in it has failed, once the system has.
+"""Fussell–Vesely importance: P(a minimal cut set with the unit in it has failed | the system has).
 
 It comes down from the top as Birnbaum's does. Below the top, a minimal cut set of the system is one of each of some
 modules put together; what lies in one module asks of the rest only whether cut sets with that module in them have
@@ -39,7 +39,7 @@ MOST_VOTES = 200
 
 
 class _Chances(NamedTuple):
-    """Of a unit or a module: failed by now, fails in the time, works at its end. Floats, or decimals."""
+    """Probabilities of a unit or a module: failed by now, fails in the time, works at its end. Floats, or decimals."""
 
     failed: float
     fails: float
@@ -47,16 +47,18 @@ class _Chances(NamedTuple):
 
 
 class _Rest(NamedTuple):
-    """What the rest does, the cut sets through a module having failed in it by the end; and the system works now."""
+    """The rest of the system, seen from a module: P(cut sets through it have failed but for it, and the system works
+    now).
+    """
 
     if_works: float
-    """P(cut sets with the module in them have failed but for it, and the system works now, if the module works now)."""
+    """The probability if the module works now."""
     if_failed: float
-    """The same if the module has failed by now."""
+    """The probability if the module has failed by now."""
 
 
 def fussell_vesely(diagram: Block, before: ArrayLike, during: ArrayLike, after: ArrayLike) -> Array:
-    """P(a minimal cut set with the unit in it has failed | the system works now and fails in the time); shape (units,).
+    """Return P(a minimal cut set with the unit in it has failed | the system works now and fails in the time).
 
     Of the units in drawing order, as in ``Structure(diagram).names``; arguments as of ``Structure.transition``, shape
     (units,). Not a number where the system cannot fail, or has. Raises StructureError where parts are shared so much
@@ -137,7 +139,7 @@ class _Solver:
         ]
         self._module = module
         self.chances: dict[int, _Chances] = {}
-        """Of each module."""
+        """Probabilities of each module, by its node."""
         unit = iter(units)
         for node, gate in enumerate(gates):
             if gate.k == UNIT:
@@ -152,7 +154,7 @@ class _Solver:
                 self.chances[node] = _one(state)
 
     def below(self, node: int, rest: _Rest) -> dict[int, _Rest]:
-        """What the rest does seen from the modules right below one."""
+        """Return the rest of the system as seen from the modules right below one."""
         gate = self._gates[node]
         if self._plain[node]:
             others = _others(gate.k, [self.chances[i] for i in gate.inputs])
@@ -191,7 +193,7 @@ def _one(found: Transition) -> _Chances:
 
 
 def _seen(rest: _Rest, works: float, spoilt: float, works_without: float, spoilt_without: float) -> _Rest:
-    """What the rest of the system does seen from a module, from what it does seen from the gate above.
+    """The rest of the system as seen from a module, from the rest as seen from the gate above.
 
     P(cut sets through the module have failed but for it) with the gate working now, or not: where the module works
     now, and where it has failed by now.
@@ -224,7 +226,7 @@ def _pair(k: int, one: _Chances, other: _Chances) -> _Chances:
 
 
 def _others(k: int, inputs: Sequence[_Chances]) -> Iterator[tuple[float, float, float, float]]:
-    """Of each input of a plain gate, what ``_seen`` asks for."""
+    """The arguments of ``_seen`` for each input of a plain gate."""
     n = len(inputs)
     if n == 1:
         yield 1, 0, 0, 1
@@ -253,7 +255,7 @@ def _others(k: int, inputs: Sequence[_Chances]) -> Iterator[tuple[float, float, 
 
 
 def _of_cuts(cuts: Sequence[frozenset[int]], chances: Sequence[_Chances], x: int) -> tuple[float, float, float, float]:
-    """The same of a module among others that share parts."""
+    """The arguments of ``_seen`` for a module among others that share parts."""
     through = [cut - {x} for cut in cuts if x in cut]
     n = len(chances)
     began = any(one.failed > 0 for one in chances)

@@ -1,4 +1,4 @@
-"""What systems do ahead, given that they work now, however little spoke for it.
+"""Probabilities of systems ahead, given that they work now, however unlikely that was.
 
 A redundant pair may have outlived all that was expected of it: with a cumulative hazard of 745 the probability that it
 works is less than any float, and what is known to work must not be declared dead for that. Where it is too small,
@@ -32,24 +32,24 @@ _CONTEXT = Context(prec=25, Emin=MIN_EMIN, Emax=MAX_EMAX, traps=[])
 
 @contextmanager
 def decimals() -> Iterator[None]:
-    """Where decimals are calculated with: 25 digits, and every exponent there is."""
+    """Within this context decimals have 25 digits, and every exponent there is."""
     with localcontext(_CONTEXT):
         yield
 
 
 as_decimals: Callable[[Array], Array] = np.frompyfunc(Decimal, 1, 1)
-"""An array of floats as decimals."""
+"""Converts an array of floats to decimals."""
 
 _survival: Callable[[Array], Array] = np.frompyfunc(lambda hazard: Decimal(-hazard).exp(), 1, 1)
 
 
 def survival(hazard: Array) -> Array:
-    """P(works) from cumulative hazards, floats or, in ``decimals()``, decimals."""
+    """Return P(works) from cumulative hazards, floats or, in ``decimals()``, decimals."""
     return _survival(hazard) if hazard.dtype == object else np.exp(-hazard)
 
 
 def likely_failed(hazard: Array) -> Array:
-    """Its complement; what has next to certainly failed needs no more digits than a float has."""
+    """Return P(failed) from cumulative hazards; where failure is next to certain a float has digits enough."""
     failed = -np.expm1(-hazard.astype(float))
     return as_decimals(failed) if hazard.dtype == object else failed
 
@@ -59,14 +59,14 @@ _log: Callable[[Array], Array] = np.frompyfunc(lambda p: float(p.ln()) if p else
 
 
 def share(part: Array, whole: Array, otherwise: float) -> Array:
-    """A part of a whole, floats or decimals, as floats; ``otherwise`` where there is none."""
+    """Return a part over a whole, floats or decimals, as floats; ``otherwise`` where the whole is 0."""
     if whole.dtype == object:
         return _share(part, whole, otherwise).astype(float)
     return np.divide(part, whole, out=np.full_like(whole, otherwise), where=whole > 0)
 
 
 def log(chance: Array) -> Array:
-    """ln of probabilities, floats or decimals, as floats."""
+    """Return ln of probabilities, floats or decimals, as floats."""
     if chance.dtype == object:
         return _log(chance).astype(float)
     with np.errstate(divide="ignore"):
@@ -74,7 +74,7 @@ def log(chance: Array) -> Array:
 
 
 class StructureGivenItWorks:
-    """One or more diagrams prepared, as ``Structure``, and asked about each given that it works now.
+    """One or more diagrams, prepared as ``Structure``, and asked about each given that it works now.
 
     ``known`` is everywhere the cumulative hazard of each unit till now, shape (units, ...), in the order of
     ``structure.names``: 0 where it is known to work, infinite where it has failed. Of several diagrams, which share no
@@ -86,14 +86,14 @@ class StructureGivenItWorks:
         self._diagrams = diagrams
 
     def ahead(self, known: Array, more: Array) -> tuple[Array, Array]:
-        """P(fails meanwhile) and P(survives it), given that it works now; 1 and 0 where it cannot. Shape (...).
+        """Return P(fails meanwhile) and P(survives it), given that it works now; 1 and 0 where it cannot. Shape (...).
 
         ``more``: what is added to the cumulative hazard of each unit, shape (units, ...).
         """
         return self.given(known)(more)
 
     def given(self, known: Array) -> Callable[[Array], tuple[Array, Array]]:
-        """``ahead`` as a function of ``more``, for much that is asked of what is known."""
+        """Return ``ahead`` as a function of ``more``, for many questions about the same ``known``."""
         if not known.any():  # what fails is what fails from now on
             return partial(self._from_new, known.shape[1:])
         of_units = _chances_given(known)
@@ -116,7 +116,7 @@ class StructureGivenItWorks:
         return fails, survives
 
     def rate(self, known: Array, hazard: Array) -> Array:
-        """The hazard rate now [1/h], given that it works, shape (...), from that of each unit; infinite if it cannot.
+        """Return the hazard rate now [1/h], given that it works, shape (...), from each unit's; infinite if it cannot.
 
         ``hazard`` is finite, shape (units, ...).
         """
@@ -139,10 +139,10 @@ class StructureGivenItWorks:
         return rate
 
     def hangs(self, known: Array, more: Array) -> Array:
-        """P(each unit works then, and the system with it alone | it works now), shape (units, ...); of one diagram.
+        """Return P(each unit works then, and the system with it alone | it works now), shape (units, ...).
 
-        ``more``: what is added to the cumulative hazard of each unit, shape (units, ...). Times the unit's hazard rate
-        it is how often its failure fails the system: Iᵢ·fᵢ/P(it works now).
+        Of one diagram. ``more``: what is added to the cumulative hazard of each unit, shape (units, ...). Times the
+        unit's hazard rate it is how often its failure fails the system: Iᵢ·fᵢ/P(it works now).
         """
         exactly = bool(np.any(self.log_works(known) <= math.log(FAINTEST)))
         with decimals():
@@ -153,7 +153,7 @@ class StructureGivenItWorks:
             return np.asarray(self.structure.birnbaum(left, then) * left / alive, dtype=float)
 
     def log_works(self, known: Array) -> Array:
-        """ln P(works now), shape (...): how much speaks for what is known."""
+        """Return ln P(works now), shape (...): how likely what is known was."""
         works, _ = self.structure.probability(survival(known), likely_failed(known))
         logs = log(works)
 
@@ -169,7 +169,7 @@ class StructureGivenItWorks:
         return logs
 
     def exactly(self, known: Array, more: Array) -> tuple[Array, Array]:
-        """As ``ahead``, of decimals, and in decimals; to be asked in ``decimals()``."""
+        """Return ``ahead`` of decimals, and in decimals; only within ``decimals()``."""
         _, fails, survives = self.structure.transition(*chances(known, more))
         works = fails + survives
         return _share(fails, works, 1.0), _share(survives, works, 0.0)
@@ -209,7 +209,7 @@ class StructureGivenItWorks:
 
 
 class _One(NamedTuple):
-    """One of the diagrams: the rows of its units, and what is asked about the blocks in series that it is."""
+    """One of several diagrams: the rows of its units, and the solver of the blocks in series that it consists of."""
 
     rows: NDArray[np.intp]
     solver: StructureGivenItWorks
@@ -227,7 +227,7 @@ def _ahead_anew(one: _One, known: Array, more: Array) -> Array:
 
 
 def chances(known: Array, more: Array) -> tuple[Array, Array, Array]:
-    """Of each unit: P(failed by now), P(fails in the task), P(survives it), from cumulative hazards.
+    """Return P(failed by now), P(fails in the task), P(survives it) of each unit, from cumulative hazards.
 
     Floats or, in ``decimals()``, decimals.
     """

@@ -1,4 +1,4 @@
-"""What diagrams draw, each thing once: units and gates, in which equal blocks are one.
+"""The graph of diagrams, each thing once: units and gates, in which equal blocks are one.
 
 Modules are found by Dutuit and Rauzy, "A linear-time algorithm to find modules of fault trees", IEEE Trans.
 Reliab. 45 (1996).
@@ -15,7 +15,7 @@ from robophm.blocks.network import path
 
 
 class Gate(NamedTuple):
-    """At least k of the inputs work; ALL, ANY, or UNIT for a unit, which has none."""
+    """A gate: at least k of the inputs work; ALL, ANY, or UNIT for a unit, which has none."""
 
     k: int
     inputs: Sequence[int]
@@ -23,11 +23,11 @@ class Gate(NamedTuple):
 
 UNIT, ALL, ANY = -1, 0, 1
 NOT, ODD = -2, -3
-"""Of fault trees alone: the input is false; an odd number of the inputs is true."""
+"""Values of k for fault trees alone: the input is false; an odd number of the inputs is true."""
 
 
 def graph(*diagrams: Block) -> tuple[list[str], list[Gate], list[int]]:
-    """Names of the units, all that the diagrams draw, each thing once, inputs before their gates; and their tops."""
+    """Return the names of the units, all nodes (inputs before their gates), and the top nodes of the diagrams."""
     names: list[str] = []
     gates: list[Gate] = []
     known: dict[object, int] = {}  # name, or (k, inputs) → node
@@ -70,7 +70,7 @@ def graph(*diagrams: Block) -> tuple[list[str], list[Gate], list[int]]:
 
 
 def _used(names: list[str], gates: list[Gate], tops: list[int]) -> tuple[list[str], list[Gate], list[int]]:
-    """Less what nothing hangs on: ways through a network that lead nowhere, and parts that a sure way passes by."""
+    """The same without what nothing hangs on: dead ends in a network, and parts that a sure way passes by."""
     used = [False] * len(gates)
     for top in tops:
         used[top] = True

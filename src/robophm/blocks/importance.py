@@ -1,4 +1,4 @@
-"""How much each unit matters to a system: over a time that begins while it works, and over its whole life.
+"""Importance of each unit to a system: over a time that begins while it works, and over its whole life.
 
 All of it follows from one sweep back over the system, because R is linear in what becomes of each unit: whether a unit
 survives changes P(the system works) by Iᵢ = ∂R/∂pᵢ, its Birnbaum importance. Given that the system works now, the
@@ -25,29 +25,31 @@ AT_ONCE = 2_000_000
 """Numbers that one array may hold; more columns take turns."""
 
 TOLERANCE = 1e-10
-"""Of a Barlow–Proschan importance, of what all of them add up to, unless another is asked for."""
+"""Tolerance of Barlow–Proschan importances, as a share of the sum of them all, unless another is asked for."""
 
 
 class Importance(NamedTuple):
-    """Of each unit over a time, given that the system works when it begins; arrays of shape (units, ...).
+    """Importances of each unit over a time, given that the system works when it begins; shapes (units, ...).
 
     Not a number where it says nothing: of a system that has failed, or shares of a failure that cannot come.
     """
 
     birnbaum: Array
-    """By how much the system's chance to survive grows with the unit's: P(it hangs on the unit)."""
+    """Birnbaum's: how much the system's chance to survive grows with the unit's, P(it hangs on the unit)."""
     criticality: Array
     """P(the unit fails, and the system would work if it did not | the system fails)."""
     achievement: Array
-    """RAW: how many times as likely the system is to fail where the unit surely does."""
+    """Risk achievement worth (RAW): how many times as likely the system fails where the unit surely does."""
     reduction: Array
-    """RRW: how many times as likely the system is to fail as where the unit cannot; infinite where all hangs on it."""
+    """Risk reduction worth (RRW): how many times as likely the system fails as where the unit cannot; infinite where
+    all hangs on it.
+    """
     improvement: Array
-    """Potential: what the probability of failure would lose if the unit could not fail."""
+    """Improvement potential: the fall of the probability of failure if the unit could not fail."""
 
 
 def importance(structure: Structure, before: ArrayLike, during: ArrayLike, after: ArrayLike) -> Importance:
-    """What each unit's part in a failure is, shape (units, ...); arguments as of ``Structure.transition``.
+    """Return the importances of each unit, shape (units, ...); arguments as of ``Structure.transition``.
 
     Units fail ``before`` the time begins, ``during`` it, or ``after`` it if at all; without a past, ``before`` is 0.
     Rausand and Høyland, System Reliability Theory (2nd ed.), chapter 5. Raises StructureError as ``transition``.
@@ -88,7 +90,7 @@ def _without(structure: Structure, units: tuple[Array, ...], system: Transition,
 def barlow_proschan(
     intensity: Callable[[Array], Array], curve: Curve, until: float = math.inf, tolerance: float = TOLERANCE
 ) -> Array:
-    """P(it is this unit's failure that fails the system, by a time), shape (units,): ∫ Iᵢ fᵢ dt, to a tolerance.
+    """Return P(this unit's failure fails the system, by a time), shape (units,): ∫ Iᵢ fᵢ dt, to a tolerance.
 
     ``intensity`` takes times, shape (n,), and gives Iᵢ·fᵢ, shape (units, n); ``curve`` is the system's. Over all units
     it adds up to P(the system fails by then). Barlow and Proschan, Stoch. Proc. Appl. 3 (1975).

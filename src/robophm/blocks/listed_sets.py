@@ -19,9 +19,9 @@ class ListedSets:
     """Some minimal sets of a system, and what is known of all of them."""
 
     count: int
-    """Of all."""
+    """Number of all minimal sets."""
     by_order: tuple[int, ...]
-    """How many there are of 1, 2, … ORDERS parts."""
+    """Numbers of sets of 1, 2, … ORDERS parts."""
     mass: float
     """Sum of the probabilities of all."""
     sets: tuple[MinimalSet, ...]
@@ -31,14 +31,14 @@ class ListedSets:
     """P(the system has failed) of cut sets, P(it works) of path sets."""
 
     def share(self, one: MinimalSet) -> float:
-        """P(all of a set have failed, or work) over that of the system; not a number where the system's is 0."""
+        """Return P(all of a set have failed, or work) over that of the system; NaN where the system's is 0."""
         return one.probability / self.whole if self.whole > 0 else math.nan
 
 
 def list_sets(
     sets: MinimalSets, probability: ArrayLike, whole: float, most: int, order: int | None = None
 ) -> ListedSets:
-    """The ``most`` likeliest sets; with an ``order`` the smallest, of at most so many parts, of these the likeliest.
+    """Return the ``most`` likeliest sets; with an ``order`` the smallest, of at most so many parts, likeliest first.
 
     ``probability`` is that of each event, shape (events,), ``whole`` that of the system. Raises StructureError where
     too many sets are alike in what they are sorted by.

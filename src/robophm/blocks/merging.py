@@ -1,4 +1,4 @@
-"""Parts that stand in series wherever they are drawn are one, as far as any structure can tell."""
+"""Merging of parts that stand in series wherever they are drawn: no structure can tell them from one part."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from robophm.blocks.graph import ALL, ANY, UNIT, Gate, graph
 
 
 def merge_series(*diagrams: Block) -> tuple[list[Block], dict[str, tuple[str, ...]]]:
-    """The diagrams with such parts drawn as one, and which parts each remaining unit stands for.
+    """Return the diagrams with such parts drawn as one, and which parts each remaining unit stands for.
 
     Their cumulative hazards add up; in drawing order, the first gives the name.
     """
@@ -53,7 +53,7 @@ def merge_series(*diagrams: Block) -> tuple[list[Block], dict[str, tuple[str, ..
 
 
 def independent(diagram: Block) -> list[Block]:
-    """The blocks in series that a diagram is, those together that share parts: it works while all of them do."""
+    """Return the blocks in series that a diagram consists of, those that share parts together."""
     inner, todo = [], [diagram]
     while todo:
         block = todo.pop()
@@ -97,7 +97,7 @@ def _block(gate: Gate, blocks: list[Block]) -> Block:
 
 
 def single_points_of_failure(*diagrams: Block) -> frozenset[str]:
-    """The units without each of which one of the diagrams fails."""
+    """Return the units without each of which one of the diagrams fails."""
     names, gates, tops = graph(*diagrams)
     name = dict(zip((node for node, gate in enumerate(gates) if gate.k == UNIT), names, strict=True))
     fatal: list[frozenset[int]] = []  # of each node: the units without which it fails

@@ -28,13 +28,13 @@ AT_ONCE = 2_000_000
 
 
 class Part(NamedTuple):
-    """A module: ``rows[x]`` is the event or the part that level x of its table decides."""
+    """A module of a structure: ``rows[x]`` is the event or the part that level x of its table decides."""
 
     rows: list[int]
     table: Table
     root: int
     nodes: list[int]
-    """Those below the root, the deepest first, without the leaves."""
+    """Nodes below the root, the deepest first, without the leaves."""
 
 
 class Modular:
@@ -75,7 +75,7 @@ class Modular:
         return Part([rows[x] for x in order], table, function[-1], below(table, function[-1]))
 
     def probability(self, true: Array, false: Array) -> tuple[Array, Array]:
-        """P(top) and P(not top) from those of the events, shape (events, columns); every term is positive."""
+        """Return P(top) and P(not top) from those of the events, shape (events, columns); every term is positive."""
         widest = max([len(part.nodes) for part in self.parts], default=0) + len(self.parts) + self.events
         turn = max(1, AT_ONCE // widest)
         turns = range(0, max(true.shape[1], 1), turn)
@@ -103,7 +103,7 @@ class Modular:
 
 
 def below(table: Table, root: int) -> list[int]:
-    """The nodes below a root and itself, the deepest first, without the leaves."""
+    """Return the nodes below a root and itself, the deepest first, without the leaves."""
     found: set[int] = set()
     todo = [root]
     while todo:

@@ -1,4 +1,4 @@
-"""Whether a path joins two nodes of a network, as series and parallels of what may fail in it.
+"""Paths between two nodes of a network, expressed as series and parallels of what may fail in it.
 
 Nodes are eliminated one after the other, as unknowns are from linear equations: what could be reached through a
 node becomes links past it. A cycle adds no path, so that the result is exact after each node's turn; a network
@@ -18,11 +18,11 @@ LIMIT = 20_000
 """Largest number of ways past nodes that are followed up."""
 
 _Ways = dict[int | None, None]
-"""Of which each is a gate, or None where nothing can fail on it."""
+"""Ways between two nodes: each is a gate, or None where nothing on it can fail."""
 
 
 def path(network: Network, inputs: Sequence[int], gate: Callable[[int, Iterable[int]], int]) -> int:
-    """The gate that works while a path does; ``gate(0, …)`` makes all of some, ``gate(1, …)`` any of them.
+    """Return the gate that works while a path does; ``gate(0, …)`` makes all of some, ``gate(1, …)`` any of them.
 
     ``inputs`` are the gates of ``network.blocks``. Raises StructureError where there are too many ways.
     """
@@ -62,14 +62,14 @@ def path(network: Network, inputs: Sequence[int], gate: Callable[[int, Iterable[
         if followed > LIMIT:
             raise StructureError(
                 f"network: too meshed to solve exactly, it has more than {LIMIT:,} ways past its nodes; "
-                "expected fewer links, or an estimate by simulation (--monte-carlo)"
+                "expected fewer links, or an estimate by simulation"
             )
     ends_in = series(stands.get(network.source), joined(network.source, network.sink), stands.get(network.sink))
     return -1 if ends_in is None else ends_in  # a Network has something that can fail on every path
 
 
 def simple_paths(network: Network, most: int) -> list[tuple[Block, ...]]:
-    """The blocks on each path, in their order, less paths that need all of another; none of more than ``most``."""
+    """Return the blocks on each path, without paths that contain another; none of more than ``most`` blocks."""
     stands = dict(network.nodes)
     ways: dict[str, list[tuple[str, Block | None]]] = defaultdict(list)
     for start, end, block, one_way in network.links:

@@ -11,14 +11,16 @@ from robophm.blocks.graph import ALL, NOT, ODD
 from robophm.core.errors import StructureError
 
 FALSE, TRUE = 0, 1
-"""The two leaves."""
+"""The two leaves of every diagram."""
 
 _WORD = 32
 _MASK = (1 << _WORD) - 1
 
 
 class Table:
-    """Node g decides variable ``level[g]`` into ``high[g]``, where it is true, and ``low[g]``; no two are alike.
+    """A table of nodes: node g decides variable ``level[g]`` into ``high[g]``, where it is true, and ``low[g]``.
+
+    No two nodes are alike.
 
     Raises StructureError once ``limit`` steps are taken.
     """
@@ -34,11 +36,11 @@ class Table:
         self._opposite: dict[int, int] = {FALSE: TRUE, TRUE: FALSE}
 
     def node(self, x: int, high: int, low: int) -> int:
-        """The node that decides x into these two."""
+        """Return the node that decides x into these two."""
         return high if high == low else self.family(x, high, low)
 
     def family(self, x: int, high: int, low: int) -> int:
-        """The node of these two also where they are alike, as sets with x and without it are not."""
+        """Return the node of these two also where they are alike, as sets with x and without it are not."""
         node = self._node.setdefault((x, high, low), len(self.level))
         if node == len(self.level):
             self.level.append(x)
@@ -47,19 +49,19 @@ class Table:
         return node
 
     def split(self, g: int) -> tuple[int, int]:
-        """What a node is where its variable is true, and where it is false."""
+        """Return the two nodes below a node: where its variable is true, and where it is false."""
         return self.high[g], self.low[g]
 
     def cofactors(self, g: int, x: int) -> tuple[int, int]:
-        """What a node is where x, which lies no deeper, is true, and where it is false."""
+        """Return the nodes that a node becomes where x, which lies no deeper, is true, and where it is false."""
         return (self.high[g], self.low[g]) if self.level[g] == x else (g, g)
 
     def steps(self) -> int:
-        """How many steps have been taken."""
+        """Return how many steps have been taken."""
         return len(self._both) + len(self._either) + len(self._choice) + len(self._opposite)
 
     def gate(self, k: int, inputs: Sequence[int]) -> int:
-        """What a gate of these inputs is; ``k`` as of graph.Gate."""
+        """Return the node of a gate of these inputs; ``k`` as of graph.Gate."""
         if k == NOT:
             return self.opposite(inputs[0])
         if k == ODD:
@@ -70,7 +72,7 @@ class Table:
         return self.at_least(len(inputs) if k == ALL else k, inputs)
 
     def at_least(self, k: int, inputs: Sequence[int]) -> int:
-        """True while at least k of the inputs are."""
+        """Return the node that is true while at least k of the inputs are."""
         inputs = sorted(inputs, key=self.level.__getitem__)
         if k == len(inputs) or k == 1:
             memo, absorbs = (self._both, FALSE) if k == len(inputs) else (self._either, TRUE)
@@ -85,15 +87,15 @@ class Table:
         return enough[k]
 
     def both(self, f: int, g: int) -> int:
-        """f and g."""
+        """Return the node of "f and g"."""
         return self._combine(f, g, self._both, FALSE)
 
     def either(self, f: int, g: int) -> int:
-        """f or g."""
+        """Return the node of "f or g"."""
         return self._combine(f, g, self._either, TRUE)
 
     def _combine(self, f: int, g: int, memo: dict[int, int], absorbs: int) -> int:
-        """ "And" or "or": the leaf that absorbs is false or true, the other one changes nothing."""
+        """The node of "and" or "or": the leaf that absorbs is false or true, the other one changes nothing."""
         level, high, low, unique = self.level, self.high, self.low, self._node
         neutral = 1 - absorbs
 
@@ -142,7 +144,7 @@ class Table:
         return memo[~top]
 
     def opposite(self, f: int) -> int:
-        """True where f is false."""
+        """Return the node that is true where f is false."""
         done, todo = self._opposite, [f]
         while todo:
             g = todo[-1]
@@ -157,7 +159,7 @@ class Table:
         return done[f]
 
     def choose(self, f: int, g: int, h: int) -> int:
-        """The node "g if f is true, else h" (Bryant's if-then-else)."""
+        """Return the node "g if f is true, else h" (Bryant's if-then-else)."""
         done, todo = self._choice, [(f, g, h)]
         while todo:
             choice = f, g, h = todo[-1]
@@ -195,8 +197,8 @@ class TooLargeError(StructureError):
 
 
 def too_large(limit: int) -> TooLargeError:
-    """What is said of a diagram that takes too many steps."""
+    """Return the error for a diagram that takes too many steps."""
     return TooLargeError(
         f"shared parts: too many to solve exactly, their decision diagram exceeds {limit:,} steps; "
-        "expected fewer parts that are drawn in several places, or an estimate by simulation (--monte-carlo)"
+        "expected fewer parts that are drawn in several places, or an estimate by simulation"
     )

@@ -1,4 +1,4 @@
-"""In which order a decision diagram decides its variables: what its size hangs on more than on anything else.
+"""Orders in which a decision diagram decides its variables: its size hangs on them more than on anything else.
 
 No rule is best for all; these are tried one after the other. By depth first: Rauzy, "New algorithms for fault
 trees analysis", Reliab. Eng. Syst. Saf. 40 (1993); Bouissou, Bruyère and Rauzy, "BDD based fault-tree processing: a
@@ -18,7 +18,7 @@ _ROUNDS = 60  # of force; it has settled by then
 
 
 def orders(variables: int, gates: Sequence[Gate]) -> Iterator[list[int]]:
-    """Orders of the variables 0 … ``variables`` − 1; input ``variables`` + i of a gate is gate i.
+    """Yield orders of the variables 0 … ``variables`` − 1; input ``variables`` + i of a gate is gate i.
 
     As they are numbered; depth first from the last gate, and among its inputs the most used, the smallest, the
     largest first; by force.

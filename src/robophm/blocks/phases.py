@@ -40,7 +40,7 @@ _Stretch = tuple[int, int, int]  # from and to a slice of the hazards, the first
 
 
 class Phases:
-    """What must work, given what is known to have worked; prepared once and evaluated many times.
+    """The functions that must work in phases, given which are known to have worked; prepared once, evaluated often.
 
     ``known`` and ``wanted`` are diagrams with the phase at whose end each works; phase 0 ends now.
     Raises StructureError where the shared parts are too many to solve exactly (decision_diagram.LIMIT).
@@ -77,7 +77,7 @@ class Phases:
         self, gates: Sequence[Gate], row: Mapping[int, int], below: Mapping[int, list[int]],
         given: Needs, goals: Needs, group: list[int],
     ) -> None:  # fmt: skip
-        """One group of blocks that share parts: groups of the same shape are evaluated side by side."""
+        """Prepare a group of blocks that share parts: groups of the same shape are evaluated side by side."""
         phases = sorted({0} | {needs[node] for needs in (given, goals) for node in group if node in needs})
         variables = list(dict.fromkeys(v for node in group for v in below[node]))
         step = {(v, i): n for n, (v, i) in enumerate((v, i) for v in variables for i in range(len(phases)))}
@@ -107,7 +107,7 @@ class Phases:
         self._shapes[shape][1].append([(*stretch[i], row[v]) for v, i in step])
 
     def transition(self, known: Array, more: Array) -> Transition:
-        """What becomes of the mission, shape (...): already lost, lost from what is known on, completed.
+        """Return the outcome of the mission, shape (...): already lost, lost from what is known on, completed.
 
         ``known``: cumulative hazard of each unit till now, shape (units, ...), 0 where it is known to work and
         infinite where it has failed. ``more``: what each phase adds, shape (phases, units, ...).
@@ -120,7 +120,7 @@ class Phases:
         return Transition(failed, change, works)
 
     def given(self, known: Array, more: Array) -> tuple[Array, Array]:
-        """P(the mission is lost) and P(it is completed), given what is known, however little spoke for that.
+        """Return P(the mission is lost) and P(it is completed), given what is known, however unlikely that was.
 
         1 and 0 where what is known cannot be. Shape (...), arguments as of ``transition``.
         """
@@ -134,7 +134,7 @@ class Phases:
         return change, works
 
     def log_known(self, known: Array, more: Array) -> Array:
-        """ln P(what is known), shape (...); arguments as of ``transition``."""
+        """Return ln P(what is known), shape (...); arguments as of ``transition``."""
         hazard, shape = self._hazard(known, more)
         found = np.empty(hazard.shape[2])
         for columns, (_, fails, survives) in self._told(hazard):
@@ -148,7 +148,7 @@ class Phases:
         return hazard.reshape(*hazard.shape[:2], -1), hazard.shape[2:]
 
     def _told(self, hazard: Array) -> Iterator[tuple[slice | NDArray[np.intp], Array]]:
-        """As ``_outcomes``; columns where next to nothing speaks for what is known come again, in decimals.
+        """The results of ``_outcomes``; columns where what is known was too unlikely come again, in decimals.
 
         While those are dealt with, decimals have all their exponents.
         """
@@ -217,7 +217,7 @@ class Phases:
 
 
 def _last(gates: Sequence[Gate], needs: Iterable[tuple[int, int]]) -> dict[int, int]:
-    """What must work, a series taken apart; each block until its last phase."""
+    """The blocks that must work, with series taken apart, each until its last phase."""
     found: dict[int, int] = {}
     todo = list(needs)
     while todo:

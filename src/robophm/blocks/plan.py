@@ -1,4 +1,4 @@
-"""How a diagram is solved, worked out once: which rows of numbers are made from which, laid out flat.
+"""The plan by which a diagram is solved, worked out once: which rows of numbers are made from which, laid out flat.
 
 A row is a unit or a block, a column a moment, a robot or a draw. The units come first, so that they are written in one
 piece. Gates of one kind, size and level are folded side by side: what a fold takes lies in one piece, its inputs one
@@ -39,21 +39,21 @@ class Fold(NamedTuple):
     k: int
     n: int
     gates: int
-    """How many."""
+    """Number of gates side by side."""
     start: int
     """Row of the first input; input i of gate g is row start + i·gates + g."""
     out: int
     """Row of the first result."""
     stages: tuple[Stage, ...]
-    """Of a series or a parallel; none of another k-of-n."""
+    """Stages of a series or a parallel; none for any other k-of-n."""
     made: Rows
     """Rows of results that are inputs elsewhere, as often as they are."""
     to: Rows
-    """Where each of those is an input."""
+    """Rows where each of those is an input."""
 
     @property
     def inputs(self) -> slice:
-        """Their rows."""
+        """Return the slice of the inputs' rows."""
         return slice(self.start, self.start + self.n * self.gates)
 
 
@@ -70,12 +70,12 @@ class Decision(NamedTuple):
 
     @property
     def inputs(self) -> slice:
-        """Their rows."""
+        """Return the slice of the variables' rows."""
         return slice(self.start, self.start + self.n)
 
 
 class Plan:
-    """Diagrams compiled; of several, which share no parts, each has its own result.
+    """The plan of one or several diagrams; of several, which share no parts, each has its own result.
 
     Where ``kinds`` are given, a number from 0 on for each distinct unit in drawing order, units of a kind are alike in
     all that is told of them: equal blocks of equal units are one, however many there are.
@@ -86,15 +86,15 @@ class Plan:
     leaves: Rows
     """The unit, or kind, of each of the first rows: as often as they are inputs."""
     taken: Rows
-    """Which of these rows are inputs elsewhere."""
+    """First rows that are inputs elsewhere."""
     to: Rows
-    """Where each of those is an input."""
+    """Rows where each of those is an input."""
     systems: Rows
     """The row of each diagram's result."""
     steps: tuple[Fold | Decision, ...]
-    """In order: each takes what was made before it."""
+    """Steps in order: each takes what was made before it."""
     rows: int
-    """How many there are."""
+    """Number of rows in all."""
 
     def __init__(self, *diagrams: Block, kinds: Sequence[int] | None = None) -> None:
         sketch = _Sketch(diagrams)
@@ -179,11 +179,11 @@ class _Step(NamedTuple):
 
     @property
     def rows(self) -> int:
-        """What it makes: results, and what lies between."""
+        """Return the number of rows that it makes: results, and what lies between."""
         return len(self.inputs) - len(self.outputs) if self.pairwise else len(self.outputs)
 
     def arranged(self, rank: Callable[[int], int]) -> _Step:
-        """With the inputs of each gate in an order, so that what was made side by side is taken side by side."""
+        """Return the step with each gate's inputs in an order: what was made side by side is taken so."""
         if self.diagram:
             return self
         count = len(self.outputs)
@@ -228,7 +228,7 @@ class _Alike:
         return _in_order(self._decisions, self._folds), [self._value[system] for system in systems]
 
     def _joined(self, series: bool, inputs: Sequence[int]) -> int:
-        """What is there many times is squared again and again."""
+        """The value of equal inputs joined: what is there many times is squared again and again."""
         kept: list[int] = []
         for value, times in Counter(inputs).items():
             power, rest = value, times
@@ -256,7 +256,7 @@ class _Alike:
 def _in_order(
     decisions: Sequence[_Step], folds: Mapping[tuple[int, int, int], Sequence[tuple[Sequence[int], int]]]
 ) -> list[_Step]:
-    """All steps, what is made first first; gates of one level, kind and size side by side."""
+    """All steps in the order in which they are made; gates of one level, kind and size side by side."""
     steps = list(decisions)
     for (level, k, _), gates in folds.items():
         inputs = [value for together in zip(*(inner for inner, _ in gates), strict=True) for value in together]
@@ -265,7 +265,7 @@ def _in_order(
 
 
 class _Sketch:
-    """Which values are made from which: the units, numbered first, and every module."""
+    """A sketch of the plan: which values are made from which; the units are numbered first, then every module."""
 
     def __init__(self, diagrams: Sequence[Block]) -> None:
         self.names, self._gates, tops = graph(*diagrams)
@@ -291,7 +291,7 @@ class _Sketch:
         self.systems = [self._value[top] for top in tops]
 
     def steps(self) -> list[_Step]:
-        """All, what is made first first."""
+        """Return all steps in the order in which they are made."""
         return _in_order(self._decisions, self._folds)
 
     def _spliced(self, tops: Sequence[int]) -> set[int]:

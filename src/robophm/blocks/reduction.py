@@ -1,4 +1,4 @@
-"""What a structure is without what its drawing adds: gates run together, and inputs that always go together as one.
+"""Reduction of a structure: gates run together, and inputs that always go together become one.
 
 Contraction and factorisation after Reay and Andrews, "A fault tree analysis strategy using binary decision
 diagrams", Reliab. Eng. Syst. Saf. 78 (2002).
@@ -13,7 +13,7 @@ from robophm.blocks.graph import ALL, ANY, Gate
 
 
 def reduced(gates: Sequence[Gate]) -> list[Gate]:
-    """The same structure, its units first in their order, its top last, every gate of it used.
+    """Return the same structure, its units first in their order, its top last, every gate of it used.
 
     A gate of which one other is made runs into that one where both are series, or both parallel. Inputs that have
     the same users, all series or all parallel, become a gate of their own, which is a module where they are.

@@ -30,14 +30,14 @@ KEPT = 400_000
 
 Kind = np.dtype[Any]
 FLOAT = np.dtype(np.float64)
-"""Of numbers, unless they are objects: decimals, where probabilities are too small for a float."""
+"""Type of the numbers, unless they are objects: decimals, where probabilities are too small for a float."""
 
 Write = Callable[[Array, slice], None]
-"""What writes the leaves' numbers of some columns into the first rows."""
+"""A function that writes the leaves' numbers of some columns into the first rows."""
 
 
 class State(NamedTuple):
-    """A system at a moment; arrays of one shape, e.g. (times, robots)."""
+    """The state of a system at a moment; arrays of one shape, e.g. (times, robots)."""
 
     works: Array
     """Probability that it works: its reliability."""
@@ -48,7 +48,7 @@ class State(NamedTuple):
 
 
 class Transition(NamedTuple):
-    """A system over a task; arrays of one shape that add up to 1."""
+    """The transition of a system over a task; arrays of one shape that add up to 1."""
 
     failed: Array
     """Probability that it has failed by now."""
@@ -58,7 +58,7 @@ class Transition(NamedTuple):
     """Probability that it works at the end of the task."""
 
     def given_works(self) -> tuple[Array, Array]:
-        """P(fails in the task) and P(survives it), given that it works now; 1 and 0 where it cannot."""
+        """Return P(fails in the task) and P(survives it), given that it works now; 1 and 0 where it cannot."""
         works = np.asarray(self.fails + self.survives)
         fails = np.divide(self.fails, works, out=np.ones_like(works), where=works > 0)
         return fails, np.divide(self.survives, works, out=np.zeros_like(works), where=works > 0)
@@ -91,7 +91,7 @@ class Structure:
         self._idle: deque[_Place] = deque(maxlen=4)
 
     def state(self, works: ArrayLike, failed: ArrayLike, density: ArrayLike = 0.0) -> State:
-        """State of the system, shape (...), from the states of its units, shape (units, ...).
+        """Return the state of the system, shape (...), from the states of its units, shape (units, ...).
 
         ``works`` + ``failed`` = 1, each with its own digits; ``density`` [1/h] is finite. Trailing axes
         broadcast. Raises StructureError where a first axis is not the units.
@@ -100,7 +100,7 @@ class Structure:
         return State(works=s, failed=b, density=c)
 
     def transition(self, before: ArrayLike, during: ArrayLike, after: ArrayLike) -> Transition:
-        """What a task makes of the system, shape (...), from what it makes of its units, shape (units, ...).
+        """Return the transition of the system over a task, shape (...), from those of its units, shape (units, ...).
 
         A unit fails ``before`` the task (it has failed by now), ``during`` it, or ``after`` it if at all;
         the three add up to 1. P(the system fails in the task | it works now) = fails / (fails + survives).
@@ -110,12 +110,12 @@ class Structure:
         return Transition(b, c, s)
 
     def probability(self, works: ArrayLike, failed: ArrayLike) -> tuple[Array, Array]:
-        """P(works) and P(has failed) of the system, shape (...): a state without its density."""
+        """Return P(works) and P(has failed) of the system, shape (...): a state without its density."""
         b, s = self._given(failed, works, task=False)
         return s, b
 
     def lived(self, lived: Array, hazard: Array | None = None) -> Array:
-        """Of the system, shape (numbers, ..., columns): P(has failed), P(works) and, given hazards, its density.
+        """Return P(has failed), P(works) and, given hazards, the density of the system; shape (numbers, ..., columns).
 
         From the cumulative hazard that each of ``leaves`` has lived and its ``hazard`` [1/h], shape (leaves, columns);
         one column of either is that of all.
@@ -135,7 +135,7 @@ class Structure:
         return self._evaluate(write, 2 if hazard is None else 3, columns, task=False)
 
     def birnbaum(self, works: ArrayLike, failed: ArrayLike) -> Array:
-        """∂R/∂pᵢ of every unit, shape (units, ...): P(the system works if i does, and has failed if i has).
+        """Return ∂R/∂pᵢ of every unit, shape (units, ...): P(the system works if i does, and has failed if i has).
 
         Of one diagram; of a kind, the sum over its units. One sweep back over a state; every term is positive.
         """
@@ -147,7 +147,7 @@ class Structure:
         return found.reshape(self._inputs, *shape)
 
     def moment(self) -> Moment:
-        """What follows one system from moment to moment, and can be asked what one unit would change."""
+        """Return a Moment, which follows one system and can be asked what one unit would change."""
         return Moment(self._plan)
 
     def _given(self, *units: ArrayLike, task: bool) -> Array:
@@ -210,7 +210,7 @@ class Structure:
                 self._idle.append(place)
 
     def _place(self, numbers: int, columns: int, task: bool, kind: Kind) -> _Place:
-        """Where an evaluation is done: the one of last time that fits, of which no other thread makes use now."""
+        """A place for an evaluation: the one of last time that fits, of which no other thread makes use now."""
         for _ in range(len(self._idle)):
             try:
                 place = self._idle.pop()
@@ -223,7 +223,7 @@ class Structure:
         return _Place(rows, task, list(_program(self._plan, rows, task)))
 
     def _back(self, rows: Array) -> Array:
-        """Of every unit, how much the system's chance to work grows with its own; shape (units, columns)."""
+        """How much the system's chance to work grows with each unit's; shape (units, columns)."""
         weight = np.zeros(rows.shape[1:], rows.dtype)
         weight[self._systems] = 1
         for step in reversed(self._plan.steps):
@@ -248,7 +248,7 @@ class Structure:
 
 
 def _check_chances(columns: Sequence[Array]) -> None:
-    """Raises StructureError where what can become of a unit does not add up to 1."""
+    """Raise StructureError where what can become of a unit does not add up to 1."""
     total = sum(columns[1:], columns[0])
     if total.dtype == FLOAT and total.size and not (total.min() > 1 - _ADDS_UP and total.max() < 1 + _ADDS_UP):
         raise StructureError("units: probabilities of a unit do not add up to 1; expected all that can become of it")
@@ -278,7 +278,7 @@ class Moment:
         self._numbers: list[list[float]] = []
 
     def set(self, works: Array, failed: Array, density: Array | float = 0.0) -> State:
-        """The system whose units are now as given, arrays of shape (units,)."""
+        """Set the units, arrays of shape (units,), and return the state of the system."""
         row = self._row
         self._rows[WORKS, row, 0], self._rows[FAILED, row, 0], self._rows[CHANGE, row, 0] = works, failed, density
         for call in self._program:
@@ -288,12 +288,12 @@ class Moment:
 
     @property
     def state(self) -> State:
-        """As it is."""
+        """Return the state of the system as it is."""
         failed, works, density = self._rows[:, self._system, 0]
         return State(works, failed, density)
 
     def what_if(self, unit: str, works: float, failed: float, density: float = 0.0) -> State:
-        """As it would be if one unit were as given.
+        """Return the state of the system as it would be if one unit were as given.
 
         Raises StructureError where there is no such unit.
         """
@@ -324,7 +324,7 @@ class Moment:
         return State(*np.array((works, failed, density)))
 
     def _path(self, row: int) -> Iterator[_Merge | _Solve]:
-        """What hangs on the row of a unit, up to the system."""
+        """The steps from the row of a unit up to the system."""
         row = self._entry.get(row, row)
         while row != self._plan.systems[0]:
             step = self._steps[row]
@@ -344,7 +344,7 @@ class Moment:
 
 
 def _program(plan: Plan, rows: Array, task: bool) -> Iterator[Call]:
-    """What makes every block from those in it; ``rows`` of (failed, works[, change]), shape (2 or 3, rows, columns)."""
+    """The arithmetic that makes every block; ``rows`` of (failed, works[, change]), shape (2 or 3, rows, columns)."""
     widest = max((stage.size for step in plan.steps if isinstance(step, Fold) for stage in step.stages), default=0)
     scratch = np.empty((widest, rows.shape[2]), rows.dtype)
     yield from _copying(rows, plan.taken, plan.to)
@@ -370,7 +370,7 @@ class _Place(NamedTuple):
     """Rows, and what makes every block from those in it there."""
 
     rows: Array
-    """Of (failed, works[, change]), shape (2 or 3, rows, columns)."""
+    """Rows of (failed, works[, change]), shape (2 or 3, rows, columns)."""
     task: bool
     program: list[Call]
 
@@ -388,12 +388,12 @@ class _Solve(NamedTuple):
 
     step: Fold | Decision
     rows: list[int]
-    """Of its inputs."""
+    """Rows of the step's inputs."""
     place: int
     """The row among them."""
 
     def __call__(self, inputs: Array) -> tuple[float, float, float]:
-        """From inputs of shape (numbers, inputs, 1)."""
+        """Evaluate the step for inputs of shape (numbers, inputs, 1)."""
         if isinstance(self.step, Fold) and self.step.n <= FEW:
             return counted(self.step.k, inputs[:, :, 0].T.tolist())
         made = np.empty((len(inputs), 1))

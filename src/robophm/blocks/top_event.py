@@ -23,22 +23,22 @@ class TopEvent:
     occurred: Array
     """Probability of each basic event; shape (events,)."""
     not_yet: Array
-    """Their complements, with their own digits."""
+    """Complements of these probabilities, with their own digits."""
 
     @cached_property
     def probability(self) -> float:
-        """Of the top event. Raises StructureError where the tree is too large to solve exactly."""
+        """Return P(top event). Raises StructureError where the tree is too large to solve exactly."""
         return float(self.tree.probability(self.occurred, self.not_yet))
 
     def cut_sets(self, most: int, order: int | None = None) -> ListedSets:
-        """The smallest sets of events that bring it about; arguments as of ``list_sets``.
+        """Return the smallest sets of events that bring it about; arguments as of ``list_sets``.
 
         Raises StructureError for a tree with "not" or "xor", and where there are too many sets.
         """
         return list_sets(MinimalSets(self.tree), self.occurred, self.probability, most, order)
 
     def path_sets(self, most: int, order: int | None = None) -> ListedSets:
-        """The smallest sets of events whose absence is enough for it not to occur; as ``cut_sets``."""
+        """Return the smallest sets of events whose absence is enough for it not to occur; as ``cut_sets``."""
         self.tree.must_be_coherent("has no minimal path sets")
         works = FaultTree(self.tree.names, dual(self.tree.gates), self.tree.limit)
         return list_sets(MinimalSets(works), self.not_yet, 1.0 - self.probability, most, order)

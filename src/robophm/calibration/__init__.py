@@ -1,1 +1,1 @@
-"""Predictions against what happened: were the probabilities honest?"""
+"""Calibration of predictions against what happened: were the probabilities honest?"""

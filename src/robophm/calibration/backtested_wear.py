@@ -11,7 +11,7 @@ from robophm.learning.wear.backtest import Backtest
 
 
 def lives_of(backtests: Sequence[Backtest]) -> Lives:
-    """A row for each cut at which anything was foretold, numbered by backtest; on the parts' own clocks.
+    """Return a row for each cut at which anything was foretold, numbered by backtest; on the parts' own clocks.
 
     Whatever these count is taken for hours. Raises ModelError where nothing was foretold.
     """

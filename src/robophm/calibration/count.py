@@ -1,4 +1,4 @@
-"""How many of n events of unlike probabilities happen: the Poisson-binomial distribution, exact in both tails."""
+"""The Poisson-binomial distribution of how many of n unlike events happen, exact in both tails."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Count:
 
     @classmethod
     def of(cls, happens: Array, fails_to: Array) -> Count:
-        """The count of independent events, by their probabilities and the complements of these, shape (n,) each.
+        """Return the count of independent events, by their probabilities and the complements of these, shape (n,) each.
 
         Each probability is carried with its own complement and only positive terms are added, so every mass
         keeps its relative accuracy down to 1e-290.
@@ -50,7 +50,7 @@ class Count:
 
     @classmethod
     def joined(cls, counts: Sequence[Count]) -> Count:
-        """The count of the events of several independent counts together."""
+        """Return the count of the events of several independent counts together."""
         parts = [(count.first, count.mass) for count in counts]
         return cls._joined(parts, sum(count.fewest for count in counts), sum(count.most for count in counts))
 
@@ -63,21 +63,21 @@ class Count:
         return cls(*parts[0], fewest, most)
 
     def at_most(self, count: int) -> float:
-        """The probability that no more than ``count`` events happen."""
+        """Return the probability that no more than ``count`` events happen."""
         return float(min(1.0, np.sum(self.mass[: max(0, count - self.first + 1)])))
 
     def at_least(self, count: int) -> float:
-        """The probability that ``count`` or more events happen."""
+        """Return the probability that ``count`` or more events happen."""
         return float(min(1.0, np.sum(self.mass[max(0, count - self.first) :][::-1])))
 
     def p_value(self, count: int) -> float:
-        """Two-sided: twice the smaller tail, at most 1; 0 for a count that cannot be."""
+        """Return the two-sided p-value: twice the smaller tail, at most 1; 0 for a count that cannot be."""
         if not self.fewest <= count <= self.most:
             return 0.0
         return max(SMALLEST, min(1.0, 2 * min(self.at_most(count), self.at_least(count))))
 
     def band(self, level: float) -> tuple[int, int]:
-        """The counts that ``p_value`` does not reject at ``level``: the lowest and the highest."""
+        """Return the counts that ``p_value`` does not reject at ``level``: the lowest and the highest."""
         low = int(np.searchsorted(np.cumsum(self.mass), level / 2))
         high = int(np.searchsorted(np.cumsum(self.mass[::-1]), level / 2))
         return self.first + low, self.first + self.mass.size - 1 - high

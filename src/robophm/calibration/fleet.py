@@ -47,12 +47,12 @@ from robophm.transports.recordings.text import LONGEST_LINE
 Array = npt.NDArray[np.float64]
 
 MOST_BYTES = 2_000_000_000
-"""Of a table of a fleet."""
+"""Largest size of a table of a fleet [bytes]."""
 
 _AT_ONCE = 20  # robots that a process takes
 
 Model = Callable[[Outlook, Task, Steps], Completion]
-"""What makes a prediction of a task from what was known when it began, and what its legs will add."""
+"""A model that predicts a task from what was known when it began, and what its legs will add."""
 
 
 @dataclass
@@ -67,39 +67,39 @@ class _Done:
 
 @dataclass
 class _Life:
-    """What happened to one robot."""
+    """The history of one robot: its tasks, and what happened to its parts."""
 
     tasks: list[_Done] = field(default_factory=list)
     events: list[tuple[int, str, str]] = field(default_factory=list)
-    """Time, part (empty: the robot), and what happened; ascending."""
+    """Events as time, part (empty: the robot), and what happened; ascending."""
 
 
 def files(folder: Path) -> list[Path]:
-    """The files of a fleet's folder that are read."""
+    """Return the files of a fleet's folder that are read."""
     named = (folder / name for name in ("robot.yaml", "tasks.csv", "failures.csv"))
     return [*named, *folder.glob("recordings/*"), *folder.glob("plans/*")]
 
 
-def robophm_says(outlook: Outlook, task: Task, steps: Steps) -> Completion:
-    """The tool's own prediction of a task and of remaining life."""
+def robophm_prediction(outlook: Outlook, task: Task, steps: Steps) -> Completion:
+    """Return the tool's own prediction of a task."""
     return completion_of_steps(outlook, task, steps)
 
 
-def paper_says(outlook: Outlook, task: Task, steps: Steps) -> Completion:
-    """R^d of the paper: R of the robot when the task ends, d in kilometres."""
+def paper_prediction(outlook: Outlook, task: Task, steps: Steps) -> Completion:
+    """Return R^d of the paper: R of the robot when the task ends, d in kilometres."""
     system = outlook.plant.robot.diagram
     now = float(outlook.survival(system).works)
     after = potc_paper(now * completion_of_steps(outlook, task, steps).probability, task.distance / 1000)
     return Completion(after, 1 - after)
 
 
-def doubled_rates_say(outlook: Outlook, task: Task, steps: Steps) -> Completion:
-    """The prediction of a robot all of whose rates are doubled, which a test of honesty must reject."""
+def doubled_rates_prediction(outlook: Outlook, task: Task, steps: Steps) -> Completion:
+    """Return the prediction for a robot all of whose rates are doubled, which a test of honesty must reject."""
     return completion_at_rates(outlook, task, 2.0)
 
 
-def forgetting_says(outlook: Outlook, task: Task, steps: Steps) -> Completion:
-    """The prediction as if every robot were new, which a test of honesty must reject."""
+def forgetful_prediction(outlook: Outlook, task: Task, steps: Steps) -> Completion:
+    """Return the prediction as if every robot were new, which a test of honesty must reject."""
     none = np.zeros(len(outlook.age))
     new = replace(
         outlook, age=outlook.plant.initial, seen_age=none, unseen_hazard=none, cumulative_hazard=none,
@@ -107,13 +107,13 @@ def forgetting_says(outlook: Outlook, task: Task, steps: Steps) -> Completion:
     return completion_of_steps(new, task, steps)
 
 
-OURS: dict[str, Model] = {OWN: robophm_says}
-"""Our own model."""
+OURS: dict[str, Model] = {OWN: robophm_prediction}
+"""The tool's own model, by name."""
 
 CONTROLS: dict[str, Model] = {
-    "paper R^d": paper_says,
-    "rates off by 2": doubled_rates_say,
-    "forgets the past": forgetting_says,
+    "paper R^d": paper_prediction,
+    "rates off by 2": doubled_rates_prediction,
+    "forgets the past": forgetful_prediction,
 }
 """Models that are known to be wrong: scoring must find them out."""
 
@@ -125,7 +125,7 @@ def predict_fleet(
     jobs: int = 1,
     on_robot: Callable[[int, int], None] | None = None,
 ) -> Predictions:
-    """Predictions of every model, of which the first also foretells remaining lives.
+    """Return predictions of every model, of which the first also foretells remaining lives.
 
     ``jobs`` processes share the robots; ``on_robot`` hears how many of how many are done. Raises DesignError and
     SourceError where the folder is not such a one.
@@ -172,7 +172,7 @@ def _prepared(folder: Path) -> tuple[Plant, ExposureIntegrator]:
 def _robot_predictions(
     folder: Path, models: Sequence[Model], named: tuple[str, _Life]
 ) -> tuple[list[list[tuple[float, float, bool]]], tuple[float, ...] | None]:
-    """Of one robot: (failure, probability, failed) of each task by each model, and its remaining life."""
+    """Predictions for one robot: (failure, probability, failed) of each task by each model, and its remaining life."""
     plant, exposure = _prepared(folder)
     name, life = named
     observer = _Observer(name, plant, exposure, _samples(folder, name, plant.robot), life)
@@ -186,7 +186,7 @@ def _robot_predictions(
 
 
 class _Observer:
-    """One robot as it was seen, from task to task."""
+    """One robot as it was observed, from task to task."""
 
     def __init__(
         self, name: str, plant: Plant, exposure: ExposureIntegrator, samples: list[Sample], life: _Life
@@ -205,14 +205,14 @@ class _Observer:
                 raise SourceError(f"{name}: an event is before the first sample of its recording")
 
     def tasks(self) -> Iterator[tuple[_Done, Outlook]]:
-        """Each task with what was known when it began."""
+        """Yield each task with what was known when it began."""
         for done in self.life.tasks:
             self._until(done.start)
             yield done, self.outlook()
             self._do(done)
 
     def outlook(self) -> Outlook:
-        """The robot as it is known now: parts that report their failure, and exposure."""
+        """Return the robot as it is known now: parts that report their failure, and exposure."""
         knowledge = Knowledge(failed=frozenset(self.failed))
         return as_lived(self.plant, self.exposure, self.ledger, knowledge=knowledge)
 
@@ -268,7 +268,7 @@ class _Observer:
         self.taken = end
 
     def remaining(self, plan: Plan | None) -> tuple[float, ...] | None:
-        """Remaining life predicted when the record ends, where what came is known.
+        """Return the remaining life predicted when the record ends, where what came is known.
 
         The robot works then, and goes on by its plan, begun anew.
         """
@@ -289,7 +289,7 @@ class _Observer:
 
 
 def _samples(folder: Path, name: str, robot: Robot) -> list[Sample]:
-    """What a robot's sensors said, in order of time."""
+    """The samples of a robot's sensors, in order of time."""
     with open_source(folder / "recordings" / f"{name}.csv") as source:
         known = {f"{info.topic}.{field}" for info in source.topics() for field in info.fields}
         for signal in robot.signals:
@@ -304,7 +304,7 @@ def _plan(folder: Path, name: str, robot: Robot) -> Plan | None:
 
 
 def _lives(folder: Path, robot: Robot) -> dict[str, _Life]:
-    """What happened to each robot."""
+    """The history of each robot by its name."""
     lives: dict[str, _Life] = defaultdict(_Life)
     path = folder / "tasks.csv"
     tasks: dict[tuple[object, ...], Task] = {}
@@ -344,7 +344,7 @@ def _lives(folder: Path, robot: Robot) -> dict[str, _Life]:
 
 
 EVENTS = ("failed", "replaced", "inspected", "end")
-"""What may happen to a part, or to a robot as a whole."""
+"""Events that may happen to a part, or to a robot as a whole."""
 
 
 def _rows(path: Path, named: Sequence[str]) -> Iterator[tuple[int, tuple[tuple[str, ...], dict[str, str]]]]:

@@ -34,13 +34,13 @@ _SAME = 1e-5  # hours between two moments that are one, printed twice
 
 @dataclass(frozen=True)
 class Coverage:
-    """How many lives ended within the central interval that should hold ``level`` of them."""
+    """The coverage of a central interval: how many lives ended in it, of the ``level`` that should have."""
 
     level: float
     share: float
     low: float
     high: float
-    """Clopper–Pearson interval of the true coverage: those of all levels hold together with 99 %."""
+    """Upper end of the Clopper–Pearson interval of the true coverage; those of all levels hold together with 99 %."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,9 @@ class Prognosis:
 
     lives: int
     horizon: float
-    """Median of: how long before the end a prediction is first good enough, as a share of the time from the first."""
+    """Median prognostic horizon: how long before the end a prediction is first good, as a share of the time from the
+    first.
+    """
     never: int
     """Lives of which no prediction was good enough; their horizon counts as 0."""
     half_way: float
@@ -73,28 +75,28 @@ class LifeScore:
     lives: int
     """Predictions whose windows do not overlap: the earliest one of each life. These alone are tested."""
     censored: int
-    """Of those, without a seen end."""
+    """Number of those lives without a seen end."""
     impossible: int
     """Predictions that gave probability 0 to what happened."""
     p_value: float
-    """That an honest model does so badly: twice the smaller of the two below, at most 1."""
+    """Probability that an honest model does so badly: twice the smaller of the two below, at most 1."""
     p_shape: float
     """Kolmogorov–Smirnov of the PIT against uniform, exact."""
     p_worst_bin: float
-    """From the bar of the histogram that is worst, for the number of bars."""
+    """P-value of the bar of the histogram that is worst, times the number of bars."""
     histogram: tuple[int, ...]
     """PIT values in bars of equal width from 0 to 1."""
     band: tuple[int, int]
     """Heights that leave the prediction credible: for all bars together 99 %."""
     mean: float
-    """Mean PIT: above 0.5, lives were longer than predicted."""
+    """Mean PIT; above 0.5, lives were longer than predicted."""
     coverage: tuple[Coverage, ...]
     crps: float
     """Mean continuous ranked probability score of all predictions with a seen end [h]; NaN without any."""
     seen: float
     """Factor on all hazards, above 1, beyond which 9 of 10 such histories betray it; infinite where none would."""
     prognosis: Prognosis | None
-    """None where no life was predicted twice and seen to end."""
+    """Prognostic metrics; None where no life was predicted twice and seen to end."""
 
     def outside(self, height: int) -> bool:
         """Whether a bar of the histogram is so high, or so low, that the prediction is not credible."""
@@ -144,7 +146,7 @@ _HAZARD = -np.log1p(-np.array((0.0, *LEVELS)))
 
 
 def crps(quantiles: Array, observed: Array) -> Array:
-    """Continuous ranked probability score of each prediction, shape (n,), ∫ (F(x) − [x ≥ observed])² dx [h].
+    """Return the continuous ranked probability score of each prediction, shape (n,), ∫ (F(x) − [x ≥ observed])² dx [h].
 
     F is the life that starts at 0 and has constant hazard between quantiles, the last hazard beyond them: exact for
     that F, and so for an exponential life. ``quantiles`` (n, 9) at ``LEVELS``.

@@ -34,7 +34,7 @@ LEVELS = (0.025, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.975)
 """Probabilities of the quantiles that a prediction of remaining life states."""
 
 OWN = "robophm"
-"""What our own model is called."""
+"""Name of the tool's own model."""
 
 MOST_ROWS = 1_000_000
 """Rows beyond which a file is refused."""
@@ -64,7 +64,7 @@ class Tasks:
     failed: Flags
 
     def __post_init__(self) -> None:
-        """Raises ModelError where they are no such predictions."""
+        """Raise ModelError where they are no such predictions."""
         shape = (self.failure.size,)
         _expect(self.failure.size > 0, "at least one task")
         _expect(self.failure.shape == self.completion.shape == self.failed.shape == shape, "shape (n,) of each")
@@ -79,18 +79,18 @@ class Lives:
     robot: NDArray[np.intp]
     """Rows of one robot have the same number; shape (n,)."""
     time: Array
-    """Of the prediction [h]."""
+    """Time of each prediction [h]."""
     quantiles: Array
-    """At ``LEVELS``, ascending [h]; shape (n, 9)."""
+    """Quantiles at ``LEVELS``, ascending [h]; shape (n, 9)."""
     fraction: Array
     """Predicted P(life ≤ observed)."""
     observed: Array
     """Hours lived after ``time``."""
     censored: Flags
-    """Still working then."""
+    """Whether the robot still worked then."""
 
     def __post_init__(self) -> None:
-        """Raises ModelError where they are no such predictions."""
+        """Raise ModelError where they are no such predictions."""
         n = self.time.size
         each = (self.robot, self.time, self.fraction, self.observed, self.censored)
         _expect(n > 0, "at least one life")
@@ -103,7 +103,7 @@ class Lives:
 
 @dataclass(frozen=True)
 class Predictions:
-    """What was predicted, by the name of the model that predicted it."""
+    """Predictions by the name of the model that made them."""
 
     tasks: dict[str, Tasks] = field(default_factory=dict)
     lives: dict[str, Lives] = field(default_factory=dict)
@@ -119,7 +119,8 @@ def _within(values: Array, low: float, high: float = np.inf) -> bool:
 
 
 def lives_text(robots: Sequence[str], lives: Lives, model: str = OWN) -> str:
-    """A file of predictions of remaining lives, as ``read_predictions`` reads it; ``robots``: names by number."""
+    """Return a file of predictions of remaining lives, as ``read_predictions`` reads it; ``robots``: names by
+    number."""
     stream = io.StringIO()
     rows = csv.writer(stream, lineterminator="\n")
     rows.writerow(("robot", "model", "kind", "time", *_NEEDED["life"]))
@@ -131,7 +132,7 @@ def lives_text(robots: Sequence[str], lives: Lives, model: str = OWN) -> str:
 
 
 def read_predictions(path: str | Path) -> Predictions:
-    """The predictions in a CSV file. Raises SourceError, with line and column, where it holds none or a wrong one."""
+    """Read the predictions in a CSV file. Raises SourceError, with line and column, for none or a wrong one."""
     path = existing(Path(path))
     rows = _rows(path)
     _, header = next(rows, (0, []))
@@ -218,7 +219,7 @@ class _Row:
         return value
 
     def task(self) -> tuple[float, ...]:
-        """Failure, completion, outcome."""
+        """Return failure, completion and outcome of a task."""
         completion = self.number("probability", 0, 1)
         if "failure" not in self.at or not self.cells[self.at["failure"]]:
             return 1 - completion, completion, self.either("outcome")
@@ -273,7 +274,7 @@ def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
 
 
 def _once(path: Path, kind: str, table: Array) -> None:
-    """Nothing counts twice. Raises SourceError where a robot is predicted again at the same time."""
+    """Raise SourceError where a robot is predicted again at the same time: nothing counts twice."""
     order = np.lexsort((table[:, 0], table[:, 2], table[:, 1]))
     again = np.flatnonzero(np.all(table[order[1:], 1:3] == table[order[:-1], 1:3], axis=1))
     if again.size:

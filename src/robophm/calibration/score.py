@@ -14,7 +14,7 @@ from robophm.health.report import plain
 
 @dataclass(frozen=True)
 class ModelCalibration:
-    """One model's scores and verdicts; None for a kind of prediction that it did not make."""
+    """The scores and verdicts of one model; None for a kind of prediction that it did not make."""
 
     model: str
     tasks: TaskScore | None
@@ -41,7 +41,7 @@ class Calibration:
         return any(one.rejected and (one.model == OWN or len(self.models) == 1) for one in self.models)
 
     def to_json(self) -> dict[str, Any]:
-        """Plain lists and dictionaries that JSON can say: what is infinite or not a number becomes None."""
+        """Return plain lists and dictionaries for JSON: what is infinite or not a number becomes None."""
         document: dict[str, Any] = plain(asdict(self))
         for entry, model in zip(document["models"], self.models, strict=True):
             entry["rejected"] = model.rejected

@@ -31,15 +31,15 @@ class Bin:
 
     lowest: float
     highest: float
-    """Predicted probability of failure, of the safest and the riskiest."""
+    """Highest predicted probability of failure in the bin; ``lowest`` is that of the safest."""
     tasks: int
     expected: float
-    """Failures expected."""
+    """Number of failures expected."""
     failed: int
     band: tuple[int, int]
     """Numbers of failures that leave the prediction credible: with all bins' bands together 99 %."""
     p_value: float
-    """Of this bin alone, two-sided, exact."""
+    """P-value of this bin alone, two-sided, exact."""
 
     @property
     def outside(self) -> bool:
@@ -56,7 +56,7 @@ class Brier:
     resolution: float
     uncertainty: float
     within_bins: float
-    """What the grouping hides: spread of predictions in the bins less twice their covariance with the outcomes."""
+    """Spread of predictions within the bins less twice their covariance with the outcomes: what grouping hides."""
 
 
 @dataclass(frozen=True)
@@ -66,17 +66,17 @@ class TaskScore:
     tasks: int
     failed: int
     expected: float
-    """Failures expected."""
+    """Number of failures expected."""
     impossible: int
     """Outcomes to which the prediction gave probability 0."""
     p_value: float
-    """That an honest model does so badly: three times the smallest of the three below, at most 1."""
+    """Probability that an honest model does so badly: three times the smallest of the three below, at most 1."""
     p_total: float
-    """From the number of failures."""
+    """P-value of the number of failures."""
     p_worst_bin: float
-    """From the bin that is worst, for the number of bins."""
+    """P-value of the bin that is worst, times the number of bins."""
     p_bins: float
-    """From all bins together."""
+    """P-value of all bins together."""
     bins: tuple[Bin, ...]
     brier: Brier
     logarithmic_score: float
@@ -86,7 +86,7 @@ class TaskScore:
 
     @property
     def ratio(self) -> float:
-        """Failures for each one expected: calibration in the large."""
+        """Return the failures for each one expected: calibration in the large."""
         return self.failed / self.expected if self.expected else np.inf if self.failed else 1.0
 
 
@@ -180,8 +180,8 @@ def _seen(total: Count, expected: float) -> tuple[float, float]:
     return below, float(gammaincinv(high + 1, POWER)) / expected
 
 
-def found_out(model: Tasks, alternative: Tasks) -> float:
-    """The p-value of a model's probabilities, tested against those of another of the same tasks: the strongest test.
+def likelihood_ratio_p_value(model: Tasks, alternative: Tasks) -> float:
+    """Return the p-value of a model's probabilities against those of another of the same tasks: the strongest test.
 
     By the ratio of likelihoods (Neyman and Pearson 1933), beside its mean and deviation where the model is right: the
     normal distribution of a sum over many tasks. 0 where what the model called impossible happened.

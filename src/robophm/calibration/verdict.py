@@ -1,4 +1,4 @@
-"""What the scores mean, in words."""
+"""The verdict on scores, in words."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Verdict:
 
 
 def judge_tasks(score: TaskScore) -> Verdict:
-    """The verdict on predicted probabilities of task completion."""
+    """Return the verdict on predicted probabilities of task completion."""
     counted = f"{score.failed:,} of {_many(score.tasks, 'task')} failed where {_figure(score.expected)} were expected"
     if score.impossible:
         return Verdict("not calibrated", f" (p = 0): {_impossible(score.impossible)}; {counted}.")
@@ -66,7 +66,7 @@ def _task_fault(score: TaskScore, counted: str) -> str:
 
 
 def judge_lives(score: LifeScore) -> Verdict:
-    """The verdict on predicted remaining lives."""
+    """Return the verdict on predicted remaining lives."""
     notes = [f"the first of their {score.predictions:,} predictions"] if score.predictions > score.lives else []
     notes += [f"{score.censored:,} still going on"] if score.censored else []
     counted = _many(score.lives, "life", "lives") + (f" ({'; '.join(notes)})" if notes else "")
@@ -108,7 +108,7 @@ def _off(factor: float) -> str:
 
 
 def p_text(p: float) -> str:
-    """A p-value as text: "p = 3e-12", "p < 1e-279"."""
+    """Return a p-value as text: "p = 3e-12", "p < 1e-279"."""
     return f"p < {10 * SMALLEST:.0e}" if 0 < p < 10 * SMALLEST else f"p = {p:.2g}"
 
 

@@ -28,15 +28,16 @@ def main() -> None:
 
 
 def _run() -> int | None:
-    """What the process leaves with."""
+    """The exit code with which the process leaves."""
     try:
         from robophm.cli.app import app
+        from robophm.cli.shared.option_hints import with_options
         from robophm.core.errors import RobophmError
 
         try:
             app(prog_name="robophm")
         except RobophmError as error:
-            print(f"error: {error}", file=sys.stderr)
+            print(f"error: {with_options(str(error))}", file=sys.stderr)
             return INVALID
         except SystemExit as leaving:
             if leaving.code == INTERRUPTED:
@@ -62,7 +63,7 @@ def _run() -> int | None:
 
 
 def _defect(error: BaseException) -> int:
-    """Say on one line that it is one; never 1, which says that a threshold is breached."""
+    """Say on one line that it is a defect; never exit with 1, which says that a threshold is breached."""
     error = error.__cause__ if isinstance(error, NotOursError) and error.__cause__ else error
     if os.environ.get(TRACEBACK):
         print_exception(error)

@@ -27,14 +27,14 @@ PROGNOSIS = ("model", "lives", "horizon", "α–λ half way", "relative accuracy
 
 
 def of_fleet(folder: Path, *, controls: bool, jobs: int) -> Predictions:
-    """What our model says of a fleet, task by task; with ``controls`` models that are wrong, too."""
+    """Return our model's predictions for a fleet, task by task; with ``controls`` also models that are wrong."""
     models = OURS | CONTROLS if controls else OURS
     with counted(progress_console(), "predicting") as on_robot:
         return predict_fleet(folder, models, jobs=jobs, on_robot=on_robot)
 
 
 def print_calibration(out: Console, calibration: Calibration) -> None:
-    """The verdicts, then the scores of all models."""
+    """Print the verdicts, then the scores of all models."""
     for one in calibration.models:
         for kind, verdict in (("tasks", one.task_verdict), ("remaining life", one.life_verdict)):
             if verdict:

@@ -7,7 +7,7 @@ from robophm.cli.shared.output import console, print_json, warn
 from robophm.core.errors import DesignError
 from robophm.design.file import load
 from robophm.health.refusal import refusal
-from robophm.health.unknown_rates import alone, named
+from robophm.health.unknown_rates import named, unknown_in_parts
 from robophm.parts import graded
 
 
@@ -19,7 +19,7 @@ def command(design: Design, as_json: Json = False) -> None:
             warn(warning)
     if says := refusal(robot):
         raise DesignError(f"{design}: {says}")
-    left_out = alone(robot.all_components())
+    left_out = unknown_in_parts(robot.all_components())
     warnings = list(robot.warnings)
     if left_out:
         warnings.append(f"{left_out.left_out} ({named(robot)})")

@@ -29,10 +29,10 @@ from robophm.transports.recordings.recording import Recording
 from robophm.transports.synthetic import SyntheticOta
 
 PAGE_SECONDS = 2.0
-"""That the page is served where nobody looks."""
+"""Seconds that the page is served where nobody looks."""
 
 PAGE_SPEED = 20.0
-"""As fast as the synthetic robot works on the page, in multiples of its own time."""
+"""Speed of the synthetic robot on the page, in multiples of its own time."""
 
 
 def command(

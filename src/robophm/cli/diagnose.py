@@ -20,22 +20,22 @@ from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.report import plain
-from robophm.health.unknown_rates import PartsOfUnknownRate, alone, marks, named, unknown
-from robophm.learning.diagnosis.coverage_matrix import coverage, read_sensors, unseen
+from robophm.health.unknown_rates import PartsOfUnknownRate, marks, named, unknown, unknown_in_parts
+from robophm.learning.diagnosis.coverage_matrix import coverage, read_sensors, undetected_modes
 from robophm.learning.diagnosis.fault_isolation import Diagnosis, Sensor, suspects
-from robophm.learning.diagnosis.sensor_choice import Choice, choose, parted
+from robophm.learning.diagnosis.sensor_choice import Choice, choose, fitted_and_candidates
 from robophm.report.words import more_text, number_text, percent_text
 
 MOST_SUSPECTS = 15
-"""That are listed, of those whose rate is known, and of those whose rate is unknown."""
+"""The most suspects that are listed, of those whose rate is known, and of those whose rate is unknown."""
 
 
 @dataclass(frozen=True)
 class Wishes:
-    """What is asked of a diagnosis."""
+    """The options of a diagnosis."""
 
     alarms: tuple[str, ...] | None
-    """None: no question of what they mean."""
+    """Names of the alarms that are on; None: it is not asked what they mean."""
     add: int
     hours: float
     after: float | None
@@ -68,7 +68,7 @@ def command(
 
 
 def run(path: Path, table_of_sensors: Path, wishes: Wishes) -> None:
-    """Coverage, suspects, and the sensors that would tell most."""
+    """Print coverage, suspects, and the sensors that would tell most."""
     _only(wishes)
     robot = load(path)
     sensors = read_sensors(table_of_sensors, robot)
@@ -102,7 +102,7 @@ def _outlook(robot: Robot, plant: Plant, wishes: Wishes) -> Outlook:
 
 
 class _Added(NamedTuple):
-    """Sensors to add."""
+    """The choice of sensors to add, and what it rests on."""
 
     states: SilentStates
     choice: Choice
@@ -111,7 +111,7 @@ class _Added(NamedTuple):
 
 def _added(outlook: Outlook, sensors: list[Sensor], wishes: Wishes) -> _Added:
     diagram = outlook.plant.diagram(wishes.function or "")
-    fitted, others = parted(sensors)
+    fitted, others = fitted_and_candidates(sensors)
     states = silent_states(outlook, diagram, wishes.hours)
     alarms = unit_alarms(outlook, states.states, [(sensor.detects, sensor.false_alarm) for sensor in sensors])
     choice = choose(states.weights, states.outcome, alarms, wishes.add, base=fitted, candidates=others)
@@ -130,7 +130,7 @@ def _print(robot: Robot, sensors: list[Sensor], found: Diagnosis | None, added: 
                            figures=range(1, len(columns))))  # fmt: skip
     if not all(sensor.fitted for sensor in sensors):
         out.print("(in brackets: not fitted)")
-    if blind := unseen(robot, sensors):
+    if blind := undetected_modes(robot, sensors):
         some = ", ".join(blind[:10]) + (" …" if len(blind) > 10 else "")
         out.print(f"Nothing fitted sees: {some}", style="yellow", markup=False, soft_wrap=True)
     if found:
@@ -142,7 +142,7 @@ def _print(robot: Robot, sensors: list[Sensor], found: Diagnosis | None, added: 
 def _print_suspects(robot: Robot, found: Diagnosis, wishes: Wishes) -> None:
     """The likeliest, and all that may be it though how likely is not known."""
     out = console()
-    left_out = alone(robot.all_components())
+    left_out = unknown_in_parts(robot.all_components())
     mark = marks(left_out if found.rivals else None)[2]
     shown = [one for one in found.suspects if math.isnan(one.before)][:MOST_SUSPECTS]
     unrated = len(shown)
@@ -201,12 +201,12 @@ def _print_choice(sensors: list[Sensor], added: _Added, wishes: Wishes) -> None:
 
 def _json(robot: Robot, sensors: list[Sensor], found: Diagnosis | None, added: _Added | None) -> dict[str, Any]:
     document: dict[str, Any] = {
-        "robot": robot.name, "coverage": coverage(robot, sensors), "unseen": unseen(robot, sensors),
+        "robot": robot.name, "coverage": coverage(robot, sensors), "unseen": undetected_modes(robot, sensors),
     }  # fmt: skip
     if found:
         document["suspects"] = [one._asdict() for one in found.suspects]
         document["no_fault"], document["evidence"] = found.no_fault, found.evidence
-        if left_out := alone(robot.all_components()):
+        if left_out := unknown_in_parts(robot.all_components()):
             document["unknown"] = {**asdict(left_out), "rivals": found.rivals}
     if added:
         states, choice, unrated = added

@@ -98,7 +98,7 @@ def estimated(system: System, samples: int, seed: int, *, as_json: bool) -> None
 
 
 def system_of(source: Path, function: str | None, top: str | None, time: float | None, *, by_chance: bool) -> System:
-    """What a file holds, a robot's design or a model; what does not go with that, or with --monte-carlo, is refused."""
+    """Read a robot's design or a model; options that do not go with that, or with --monte-carlo, are refused."""
     robot = is_design(source)
     path = "a robot, whose top event is of --function" if robot else "a model, whose top event is of --top"
     path += ", only estimated (--monte-carlo)" if by_chance else ""

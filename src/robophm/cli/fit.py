@@ -37,7 +37,7 @@ from robophm.report.words import number_text
 
 @dataclass(frozen=True)
 class Wishes:
-    """What is asked of life data."""
+    """The options of a fit."""
 
     distribution: str | None
     how: How
@@ -89,7 +89,7 @@ def command(
 
 
 def run(path: Path, wishes: Wishes) -> None:
-    """Fit, print, draw, write."""
+    """Fit, print, draw and write, as the options ask."""
     _only(wishes)
     if (wishes.to is None) != (wishes.part is None):
         raise RobophmError("--to names a design and --part the part in it; expected both")
@@ -267,7 +267,7 @@ def _show_stress(found: LifeStressFit) -> None:
 
 
 def _show_power_law(by: Mapping[str, PowerLaw], data: LifeData, wishes: Wishes) -> None:
-    """By each estimate; of systems that were not watched equally long there is no unbiased one."""
+    """Show the power law by each estimate; for systems not watched equally long there is no unbiased one."""
     found = next(iter(by.values()))
     if wishes.as_json:
         print_json({

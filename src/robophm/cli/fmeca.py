@@ -18,7 +18,7 @@ from robophm.health.effects import Effect, check_severities, effects
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.report import plain
-from robophm.learning.diagnosis.coverage_matrix import coverage, read_sensors, seen
+from robophm.learning.diagnosis.coverage_matrix import coverage, detection_probabilities, read_sensors
 from robophm.report.fmeca_page import effect_text, fmeca_csv, fmeca_page, unknown_words
 from robophm.report.words import more_text, number_text
 
@@ -44,7 +44,7 @@ def run(
     path: Path, table_of_sensors: Path | None, hours: float, severities: tuple[str, ...], to: Path | None, *,
     force: bool, as_json: bool,
 ) -> None:  # fmt: skip
-    """Effects of every failure mode, printed or written."""
+    """Print or write the effects of every failure mode."""
     may_make(to, path, *([table_of_sensors] if table_of_sensors else []), force=force, suffixes=(".csv", ".html"))
     if to is None:
         refuse_unused("effects that are not written (--to)", ("sensors", "hours", "severity"))
@@ -52,7 +52,7 @@ def run(
     sensors = read_sensors(table_of_sensors, robot) if table_of_sensors else []
     sees = coverage(robot, [sensor for sensor in sensors if sensor.fitted])
     outlook = as_designed(Plant(robot))
-    found = effects(outlook, hours, seen(robot, sensors), _severities(severities, robot))
+    found = effects(outlook, hours, detection_probabilities(robot, sensors), _severities(severities, robot))
     if to:
         write(to, fmeca_csv(found, sees) if to.suffix == ".csv" else fmeca_page(robot.name, found, sees, hours))
     if as_json:

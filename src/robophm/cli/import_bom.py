@@ -21,15 +21,15 @@ from robophm.report.words import rate_text
 
 COUNTED: tuple[State, ...] = ("added", "changed", "unchanged", "kept")
 CHANGED: tuple[State, ...] = ("changed", "kept")
-"""What is said of parts one by one."""
+"""States of parts that are listed one by one."""
 
 MOST_LINES = 20
-"""Of one kind, for people; --json has them all."""
+"""The most lines of one kind, for people; --json has them all."""
 
 
 @dataclass(frozen=True)
 class Wishes:
-    """What the command line says."""
+    """The options of an import."""
 
     module: str | None = None
     mapping: Path | None = None
@@ -65,7 +65,9 @@ def command(
 
 
 def run(source: Path, design: Path, wishes: Wishes) -> None:
-    """Write the design. Raises RobophmError, nothing written, where the list or the design is none."""
+    """Import the parts and write the design. Raises RobophmError, nothing written, where the list or the design is
+    none.
+    """
     inputs = [source, *([wishes.mapping] if wishes.mapping else [])]
     may_write(design, *inputs)
     may_write(wishes.save_mapping, source, design)

@@ -11,6 +11,7 @@ from typing import Annotated, Any, cast
 import typer
 
 from robophm.cli.shared.fault_trees import of_model
+from robophm.cli.shared.option_hints import with_options
 from robophm.cli.shared.options import Failed, Future, Json, Store, Working
 from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.stored_past import kept
@@ -40,24 +41,24 @@ MEASURES = {
     "improvement": "improvement",
     "barlow-proschan": "barlow_proschan",
 }
-"""What parts may be ranked by, and what it is called inside."""
+"""Measures that parts may be ranked by, and what each is called inside."""
 
 
 @dataclass(frozen=True)
 class Question:
-    """What was asked."""
+    """The question as the options state it."""
 
     plan: Plan
     future: str
     function: str | None
     hours: float | None
-    """Of operation ahead; None: the usual."""
+    """Hours of operation ahead; None: the usual."""
     by: str
     most: int
 
 
 def hours_ahead(text: str) -> float:
-    """A time ahead in hours. Raises RobophmError."""
+    """Return a time ahead in hours. Raises RobophmError."""
     hours = quantity(text, "h")
     if not 0 < hours <= LONGEST:
         raise RobophmError(f"--after {text}: expected above zero, at most {LONGEST:g} h")
@@ -65,7 +66,7 @@ def hours_ahead(text: str) -> float:
 
 
 def measure(name: str) -> str:
-    """What a measure is called inside. Raises RobophmError."""
+    """Return what a measure is called inside. Raises RobophmError."""
     if name not in MEASURES:
         raise RobophmError(f"--by {name}: no such importance{nearest(name, MEASURES)}")
     return MEASURES[name]
@@ -100,7 +101,7 @@ def command(
 
 
 def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: bool) -> None:
-    """Answer on stdout, of a robot."""
+    """Print the answer for a robot."""
     diagram = robot.diagram_of(question.function)
     monitor = Monitor(robot, ledger)
     settled = monitor.exposure.settled(monitor.ledger)
@@ -126,7 +127,7 @@ def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: boo
 
 
 def run_model(path: Path, hours: float | None, by: str, most: int, *, as_json: bool) -> None:
-    """Answer on stdout, of a coherent fault tree in the Open-PSA format."""
+    """Print the answer for a coherent fault tree in the Open-PSA format."""
     refuse_unused("a fault tree", ("after", "by", "most"))
     system = of_model(path, hours, None)
     found = of_tree(system.event, math.nan if hours is None else hours)
@@ -170,7 +171,7 @@ def _show(title: str, found: Importances, question: Question, nominal: Importanc
         ever = "" if found.ever > 1 - 1e-6 else f", which comes with {percent_text(found.ever)}"
         out.print(f"causes: share of all failures to come that its own failure brings about (Barlow–Proschan){ever}")
     if found.refused:
-        out.print(f"No F–V: {found.refused}", style="yellow", markup=False)
+        out.print(f"No F–V: {with_options(found.refused)}", style="yellow", markup=False)
 
 
 def _share(value: float) -> str:

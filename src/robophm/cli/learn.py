@@ -23,7 +23,7 @@ from robophm.monitoring.rate_history import rate_history
 from robophm.report.words import number_text
 
 STORES = (".db", ".sqlite", ".sqlite3")
-"""How the names of stores end; all else is a log."""
+"""Suffixes of stores; all else is a log."""
 
 
 def command(

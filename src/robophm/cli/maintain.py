@@ -21,7 +21,7 @@ from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Robot
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.replacement import Worth, replacements
-from robophm.health.unknown_rates import PartsOfUnknownRate, alone, few, named
+from robophm.health.unknown_rates import PartsOfUnknownRate, few, named, unknown_in_parts
 from robophm.learning.maintenance.costs_table import read_costs
 from robophm.learning.maintenance.life_cycle_costs import LifeCycle
 from robophm.learning.maintenance.replacement_age import Visit
@@ -34,7 +34,7 @@ MOST_FIRST = 20
 
 @dataclass(frozen=True)
 class Wishes:
-    """What is asked."""
+    """The options of a maintenance plan."""
 
     store: Path | None
     setup: float
@@ -50,18 +50,18 @@ class Wishes:
 
 @dataclass(frozen=True)
 class _Answers:
-    """What there is to print."""
+    """The answers to print."""
 
     plan: UpkeepPlan
     left_out: PartsOfUnknownRate | None
-    """What parts of unknown rate among those asked about make of it."""
+    """The effect of those parts of unknown rate that were asked about."""
     visit: Visit | None
     cycles: LifeCycles | None
     spares: dict[str, tuple[int, float]]
     first: list[Worth] | None
-    """What each part put in new would gain for what it costs; None without a past."""
+    """Gain of each part put in new for what it costs; None without a past."""
     first_unknown: PartsOfUnknownRate | None
-    """What parts of unknown rate make of that."""
+    """The effect of parts of unknown rate on that."""
 
 
 def command(
@@ -85,7 +85,7 @@ def command(
 
 
 def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
-    """Plan, simulate, print."""
+    """Plan, simulate and print the upkeep."""
     robot = load(design)
     for option, value in (("--setup", wishes.setup), ("--downtime-cost", wishes.hour_down)):
         if not math.isfinite(value):
@@ -107,7 +107,7 @@ def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
     stock = plan.spares(lead, wishes.robots, wishes.level)
     gains = replacements(outlook, robot.diagram, robot.task) if wishes.store else None
     first = gains.for_their_cost({one.path: one.price for one in plan.parts}) if gains else None
-    left_out = alone(costs[name].part for name in plan.unknown)
+    left_out = unknown_in_parts(costs[name].part for name in plan.unknown)
     found = _Answers(plan, left_out, visit, cycles, stock, first, gains.unknown if gains else None)
     if wishes.as_json:
         print_json(_json(found))
@@ -214,8 +214,7 @@ def _print_cycles(out: Console, cycles: LifeCycles, title: str, left_out: PartsO
 
 
 def _cycle_row(one: LifeCycle, left_out: PartsOfUnknownRate | None) -> list[str]:
-    """Of parts that are upkept each for itself: one more only adds costs, failures and time in which the robot stands
-    still."""
+    """The row of a life cycle. Parts are upkept each for itself: one more only adds costs, failures and standstill."""
     least, most = ("≥ ", "≤ ") if left_out else ("", "")
     return [
         f"{least}{number_text(one.cost)} ± {number_text(one.error, 2)}",

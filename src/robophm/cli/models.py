@@ -16,14 +16,14 @@ from robophm.report.model_reference import reference
 
 
 def _in_library(kind: str) -> str:
-    """Where the library of parts knows what is asked for."""
+    """A hint where the library of parts knows what is asked for."""
     names = [entry.name for entry in search(kind)]
     some = f"{', '.join(names[:3])}{' …' if len(names) > 3 else ''}"
     return f"; the library of parts has {some}: robophm parts {kind}" if names else ""
 
 
 def print_reference() -> None:
-    """The page on stdout."""
+    """Print the reference page on stdout."""
     refuse_unused("the reference page", ("reference",), as_json=False)
     typer.echo("\n".join(reference()))
 

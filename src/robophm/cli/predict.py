@@ -11,13 +11,13 @@ import typer
 from robophm.cli import BREACHED
 from robophm.cli.shared.options import Design, Draws, Failed, Future, Horizon, Json, Store, Unit, Working, horizon_of
 from robophm.cli.shared.output import print_json, print_parts, print_report
-from robophm.cli.shared.stored_past import affordable, kept
+from robophm.cli.shared.stored_past import check_draws, kept
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
 from robophm.core.units import quantity
 from robophm.design.build_task import plain_task, with_knowledge
-from robophm.design.fault import Fault
 from robophm.design.file import load
+from robophm.design.located_error import LocatedError
 from robophm.design.task import Plan
 from robophm.design.task_file import load_plan
 from robophm.monitoring.monitor import Monitor
@@ -25,7 +25,7 @@ from robophm.monitoring.monitor import Monitor
 
 @dataclass(frozen=True)
 class Wishes:
-    """What is asked of a robot's future."""
+    """The options of a prediction."""
 
     distance: str | None
     speed: str | None
@@ -65,11 +65,11 @@ def command(
 
 
 def run(design: Path, store: Path | None, wishes: Wishes, unit: str, *, as_json: bool) -> bool:
-    """Print the report; whether a threshold is breached."""
+    """Print the report; return whether a threshold is breached."""
     if as_json:
         refuse_unused("JSON, in 1/h", ("store", *(field.name for field in fields(Wishes))))
     robot = load(design)
-    affordable(wishes.draws, robot)
+    check_draws(wishes.draws, robot)
     task = robot.task
     if (wishes.distance, wishes.speed, wishes.duration) != (None, None, None):
         try:
@@ -78,7 +78,7 @@ def run(design: Path, store: Path | None, wishes: Wishes, unit: str, *, as_json:
                 quantity(wishes.speed, "m/s") if wishes.speed is not None else None,
                 quantity(wishes.duration, "h") if wishes.duration is not None else None,
             )
-        except Fault as fault:
+        except LocatedError as fault:
             raise RobophmError(f"task: {fault}") from None
     tasks = load_plan(wishes.plan, robot) if wishes.plan else None
     knowledge = with_knowledge(tasks or Plan(()), robot, wishes.failed, wishes.working).knowledge

@@ -53,7 +53,7 @@ def command(
 
 
 def pairs(texts: Sequence[str]) -> dict[str, str]:
-    """The inputs that ``--set`` names. Raises ModelError where one is none, or is named twice."""
+    """Return the inputs that ``--set`` names. Raises ModelError where one is none, or is named twice."""
     given: dict[str, str] = {}
     for pair in texts:
         name, equals, value = (word.strip() for word in pair.partition("="))
@@ -66,7 +66,7 @@ def pairs(texts: Sequence[str]) -> dict[str, str]:
 
 
 def print_models(*, as_json: bool) -> None:
-    """All of them."""
+    """Print all models with their formulas."""
     models = [(name, handbook_model(name)) for name in handbook_models()]
     if as_json:
         print_json({"models": [{"name": n, "formula": m.formula, "source": str(m.source)} for n, m in models]})
@@ -76,7 +76,7 @@ def print_models(*, as_json: bool) -> None:
 
 
 def print_inputs(model: Model, *, as_json: bool) -> None:
-    """What a model takes."""
+    """Print the inputs that a model takes."""
     takes = [
         (name, model.expected(name), "" if e.default is None else str(e.default), e.description)
         for name, e in model.inputs.items()
@@ -123,7 +123,7 @@ def _in(found: Answer, unit: str | None) -> float:
 
 
 def _inputs(found: Answer) -> Iterator[str]:
-    """What the rate is of, input by input, and which of it nobody said."""
+    """The lines on what the rate is of, input by input, and which of it nobody said."""
     model, inputs, assumed = found.model, found.inputs, found.assumed
     width = max(map(len, model.inputs), default=0)
     for name, entry in model.inputs.items():

@@ -22,7 +22,7 @@ LACKING = "the page needs what `pip install 'robophm[web]'` installs"
 
 @dataclass(frozen=True)
 class Wishes:
-    """What the command line says."""
+    """The options of the service."""
 
     host: str
     port: int
@@ -58,7 +58,7 @@ def command(
 
 
 def run(design: Path, wishes: Wishes) -> None:
-    """Serve until interrupted. Raises RobophmError."""
+    """Serve the page until interrupted. Raises RobophmError."""
     if wishes.start is None:
         used = ("host", "port", "token", "store", "journal", "recordings", "synthetic")
         refuse_unused("a page on which nothing is watched at once (--start)", used)

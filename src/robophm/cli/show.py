@@ -35,7 +35,7 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.report import plain
 from robophm.health.unknown_rates import marked, marks, unknown
-from robophm.health.when_new import Promise, hazard_rates, promises
+from robophm.health.when_new import NominalFigures, hazard_rates, nominal_figures
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
 from robophm.report.diagram_text import diagram_text
@@ -45,7 +45,7 @@ from robophm.report.words import duration_text, number_text, percent_text, rate_
 
 
 def draw(out: Console, new: Outlook, unit: str) -> None:
-    """Every level's diagram as text."""
+    """Print every level's diagram as text."""
     label, robot = _labels(new, unit), new.plant.robot
     out.print(robot.name, style="bold", markup=False)
     for path, module in robot.levels.items():
@@ -58,11 +58,11 @@ def draw(out: Console, new: Outlook, unit: str) -> None:
 
 
 Old = tuple[float | None, float | None]
-"""What the 2020 tool says of a level: hazard rate [1/h] and reliability; None unless it is asked for."""
+"""Hazard rate [1/h] and reliability of a level by the 2020 tool; None unless they are asked for."""
 
 
-def promises_table(robot: Robot, found: Sequence[tuple[Promise, Old]], hours: float, unit: str) -> Table:
-    """For people."""
+def promises_table(robot: Robot, found: Sequence[tuple[NominalFigures, Old]], hours: float, unit: str) -> Table:
+    """Return a table of promises for people."""
     at = f"{number_text(hours)} h"
     columns = ["when new, nominal", f"λ at {at} of operation", f"R({at})", "MTTF, calendar"]
     if found[0][1][0] is not None:
@@ -132,7 +132,7 @@ def shown(
     new = as_designed(Plant(robot))
     found = [
         (one, (legacy_rate(module), legacy_reliability(module, hours)) if legacy else (None, None))
-        for one, module in zip(promises(new.plant, hours), robot.levels.values(), strict=True)
+        for one, module in zip(nominal_figures(new.plant, hours), robot.levels.values(), strict=True)
     ]
     if svg:  # the whole robot down to its components
         write(svg, diagram_svg(robot.diagram, _labels(new, unit), standalone=True))

@@ -16,7 +16,7 @@ from robophm.cli.shared import task_recording
 from robophm.cli.shared.options import Design, Draws, Failed, Future, Json, Legacy, SkipMissing, Store, Working
 from robophm.cli.shared.output import console, print_json, print_table, progress_console, table, warn
 from robophm.cli.shared.progress import counted
-from robophm.cli.shared.stored_past import affordable, kept
+from robophm.cli.shared.stored_past import check_draws, kept
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
@@ -44,7 +44,7 @@ MOST_NAMED = 5
 """Components that are named one by one."""
 
 LEAST_NAMED = 0.005
-"""Share of the failures from which on a component is."""
+"""Share of the failures from which on a component is named."""
 
 MOST_LISTED = 200
 """Tasks that are listed one by one."""
@@ -54,7 +54,7 @@ _ALWAYS = ("tasks", "store", "failed", "working", "legacy")  # used, whether tas
 
 @dataclass(frozen=True)
 class Request:
-    """As it was written on the command line."""
+    """The options as they were written on the command line."""
 
     tasks: Path | None
     store: Path | None
@@ -105,9 +105,9 @@ def command(
 
 
 def run(design: Path, asked: Request) -> bool:
-    """Answer; whether a threshold is breached."""
+    """Print the answer; return whether a threshold is breached."""
     robot, tasks = load(design), asked.tasks
-    affordable(asked.draws, robot)
+    check_draws(asked.draws, robot)
     chosen: Any = asked.future
     for name in asked.function:
         robot.diagram_of(name)  # which must be there
@@ -136,7 +136,7 @@ def run(design: Path, asked: Request) -> bool:
 
 @dataclass(frozen=True)
 class Question:
-    """What was asked."""
+    """The question as the options state it."""
 
     plan: Plan
     future: FutureName
@@ -149,7 +149,7 @@ class Question:
 
 
 def _of_list(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: bool) -> bool:
-    """Answer on stdout; whether a threshold is breached."""
+    """Print the answer; return whether a threshold is breached."""
     monitor = Monitor(robot, ledger)
     settled = monitor.exposure.settled(monitor.ledger)
     report = task_report(

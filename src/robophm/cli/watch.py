@@ -27,7 +27,7 @@ from robophm.design.file import load
 from robophm.health.report import HealthReport, plain
 from robophm.health.unknown_rates import marked, marks
 from robophm.monitoring.live_loop import watch
-from robophm.monitoring.recording_sessions import lacking
+from robophm.monitoring.recording_sessions import missing_signals
 from robophm.report.words import duration_text, number_text, probability_text, rate_text
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.health_topics import HealthTopics, Outlet
@@ -39,16 +39,16 @@ from robophm.transports.tasks.listener import topics_to_hear
 
 @dataclass(frozen=True)
 class Watched:
-    """What was asked for."""
+    """The options of a watch."""
 
     ros: str
-    """Which: auto, 1 or 2."""
+    """Choice of ROS: auto, 1 or 2."""
     store: Path | None
     journal: Path | None
     period: float
-    """[s]"""
+    """Step of integration, and time between two reports [s]."""
     every: float
-    """[s]"""
+    """Time between two lines, off a terminal [s]."""
     namespace: str
     publish: bool
     frame: str
@@ -99,7 +99,7 @@ def command(
 
 
 def run(design: Path, asked: Watched) -> bool:
-    """Listen until SIGINT or SIGTERM; whether a threshold is breached at the end."""
+    """Listen until SIGINT or SIGTERM; return whether a threshold is breached at the end."""
     _only(asked)
     may_write(asked.journal, design, *([asked.store] if asked.store else []))
     robot = load(design)
@@ -124,7 +124,7 @@ def run(design: Path, asked: Watched) -> bool:
         ends += [source.stop, source.close]
         print(opened.said, file=sys.stderr)
         published = {info.topic: (info.type, info.fields) for info in source.topics()}
-        lacks = lacking(robot, published)
+        lacks = missing_signals(robot, published)
         for words in dict.fromkeys(lacks.values()):
             warn(words.replace("the recording has no topic", "nobody publishes yet"))
         kept = stack.enter_context(SqliteStore(asked.store)) if asked.store else None

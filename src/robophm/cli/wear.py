@@ -33,7 +33,7 @@ TABLES = (".csv", ".tsv", ".yaml", ".yml")
 
 @dataclass(frozen=True)
 class Wishes:
-    """What is asked."""
+    """The options of a look at wear."""
 
     part: str | None
     threshold: float | None
@@ -108,7 +108,7 @@ def command(
 
 
 def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
-    """Foretell, look for a change, fuse with the hazards of all else, print; whether anything is critical."""
+    """Foretell, look for a change, fuse with all other hazards, print; return whether anything is critical."""
     robot = load(path)
     fitted = ("part", "baseline", "false_alarms", "shift", "store", "backtest", "predictions", "seed")
     if any(signal.suffix.lower() in TABLES for signal in signals):
@@ -142,7 +142,7 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
 
 
 def _backtests(found: Sequence[WornMode], wishes: Wishes) -> dict[str, Backtest]:
-    """By failure mode; those that cannot be are told, and where none can the first is raised."""
+    """Backtests by failure mode; those that cannot be are told, and where none can the first is raised."""
     done: dict[str, Backtest] = {}
     missed: list[DataError] = []
     for one in found:
@@ -171,7 +171,7 @@ def _of_table(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> WornMode
 
 
 def _of_recordings(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> tuple[list[WornMode], Monitor]:
-    """What the signals say that the design names; where one of several says too little, the others are told."""
+    """The wear by the signals that the design names; where one of several says too little, the others are told."""
     modes = worn_modes(robot, wishes.part)
     with counted(progress_console(), "reading") as advance:
         history = wear_history(robot, signals, modes, skip_missing=wishes.skip_missing, advance=advance)

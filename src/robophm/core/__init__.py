@@ -1,1 +1,1 @@
-"""The ground floor: errors, units, tables, signals, the plug registry. It imports nothing of robophm."""
+"""The ground floor, which imports nothing of robophm: errors, units, tables, signals, the plug registry."""

@@ -28,7 +28,7 @@ class RobophmError(Exception):
     """Root of all errors raised on purpose; its text is fit to be shown to a user as it is."""
 
     def __str__(self) -> str:
-        """One line, whatever line breaks, terminal codes or megabytes the names in it have."""
+        """Return one line, whatever line breaks, terminal codes or megabytes the names in it have."""
         text = _UNPRINTABLE.sub(" ", super().__str__())
         half = LONGEST_TEXT // 2
         return text if len(text) <= LONGEST_TEXT else f"{text[:half]} … {text[-half:]}"
@@ -104,7 +104,7 @@ def _shared(one: str, other: str) -> int:
 
 
 def _meant(name: str, names: list[str]) -> list[str]:
-    """The names that a slip of the hand away are this one, or whose last step is; or that it begins, or they it."""
+    """The known names that this one may mean: a slip away from it, or from its last step; or one begins the other."""
     said = _folded(name)
     folded = {_folded(other): other for other in reversed(names)}  # of two spellings the first
     whole = {other: form for form, other in reversed(folded.items())}
@@ -132,7 +132,7 @@ def _begins(one: str, other: str) -> bool:
 
 
 def slips(one: str, other: str) -> int | None:
-    """How many letters are wrong, missing, too many or exchanged with the next; None where these are two words.
+    """Return how many letters are wrong, missing, too many or exchanged with the next; None: these are two words.
 
     A letter doubled or a last s is always a slip, and numbers that differ never. Of a short word one letter makes
     another word: another first one up to seven letters (lamp for clamp), a wrong one up to four (belt for bolt), one

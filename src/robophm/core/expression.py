@@ -21,7 +21,7 @@ from robophm.core.errors import ModelError, nearest
 Array = npt.NDArray[np.float64]
 
 LONGEST_EXPRESSION = 1000
-"""Characters."""
+"""The most characters of an expression."""
 
 MOST_STEPS = 300
 """Numbers, names, operators and calls in one expression."""
@@ -39,7 +39,7 @@ FUNCTIONS: Mapping[str, tuple[int, Callable[..., Any]]] = {
     "max": (2, np.maximum),
     "pow": (2, np.power),
 }
-"""What may be called: how many arguments it takes (min and max: at least), and what it does."""
+"""Functions that may be called: how many arguments each takes (min and max: at least), and what it does."""
 
 CONSTANTS: Mapping[str, float] = {"pi": math.pi, "e": math.e}
 
@@ -80,7 +80,7 @@ class Expression:
 
 
 def check_name(name: str) -> None:
-    """Raises ModelError for a name that no variable may have."""
+    """Raise ModelError for a name that no variable may have."""
     if not _NAME.match(name):
         raise ModelError(f"'{name}' cannot be a variable; expected letters, digits and _, not first a digit")
     if name in FUNCTIONS or name in CONSTANTS:
@@ -101,7 +101,7 @@ class _Words:
         self.text = text
         self.at = 0
         self.kind, self.word, self.begins = "", "", 0
-        """Of the present word; no kind at the end."""
+        """Kind, text and place of the present word; at the end there is no kind."""
         self.advance()
 
     def advance(self) -> None:
@@ -121,7 +121,7 @@ class _Words:
 
 
 class _Reader(_Words):
-    """How words bind; what was read comes out operands first."""
+    """A reader by precedence of operators; its result has operands first."""
 
     def __init__(self, text: str, names: Iterable[str]) -> None:
         self.known = frozenset(names)

@@ -27,14 +27,14 @@ class History:
     """Remaining life as predicted again and again until it ended; all in one unit of time."""
 
     time: Array
-    """Of each prediction, ascending and before ``end``; shape (n,)."""
+    """Time of each prediction, ascending and before ``end``; shape (n,)."""
     remaining: Array
     """Predicted remaining life at each: one figure, shape (n,), or m equally likely ones, shape (n, m)."""
     end: float
-    """When it truly ended."""
+    """Time at which the life truly ended."""
 
     def __post_init__(self) -> None:
-        """Raises ModelError where it is no such history."""
+        """Raise ModelError where it is no such history."""
         time, remaining = np.asarray(self.time, dtype=float), np.asarray(self.remaining, dtype=float)
         if time.ndim != 1 or not time.size or remaining.shape[:1] != time.shape or remaining.ndim > 2:
             raise ModelError(f"history: time {time.shape}, remaining {remaining.shape}; expected (n,), (n,) or (n, m)")
@@ -63,7 +63,7 @@ class History:
 
 
 def prognostic_horizon(history: History, alpha: float = ALPHA, beta: float = BETA) -> float | None:
-    """How long before the end a prediction is first good enough; None where none is.
+    """Return how long before the end a prediction is first good enough; None where none is.
 
     Good enough: a share ``beta`` of it is within ± ``alpha`` · end of life, counted from the time's zero.
     """
@@ -72,7 +72,7 @@ def prognostic_horizon(history: History, alpha: float = ALPHA, beta: float = BET
 
 
 def alpha_lambda(history: History, share: float = 0.5, alpha: float = ALPHA, beta: float = BETA) -> bool | None:
-    """Whether a share ``beta`` is within ± ``alpha`` · true remaining life, ``share`` (λ) of the way to the end.
+    """Return whether a share ``beta`` is within ± ``alpha`` · true remaining life, ``share`` (λ) of the way to the end.
 
     At the first prediction at or after first + ``share`` · (end − first); None where there is none.
     """

@@ -1,4 +1,4 @@
-"""Plugs: a name in a design or on the command line → one file of a plug folder, or an entry point.
+"""The registry of plugs: a name in a design or a command → one file of a plug folder, or an entry point.
 
 A plug folder is a package in which every file is one plug and the file's name is the plug's name; folders
 inside it give dotted names (``mil_hdbk_217f.capacitor``). Files that begin with ``_`` are not plugs, nor is
@@ -71,7 +71,7 @@ def _walk(paths: Iterable[str], prefix: str) -> Iterator[str]:
 
 
 def entry_points(*, group: str, name: str | None = None) -> EntryPoints:
-    """What other packages offer."""
+    """Return the plugs that other packages offer in a group."""
     from importlib import metadata  # a third of the time of NumPy: not before somebody asks
 
     found = metadata.entry_points(group=group)

@@ -17,10 +17,10 @@ CLOCK = "clock"
 """The signal by which a live source says that time went on although the robot said nothing."""
 
 REORDERED = "order changed: "
-"""What begins the count of a signal by an index at which messages had another element than at first."""
+"""Prefix of a count: values of a signal by an index at which messages had another element than at first."""
 
 NOT_FINITE = "not finite: "
-"""What begins the count of a signal's values that are NaN, infinite, or texts that are no number."""
+"""Prefix of a count: values of a signal that are NaN, infinite, or texts that are no number."""
 
 _TOPIC = re.compile(r"[^.\s\x00-\x1f]+\Z")
 _STEP = r"[A-Za-z_][A-Za-z0-9_]*(?:\[[^\[\]\x00-\x1f\x7f]+\])?"
@@ -36,7 +36,7 @@ class Sample(NamedTuple):
     signal: str
     """``/topic.field[2]``, ``/topic.field[name]``, or ``clock``."""
     value: float
-    """In the unit of the message, unconverted; NaN where the message says so."""
+    """Value in the unit of the message, unconverted; NaN where the message says so."""
 
 
 def signal_name(topic: str, field: str) -> str:
@@ -62,11 +62,11 @@ def split_signal(signal: str) -> tuple[str, str]:
 
 
 class Step(NamedTuple):
-    """One step of a field path."""
+    """One step of a field path: a name, and an element where it is an array."""
 
     field: str
     element: int | str | None
-    """Of an array: its index, or the name that the message gives it; None where there is no array."""
+    """Index in an array, or the name that the message gives the element; None where there is no array."""
 
 
 def steps_of(field: str) -> list[Step]:
@@ -87,7 +87,7 @@ def named(field: str) -> bool:
 
 
 def no_number(signal: str) -> str:
-    """Why values of a signal are no samples: of an element told by its name they may be texts, such as "8.0 N m"."""
+    """Return why values of a signal are no samples: elements told by name may be texts, such as "8.0 N m"."""
     if named(signal.partition(".")[2]):
         return f"no finite number: {signal}; expected a number without its unit"
     return f"{NOT_FINITE}{signal}"

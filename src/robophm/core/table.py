@@ -13,16 +13,16 @@ from robophm.core.errors import ModelError, nearest
 
 @dataclass(frozen=True)
 class Source:
-    """Where a formula or table is printed, and how sure its transcription is."""
+    """The source of a formula or table: where it is printed, and how sure its transcription is."""
 
     title: str
-    """e.g. MIL-HDBK-217F Notice 2"""
+    """Title of the source, such as MIL-HDBK-217F Notice 2."""
     section: str
-    """e.g. 10.1"""
+    """Section of the source, such as 10.1."""
     page: str
-    """"–" where it is not known."""
+    """Page; "–" where it is not known."""
     status: str
-    """How the transcription was checked."""
+    """Statement of how the transcription was checked."""
 
     def __str__(self) -> str:
         if self.section == "–":
@@ -66,7 +66,7 @@ class Table(Mapping[str, float]):
         return key in self.rows
 
     def cell(self, key: str, column: str) -> float:
-        """One number. Raises ModelError for a row that the table does not have."""
+        """Return one number of a row. Raises ModelError for a row that the table does not have."""
         if key not in self.rows:
             raise ModelError(f"{self.name}: no row '{key}' in {self.source}{nearest(key, self.rows)}")
         return self.rows[key][self.columns.index(column)]
@@ -82,17 +82,17 @@ class Table(Mapping[str, float]):
 
 
 ROUNDING = 1e-12
-"""By how much of itself a number may be off a limit and still be it: conversions and ratios round."""
+"""Relative difference from a limit at which a number still counts as the limit: conversions and ratios round."""
 
 
 def above(value: npt.ArrayLike, limit: npt.ArrayLike) -> npt.NDArray[np.bool_]:
-    """Where a value is more than a limit, and not the limit itself: 2.1 V of 7 V are 0.3."""
+    """Whether a value is more than a limit, and not the limit itself: 2.1 V of 7 V are 0.3."""
     result: npt.NDArray[np.bool_] = np.asarray(value) > np.asarray(limit) + ROUNDING * np.abs(limit)
     return result
 
 
 def below(value: npt.ArrayLike, limit: npt.ArrayLike) -> npt.NDArray[np.bool_]:
-    """Where a value is less than a limit, and not the limit itself."""
+    """Whether a value is less than a limit, and not the limit itself."""
     result: npt.NDArray[np.bool_] = np.asarray(value) < np.asarray(limit) - ROUNDING * np.abs(limit)
     return result
 

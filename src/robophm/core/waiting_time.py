@@ -19,7 +19,7 @@ _DECADES = np.concatenate((np.arange(-250.0, -30, 10), np.arange(-30.0, 30), np.
 _USUAL = np.arange(-3.0, 9.0)  # in hours, what robots last
 _MOST_PANELS = 300  # that are rough: beyond it the curve is a staircase
 _LEVELS = np.log(2.0) * np.array([-8.0, -5.0, -2.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
-"""Of the cumulative hazard: between them a survival is smooth."""
+"""Levels of ln of the cumulative hazard: between them a survival is smooth."""
 
 _HALF = [
     (0.991455371120812639206854697526329, 0.022935322010529224963732008058970, 0.0),
@@ -59,7 +59,7 @@ def times_of_many(curve: Curve, fails: Array, survives: Array, *, tolerance: flo
 
 
 def _times(curve: Curve, logs: Callable[[Array], Array], target: Array, tolerance: float) -> Array:
-    """When the logarithm of the cumulative hazard reaches each target; ``logs`` gives it at all of some ln t.
+    """Times at which the logarithm of the cumulative hazard reaches each target; ``logs`` gives it at all of some ln t.
 
     Against the logarithm of time it is nearly straight: a decade is near enough to start at.
     """

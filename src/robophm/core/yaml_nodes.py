@@ -15,7 +15,7 @@ from functools import cache, lru_cache
 from typing import Any
 
 MAX_VALUES = 1_000_000
-"""Of a file with its aliases followed: a small file can otherwise unfold to billions."""
+"""The most values of a file with its aliases followed: a small file can otherwise unfold to billions."""
 
 MAX_DEPTH = 100
 
@@ -31,7 +31,7 @@ class Node:
         self.flow_style = getattr(event, "flow_style", None)
 
     def close(self, end_mark: Any) -> None:
-        """All its children are there."""
+        """Set where a value ends, once all its children are there."""
         self.end_mark = end_mark
         if self.id == "mapping":
             self.value = list(zip(self.value[::2], self.value[1::2], strict=False))
@@ -39,7 +39,7 @@ class Node:
 
 @contextmanager
 def uncollected() -> Iterator[None]:
-    """While many objects are made of which none is garbage: looking through them again and again takes the time."""
+    """Switch garbage collection off while many objects are made of which none is garbage."""
     collecting = gc.isenabled()
     if collecting:  # by none but its opener is it closed: another thread may be in here too
         gc.disable()
@@ -62,7 +62,7 @@ def compose(text: str) -> Any:
 
 
 class Unsure(Exception):  # noqa: N818  no error: ruamel.yaml has the last word
-    """What this text is, the quick reader cannot tell."""
+    """Raised for a text that the quick reader cannot read with certainty."""
 
 
 _ODD = re.compile("[^\n\r\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
@@ -71,7 +71,7 @@ _ODD = re.compile("[^\n\r\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\u
 
 _BLOCK = ("|", ">")
 _HEADER = re.compile(r"[|>][-+1-9]*[\r\n]")
-"""Of a block of lines; that a remark may follow it, they see otherwise."""
+"""Headers of a block of lines; the two readers differ on whether a remark may follow one."""
 
 
 def quick(text: str) -> Node | None:
@@ -118,7 +118,7 @@ def quick(text: str) -> Node | None:
 
 
 def _node(event: Any, parent: Node | None) -> Node:
-    """What an event begins, put into what it stands in. Raises Unsure."""
+    """The node that an event begins, put into what it stands in. Raises Unsure."""
     kind = type(event).__name__
     if event.anchor is not None or kind == "AliasEvent" or event.tag is not None:
         raise Unsure
@@ -142,13 +142,13 @@ _STRING, _MAP, _SEQUENCE = (f"tag:yaml.org,2002:{kind}" for kind in ("str", "map
 
 @lru_cache(10_000)
 def _tag(word: str) -> str:
-    """What YAML 1.2 takes an unquoted word for."""
+    """The tag that YAML 1.2 gives an unquoted word."""
     return next((tag for tag, pattern in _resolvers().get(word[0], ()) if pattern.match(word)), _STRING)
 
 
 @cache
 def _resolvers() -> dict[str, list[tuple[str, Any]]]:
-    """By first letter, ruamel.yaml's own table: PyYAML's is that of YAML 1.1, where 'no' is false and 1:20 is 80."""
+    """Resolvers by first letter, ruamel.yaml's own: PyYAML's are of YAML 1.1, where 'no' is false and 1:20 is 80."""
     from ruamel.yaml.resolver import implicit_resolvers
 
     found: dict[str, list[tuple[str, Any]]] = {}

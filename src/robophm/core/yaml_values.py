@@ -108,6 +108,6 @@ def _text(place: tuple[str, ...]) -> str:
 
 
 def located(name: str, lines: Lines, place: tuple[str, ...], message: str) -> str:
-    """A fault with the file, the line and the place in it."""
+    """Return a fault's message with the file, the line and the place in it."""
     known = next((place[:n] for n in range(len(place), -1, -1) if place[:n] in lines), ())
     return f"{name}:{lines.get(known, 1)}: {_text(place)}{message}"

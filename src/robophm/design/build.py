@@ -1,4 +1,4 @@
-"""From what a design file says to the robot that it describes, with every contradiction named."""
+"""Construction of a robot from the values of its design file, with every contradiction named."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from robophm.design import schema
 from robophm.design.build_mode import ModeBuilder
 from robophm.design.build_task import build_task
 from robophm.design.common_cause import CommonCauses
-from robophm.design.driving import Cover, Driving, assumed, undriven
-from robophm.design.fault import Fault, Path
+from robophm.design.located_error import LocatedError, Path
 from robophm.design.robot import Component, Limits, MeasuredClock, Module, Robot, Thresholds, Usage
 from robophm.design.scope import Scope
-from robophm.design.wiring import Wiring, told_apart
+from robophm.design.sensor_channels import ChannelBuilder, SensorCover, assumed, undriven
+from robophm.design.wiring import Wiring, distinguished_parts
 from robophm.parts import FIGURES
 from robophm.parts import part as library_part
 
@@ -36,11 +36,11 @@ MOST_DRAWN = 1_000_000
 
 
 def build(design: schema.RobotFile) -> Robot:
-    """Put a robot together. Raises Fault (a DesignError with its place) at the first contradiction."""
+    """Build a robot from its design. Raises LocatedError (a DesignError with its place) at the first contradiction."""
     try:
         return _Builder(design).robot()
     except RecursionError:
-        raise Fault((), "what contains or depends on one another is nested too deeply") from None
+        raise LocatedError((), "what contains or depends on one another is nested too deeply") from None
 
 
 class _Builder:
@@ -50,11 +50,11 @@ class _Builder:
         self.modules: dict[str, schema._Group] = {}
         self.places: dict[str, Path] = {}
         self.depends_on: dict[str, Any] = {}
-        self.driving = Driving()
+        self.driving = ChannelBuilder()
         self.modes = ModeBuilder(design.usage, self.driving)
-        self.covered: list[tuple[Component, Cover]] = []
+        self.covered: list[tuple[Component, SensorCover]] = []
         self.told_apart = {
-            name.partition("[")[0].rpartition("/")[2] for name in told_apart(design)
+            name.partition("[")[0].rpartition("/")[2] for name in distinguished_parts(design)
         }  # last steps of names drawn as 'motor[2]', of members of a group, and of those that may fail together
 
     def robot(self) -> Robot:
@@ -93,10 +93,10 @@ class _Builder:
         return replace(robot, task=build_task(design.task, robot, ("task",))) if design.task else robot
 
     def _used(self, expand: Wiring, diagrams: Sequence[blocks.Block]) -> set[str]:
-        """The units that the diagrams draw, groups and their members among them. Raises Fault for what none can be."""
+        """The units that the diagrams draw, groups and their members too. Raises LocatedError for what none can be."""
         for diagram in diagrams:
             if blocks.drawn(diagram) > MOST_DRAWN:
-                raise Fault((), f"its diagrams unfold to more than {MOST_DRAWN:,} parts")
+                raise LocatedError((), f"its diagrams unfold to more than {MOST_DRAWN:,} parts")
         used = set(chain.from_iterable(map(blocks.units, diagrams)))
         expand.check_groups(used)
         members_of = {
@@ -104,14 +104,14 @@ class _Builder:
         }
         for unit, name in members_of.items():
             if self.components[path := unit.partition("[")[0]].unknown:
-                raise Fault(
+                raise LocatedError(
                     (*self.places[path], "rate"),
                     f"{path} is of unknown rate, and {name} depends on how long it lives; expected a rate",
                 )
         return used.union(members_of)
 
     def _remarks(self, used: set[str]) -> tuple[list[str], list[str]]:
-        """What in the design is odd, and what was assumed."""
+        """The warnings on what is odd in the design, and the notes on what was assumed."""
         drawn = {name.partition("[")[0] for name in used}
         warnings = [f"{path}: used in no diagram" for path in self.components if path not in drawn]
         members = (unit for part in self.components.values() if part.path in drawn for unit in part.units)
@@ -137,9 +137,9 @@ class _Builder:
         if isinstance(level, schema.Module) and level.depends_on is not None:
             self.depends_on["/".join(path)] = level.depends_on
         for name in level.modules.keys() & level.components.keys():
-            raise Fault((*place, "components", name), f"duplicate name '{name}': a module here has it too")
+            raise LocatedError((*place, "components", name), f"duplicate name '{name}': a module here has it too")
         if not level.modules and not level.components:
-            raise Fault(place, "has no parts; expected modules or components")
+            raise LocatedError(place, "has no parts; expected modules or components")
         modules = tuple(
             self._module((*path, name), (*place, "modules", name), module, scope)
             for name, module in level.modules.items()
@@ -160,14 +160,14 @@ class _Builder:
             scope = replace(scope, environment=library_part(part.part).part.get("environment"))
         required = part.quantity if part.required is None else part.required
         if required > part.quantity:
-            raise Fault(
+            raise LocatedError(
                 (*place, "required"),
                 f"required {required} of quantity {part.quantity}; expected at most that",
             )
         if part.failure_modes:
             inline = part.model_fields_set & _OF_ONE_MODE
             if inline or own_acceleration is not None:
-                raise Fault(
+                raise LocatedError(
                     place,
                     f"has failure_modes and its own {min(inline or {'acceleration'})}; expected one of the two",
                 )
@@ -179,14 +179,14 @@ class _Builder:
             modes = (self.modes.mode(path, place, part, part, scope),)
         for name in part.offsets:
             if name not in scope.signals:
-                raise Fault(
+                raise LocatedError(
                     (*place, "offsets", name),
                     f"no signal '{name}' is bound here or above{nearest(name, scope.signals)}",
                 )
         name = "/".join(path)
         apart = part.quantity > 1 and (required < part.quantity or path[-1] in self.told_apart)
         if apart and part.quantity > MOST_PARTS:
-            raise Fault((*place, "quantity"), f"{part.quantity} parts told apart; expected at most {MOST_PARTS}")
+            raise LocatedError((*place, "quantity"), f"{part.quantity} parts told apart; expected at most {MOST_PARTS}")
         names = tuple(f"{name}[{i}]" for i in range(1, part.quantity + 1)) if apart else (name,)
         component = Component(
             name, part.quantity, required, part.monitored, modes, names, scope.duty, part.description or ""
@@ -204,7 +204,7 @@ class _Builder:
         try:
             return signal_name(powered.topic, powered.field) if powered else None
         except RobophmError as error:
-            raise Fault(("powered",), str(error)) from None
+            raise LocatedError(("powered",), str(error)) from None
 
     def _usage(self) -> Usage:
         usage = self.design.usage

@@ -1,4 +1,4 @@
-"""From how often a design says that a part fails, and how that changes with its age, to its life."""
+"""Construction of a life distribution from a stated rate or age and the distribution's shape."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import Any, TypeVar
 from robophm.core.errors import ModelError, PlugError, UnitError, nearest
 from robophm.core.units import quantity
 from robophm.design import schema
-from robophm.design.fault import Fault, Path, written
+from robophm.design.located_error import LocatedError, Path, quantity_at
 from robophm.life import life_distribution
 from robophm.life.distribution import LifeDistribution
 from robophm.parts import FIGURES
 
 MEANS = ("mtbf", "mttf")
-"""What states the mean life."""
+"""Keys that state the mean life."""
 
 TENTHS = ("l10", "b10")
-"""What states the age by which a tenth have failed."""
+"""Keys that state the age by which a tenth have failed."""
 
 ABOVE_ZERO = "expected above zero: a part that never fails is no part"
 
@@ -26,31 +26,33 @@ _Plug = TypeVar("_Plug")
 
 
 def key_of_figure(place: Path, mode: schema.FailureMode) -> str | None:
-    """Which key says how often a mode comes; None where only its life can. Raises Fault where two do."""
+    """Return the key that states a mode's frequency; None where only its life can. Raises LocatedError where two do."""
     stated = [key for key in (*FIGURES, "hazard") if getattr(mode, key) is not None]
     if len(stated) > 1:
-        raise Fault((*place, stated[0]), f"both '{stated[0]}' and '{stated[1]}' are given; expected one of the two")
+        raise LocatedError(
+            (*place, stated[0]), f"both '{stated[0]}' and '{stated[1]}' are given; expected one of the two"
+        )
     return stated[0] if stated else None
 
 
 def figure_of(place: Path, mode: schema.FailureMode, key: str, unit: str) -> float:
-    """What it says: a rate [1/clock], or an age [clock]. Raises Fault."""
+    """Return the rate [1/clock] or age [clock] that a key states. Raises LocatedError if that is not above zero."""
     at, said = (*place, key), getattr(mode, key)
     if key != "rate":
-        if not (age := written(at, said, unit)) > 0:
-            raise Fault(at, f"{key} {said}; expected above zero")
+        if not (age := quantity_at(at, said, unit)) > 0:
+            raise LocatedError(at, f"{key} {said}; expected above zero")
         return age
     try:
-        rate = written(at, said, f"1/{unit}")
-    except Fault as fault:
-        raise Fault(at, f"{fault}{_if_age(said, unit)}") from None
+        rate = quantity_at(at, said, f"1/{unit}")
+    except LocatedError as fault:
+        raise LocatedError(at, f"{fault}{_if_age(said, unit)}") from None
     if not rate > 0:
-        raise Fault(at, f"hazard rate {said}; {ABOVE_ZERO}")
+        raise LocatedError(at, f"hazard rate {said}; {ABOVE_ZERO}")
     return rate
 
 
 def _if_age(said: object, unit: str) -> str:
-    """A hint where a rate is none but a time between failures."""
+    """A hint to the user, where a rate is really a time between failures."""
     try:
         quantity(said, unit)
     except UnitError:
@@ -61,7 +63,7 @@ def _if_age(said: object, unit: str) -> str:
 def build_life(
     place: Path, life: schema.Life, figure: tuple[str, float] | None, unit: str, factor: float
 ) -> tuple[LifeDistribution, float]:
-    """The life of a mode and its rate [1/clock], ``factor`` times what is stated. Raises Fault.
+    """Return the life of a mode and its rate [1/clock], ``factor`` times what is stated. Raises LocatedError.
 
     ``figure``: how often it comes by the key that says so; None where the life has its own scale. A mean life and a
     tenth are turned into a rate here, and nowhere else: through the distribution itself.
@@ -72,10 +74,10 @@ def build_life(
     key, number = figure or ("", math.nan)
     if not key and not parameters:
         expected = "rate, mtbf, l10, hazard, part, failure_modes, or a life with its scale"
-        raise Fault(place, f"has no rate; expected {expected}")
+        raise LocatedError(place, f"has no rate; expected {expected}")
     if key and kind.scale_parameter in parameters:
         said = f"'{key}'" if key in MEANS + TENTHS else "a rate"
-        raise Fault(
+        raise LocatedError(
             (*at, str(kind.scale_parameter)),
             f"{said} and the life's own {kind.scale_parameter} are given; expected one of the two",
         )
@@ -96,26 +98,26 @@ def build_life(
         parameters.pop(str(kind.scale_parameter), None)
         return kind.with_rate(rate * factor, **parameters), rate * factor
     except (ModelError, TypeError) as error:
-        raise Fault(at, str(error)) from None
+        raise LocatedError(at, str(error)) from None
 
 
 def _parameters(place: Path, life: schema.Life, kind: type[LifeDistribution], unit: str) -> dict[str, Any]:
     parameters: dict[str, Any] = {}
     for name, value in (life.model_extra or {}).items():
         if name not in kind.dimensions:
-            raise Fault(
+            raise LocatedError(
                 (*place, name), f"{life.distribution} has no parameter '{name}'{nearest(name, kind.dimensions)}"
             )
         inside = {1: unit, 0: "", -1: f"1/{unit}"}[kind.dimensions[name]]
         listed = isinstance(value, list)
-        numbers = [written((*place, name), one, inside) for one in (value if listed else [value])]
+        numbers = [quantity_at((*place, name), one, inside) for one in (value if listed else [value])]
         parameters[name] = numbers if listed else numbers[0]
     return parameters
 
 
 def plug(place: Path, find: Callable[[str], _Plug], name: str) -> _Plug:
-    """A life, model or acceleration by the name that a design gives it. Raises Fault where there is none."""
+    """Return the life, model or acceleration that a design names. Raises LocatedError where there is none."""
     try:
         return find(name)
     except PlugError as error:
-        raise Fault(place, str(error)) from None
+        raise LocatedError(place, str(error)) from None

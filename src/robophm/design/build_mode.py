@@ -1,4 +1,4 @@
-"""From what a design file says of a failure mode to its rate, life, stresses and clock."""
+"""Construction of a failure mode from a design file: its rate, life, stresses and clock."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from robophm.core.units import conversion
 from robophm.design import schema
 from robophm.design.build_life import ABOVE_ZERO, TENTHS, build_life, figure_of, key_of_figure, plug
 from robophm.design.build_wear import build_wear
-from robophm.design.driving import Driving, drivers
-from robophm.design.fault import Fault, Path, written
+from robophm.design.located_error import LocatedError, Path, quantity_at
 from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Evidence, FailureMode, MeasuredClock, Stress, Uncertainty
 from robophm.design.scope import Scope
+from robophm.design.sensor_channels import ChannelBuilder, drivers
 from robophm.hazard.acceleration import PER_CYCLE, acceleration_model, stress_inputs
 from robophm.hazard.formula import formula_model
 from robophm.hazard.handbooks import handbook_model
@@ -27,7 +27,7 @@ from robophm.life._never import Never
 class ModeBuilder:
     """Builds the failure modes of one design: what is stated and measured alike is one stress."""
 
-    def __init__(self, usage: schema.Usage, driving: Driving) -> None:
+    def __init__(self, usage: schema.Usage, driving: ChannelBuilder) -> None:
         self.usage = usage
         self.driving = driving
         self.stresses: dict[str, Stress] = {}
@@ -36,14 +36,14 @@ class ModeBuilder:
     def mode(
         self, path: Path, place: Path, mode: schema.FailureMode, part: schema.Component, scope: Scope
     ) -> FailureMode:
-        """Of a part in a scope. Raises Fault where what is said of it contradicts itself."""
+        """Build a failure mode of a part in a scope. Raises LocatedError where the design contradicts itself."""
         clock_unit = CLOCK_UNITS[mode.clock]
         key = key_of_figure(place, mode)
         if mode.rate == UNKNOWN:
             return self._unknown_mode(path, place, mode)
         hazard = self._hazard(place, mode.hazard, part, scope, clock_unit) if mode.hazard else None
         if hazard and hazard.model.unit != f"1/{clock_unit}":
-            raise Fault(
+            raise LocatedError(
                 place,
                 f"{hazard.model.name} gives {hazard.model.unit}, but its clock '{mode.clock}' counts {clock_unit}",
             )
@@ -57,23 +57,23 @@ class ModeBuilder:
         if key in TENTHS and "life" not in mode.model_fields_set:
             self.notes.append(f"{'/'.join(path)}: its {key} is by an exponential life, as none is stated")
         if hazard and "b10" in hazard.design and getattr(life, "shape", 1.0) != hazard.design["shape"]:
-            raise Fault(
+            raise LocatedError(
                 (*place, "life"),
                 f"{mode.life.distribution} has not the shape {hazard.design['shape']:g} by which the mean follows "
                 "from the B10; expected e.g. {distribution: weibull, shape: 2}, the same in both",
             )
         stresses = self._accelerations(place, mode, part, hazard, scope)
         if mode.clock in ("kilometres", "cycles", "starts") and getattr(self.usage, mode.clock) is None:
-            raise Fault(
+            raise LocatedError(
                 ("usage",),
                 f"says nothing of '{mode.clock}', on which {'/'.join(path)} ages; expected e.g. "
                 f"{mode.clock}: 1 {clock_unit}/h",
             )
         initial = 0.0
         if mode.initial_exposure is not None:
-            initial = written((*place, "initial_exposure"), mode.initial_exposure, clock_unit)
+            initial = quantity_at((*place, "initial_exposure"), mode.initial_exposure, clock_unit)
             if not initial >= 0:
-                raise Fault(
+                raise LocatedError(
                     (*place, "initial_exposure"),
                     f"{mode.initial_exposure} is negative; expected at least zero",
                 )
@@ -91,27 +91,33 @@ class ModeBuilder:
     def _rate_of(place: Path, hazard: Stress) -> float:
         rate = hazard.reference
         if not math.isfinite(rate):
-            raise Fault((*place, "hazard"), f"hazard rate {rate:g}; expected a number: the formula has none here")
+            raise LocatedError(
+                (*place, "hazard"), f"hazard rate {rate:g}; expected a number: the formula has none here"
+            )
         if not rate > 0:
-            raise Fault((*place, "hazard"), f"hazard rate {rate:g}; {ABOVE_ZERO}")
+            raise LocatedError((*place, "hazard"), f"hazard rate {rate:g}; {ABOVE_ZERO}")
         return rate
 
     @staticmethod
     def _unknown_mode(path: Path, place: Path, mode: schema.FailureMode) -> FailureMode:
-        """One of whose rate nothing is known: it is there, and never comes."""
+        """A failure mode of unknown rate, which is carried as if it never came."""
         for key in ("life", "acceleration", "uncertainty", "learned", "wear", "scaling"):
             if key in mode.model_fields_set:
-                raise Fault((*place, key), f"its rate is unknown, and '{key}' says nothing then; expected a rate")
+                raise LocatedError(
+                    (*place, key), f"its rate is unknown, and '{key}' says nothing then; expected a rate"
+                )
         initial = 0.0
         if mode.initial_exposure is not None:
-            initial = max(written((*place, "initial_exposure"), mode.initial_exposure, CLOCK_UNITS[mode.clock]), 0.0)
+            initial = max(
+                quantity_at((*place, "initial_exposure"), mode.initial_exposure, CLOCK_UNITS[mode.clock]), 0.0
+            )
         return FailureMode(
             "/".join(path), 0.0, Never(), mode.clock, None, mode.scaling, initial, (), mode.source or ""
         )  # fmt: skip
 
     @staticmethod
     def _said_source(mode: schema.FailureMode) -> str:
-        """Where the hazard itself says its rate is from."""
+        """The source of the rate that the hazard itself states; "" where it states none."""
         return str(mode.hazard.source or mode.hazard.inputs.get("source", "")) if mode.hazard else ""
 
     @staticmethod
@@ -120,9 +126,9 @@ class ModeBuilder:
         if own is None:
             return None
         place, said = own
-        samples = tuple(written((*place, "samples"), one, unit) / rate for one in said.samples or ())
+        samples = tuple(quantity_at((*place, "samples"), one, unit) / rate for one in said.samples or ())
         if not all(one > 0 for one in samples):
-            raise Fault((*place, "samples"), "a sample is not above zero; expected hazard rates")
+            raise LocatedError((*place, "samples"), "a sample is not above zero; expected hazard rates")
         return Uncertainty(said.error_factor, said.failures, samples or None)
 
     def _hazard(
@@ -151,7 +157,7 @@ class ModeBuilder:
             try:
                 conversion(said.unit, said.unit)
             except UnitError as error:
-                raise Fault((*place, "variables", name, "unit"), str(error)) from None
+                raise LocatedError((*place, "variables", name, "unit"), str(error)) from None
             low, high = said.range or (-math.inf, math.inf)
             ranges[name] = Range(low, high, said.unit, said.description or name)
         try:
@@ -159,9 +165,9 @@ class ModeBuilder:
                 str(hazard.formula), str(hazard.unit), ranges, str(hazard.source), inside=f"1/{clock_unit}"
             )
         except UnitError as error:
-            raise Fault((*place, "unit"), str(error)) from None
+            raise LocatedError((*place, "unit"), str(error)) from None
         except ModelError as error:
-            raise Fault((*place, "formula"), str(error)) from None
+            raise LocatedError((*place, "formula"), str(error)) from None
 
     def _accelerations(
         self,
@@ -182,26 +188,26 @@ class ModeBuilder:
             model = plug((*at, "model"), acceleration_model, said.model)
             parameters = dict(said.model_extra or {})
             if model.name in PER_CYCLE and mode.clock not in ("cycles", "starts"):
-                raise Fault(
+                raise LocatedError(
                     at, f"{model.name} is of cycles, but its clock is '{mode.clock}'; expected cycles or starts"
                 )
             for stress_input in stress_inputs(model):
                 if stress_input in parameters:
-                    raise Fault(
+                    raise LocatedError(
                         (*at, stress_input),
                         f"'{stress_input}' is what is measured; expected reference_{stress_input} here",
                     )
                 reference = f"reference_{stress_input}"
                 if (at_design := parameters.get(reference, _default(model, reference))) is None:
-                    raise Fault(at, f"{model.name} needs '{reference}', at which the stated rate holds")
+                    raise LocatedError(at, f"{model.name} needs '{reference}', at which the stated rate holds")
                 parameters[stress_input] = at_design
                 if hazard and (hazard.channels or hazard.model.answers_by(stress_input)):
-                    raise Fault(
+                    raise LocatedError(
                         at,
                         f"double acceleration: {hazard.model.name} answers to '{stress_input}' itself; expected one",
                     )
                 if any(stress_input in earlier.design for earlier in stresses):
-                    raise Fault(at, f"double acceleration: two factors of '{stress_input}'")
+                    raise LocatedError(at, f"double acceleration: two factors of '{stress_input}'")
             stresses.append(self._stress(at, model, parameters, part, scope))
         return tuple(stresses)
 
@@ -212,13 +218,13 @@ class ModeBuilder:
             design = model.settle(inputs)
         except (ModelError, UnitError) as error:
             named = next((name for name in inputs if re.search(rf"\b{re.escape(name)}\b", str(error))), None)
-            raise Fault((*place, named) if named else place, str(error)) from None
+            raise LocatedError((*place, named) if named else place, str(error)) from None
         cover = scope.cover(part)
         for name, entry in model.numbers.items():
             stated = name in inputs or (name in design and not entry.otherwise)
             if name in scope.signals and not stated and model.answers_to(name, design):
                 signal = "/".join(scope.signals[name][0])
-                raise Fault(
+                raise LocatedError(
                     place,
                     f"'{name}' is measured ({signal}), but its value as designed is not stated, and {model.name} "
                     f"answers to it; expected {name}: {model.expected(name)}",
@@ -227,10 +233,10 @@ class ModeBuilder:
         return Stress(model, design, channels, drivers(model, design, channels, cover))
 
     def measured_clock(self, clock: str, place: Path, binding: schema.ClockBinding) -> MeasuredClock:
-        """A clock and the signals that drive it. Raises Fault where they cannot."""
+        """Build a clock that signals drive. Raises LocatedError where they cannot."""
         self.driving.used[place] = None
         if clock in ("operating", "calendar"):
-            raise Fault(place, f"the {clock} clock is time itself and takes no signal")
+            raise LocatedError(place, f"the {clock} clock is time itself and takes no signal")
         kind: Literal["position", "speed", "edge"]
         if binding.position is not None:
             kind, fields = "position", binding.position
@@ -240,14 +246,14 @@ class ModeBuilder:
             kind, fields = "edge", (str(binding.edge),)
         if (kind == "edge") != (clock in ("cycles", "starts")):
             wanted = "edge" if clock in ("cycles", "starts") else "position or speed"
-            raise Fault(place, f"the {clock} clock is driven by {wanted}, not by {kind}")
+            raise LocatedError(place, f"the {clock} clock is driven by {wanted}, not by {kind}")
         inside = {"position": "m", "speed": "m/s", "edge": ""}[kind]
         written = binding.unit or inside
         try:
             scale = 1.0 if kind == "edge" else conversion(written, inside).scale
             signals = tuple(signal_name(binding.topic, name) for name in fields)
         except RobophmError as error:
-            raise Fault(place, str(error)) from None
+            raise LocatedError(place, str(error)) from None
         return MeasuredClock(clock, kind, signals, written, scale, binding.threshold, round(binding.max_age * SECOND))
 
 

@@ -1,4 +1,4 @@
-"""From what files say of tasks, and of what is known, to what a robot can be asked."""
+"""Construction of tasks, plans and knowledge about parts from what files say of them."""
 
 from __future__ import annotations
 
@@ -8,16 +8,23 @@ from dataclasses import replace
 
 from robophm.core.errors import nearest
 from robophm.design import schema_task
-from robophm.design.asked import check_functions, check_hours, check_leg, check_stress, contradiction, takers
-from robophm.design.fault import Fault, Path, below, written
+from robophm.design.located_error import LocatedError, Path, errors_below, quantity_at
 from robophm.design.robot import Robot
 from robophm.design.task import LONGEST_TASK, Knowledge, Leg, Plan, Task
+from robophm.design.task_checks import (
+    check_functions,
+    check_hours,
+    check_leg,
+    check_stress,
+    contradiction,
+    inputs_of_stress,
+)
 
 
 def plain_task(distance: float | None, speed: float | None, duration: float | None) -> Task:
-    """A task of a distance [m], a speed [m/s] and a duration [h], two of the three or a duration alone.
+    """Build a task of a distance [m], a speed [m/s] and a duration [h]: two of the three, or a duration alone.
 
-    Raises Fault where they say too little, too much, or nothing that can be driven.
+    Raises LocatedError where they say too little, too much, or nothing that can be driven.
     """
     return Task.plain(*_distance_and_duration(("task",), distance, speed, duration))
 
@@ -27,46 +34,46 @@ def _distance_and_duration(
 ) -> tuple[float, float]:
     for name, value in (("distance", distance), ("speed", speed), ("duration", duration)):
         if value is not None and not (math.isfinite(value) and value >= 0):
-            raise Fault((*place, name), f"{name} {value:g} is negative; expected at least zero")
+            raise LocatedError((*place, name), f"{name} {value:g} is negative; expected at least zero")
     if duration is None:
         if distance is None or not speed:
-            raise Fault(place, "expected a distance with a speed above zero, or a duration")
+            raise LocatedError(place, "expected a distance with a speed above zero, or a duration")
         duration = distance / speed / 3600
         if not math.isfinite(duration):
-            raise Fault(place, f"{distance:g} m at {speed:g} m/s is not a finite duration")
+            raise LocatedError(place, f"{distance:g} m at {speed:g} m/s is not a finite duration")
     elif speed is not None and distance is not None:
-        raise Fault(place, "distance, speed and duration are given; expected two of them")
+        raise LocatedError(place, "distance, speed and duration are given; expected two of them")
     elif distance is None:
         distance = (speed or 0.0) * duration * 3600
     return distance, duration
 
 
 def build_task(said: schema_task.Task | schema_task.Leg, robot: Robot, place: Path = ()) -> Task:
-    """A task of a robot from what a file says. Raises Fault for what the robot does not have or cannot do."""
+    """Build a robot's task from a file's. Raises LocatedError for what the robot does not have or cannot do."""
     if isinstance(said, schema_task.Leg):
         return Task((_leg(said, robot, place),))
     legs = tuple(_leg(leg, robot, (*place, "legs", str(i))) for i, leg in enumerate(said.legs))
-    with below(place):
+    with errors_below(place):
         task = Task(legs, said.name)
         check_hours(task.duration, ("legs",))
     return task
 
 
 def build_plan(said: schema_task.TaskFile, robot: Robot) -> Plan:
-    """Tasks of a robot in their order. Raises Fault as ``build_task``."""
+    """Build a plan, the tasks in their order. Raises LocatedError as ``build_task``."""
     tasks = tuple(build_task(one, robot, ("tasks", str(i))) for i, one in enumerate(said.tasks))
     takes = math.fsum(task.duration for task in tasks)
     check_hours(takes, ("tasks",))
     if said.every is not None:
         if said.every < takes and not math.isclose(said.every, takes):  # three of 3 min are 2e-17 h more than 9 min
-            raise Fault(("every",), f"{said.every:g} h is shorter than the tasks, which take {takes:g} h")
+            raise LocatedError(("every",), f"{said.every:g} h is shorter than the tasks, which take {takes:g} h")
         if not 0 < said.every <= LONGEST_TASK:
-            raise Fault(("every",), f"{said.every:g} h; expected above zero and at most {LONGEST_TASK:g} h")
+            raise LocatedError(("every",), f"{said.every:g} h; expected above zero and at most {LONGEST_TASK:g} h")
     return Plan(tasks, build_knowledge(said.knowledge, robot, ("knowledge",)), said.every)
 
 
 def build_knowledge(said: schema_task.Knowledge, robot: Robot, place: Path = ()) -> Knowledge:
-    """What is known of units, from paths of parts. Raises Fault where it contradicts itself."""
+    """Build the knowledge of units from paths of parts. Raises LocatedError where it contradicts itself."""
     known = []
     for kind in ("failed", "working"):
         found: set[str] = set()
@@ -75,19 +82,19 @@ def build_knowledge(said: schema_task.Knowledge, robot: Robot, place: Path = ())
         known.append(frozenset(found))
     knowledge = Knowledge(*known)
     if says := contradiction(knowledge, robot):
-        raise Fault((*place, "working"), says)
+        raise LocatedError((*place, "working"), says)
     return knowledge
 
 
 def with_knowledge(plan: Plan, robot: Robot, failed: Sequence[str] = (), working: Sequence[str] = ()) -> Plan:
-    """The plan, with more that is known of parts, by their paths, before its first task.
+    """Return the plan with more knowledge of parts, by their paths, before its first task.
 
-    Raises Fault where a part is unknown, or what is known contradicts itself or what the plan knows.
+    Raises LocatedError where a part is unknown, or what is known contradicts itself or what the plan knows.
     """
     more = build_knowledge(schema_task.Knowledge(failed=list(failed), working=list(working)), robot)
     known = Knowledge(plan.knowledge.failed | more.failed, plan.knowledge.working | more.working)
     if says := contradiction(known, robot):
-        raise Fault(("knowledge",), says)
+        raise LocatedError(("knowledge",), says)
     return replace(plan, knowledge=known)
 
 
@@ -95,7 +102,9 @@ def _units_of(path: str, robot: Robot, kind: str, place: Path) -> set[str]:
     """The units that a path of a part, a member of it or a module names."""
     of_module = [part for part in robot.all_components() if part.path.startswith(path + "/") and not part.members]
     if of_module and kind == "failed":
-        raise Fault(place, f"'{path}' is a module; expected a part of it that failed, such as {of_module[0].units[0]}")
+        raise LocatedError(
+            place, f"'{path}' is a module; expected a part of it that failed, such as {of_module[0].units[0]}"
+        )
     if of_module:
         return {unit for part in of_module for unit in part.units}
     for part in robot.all_components():
@@ -104,16 +113,16 @@ def _units_of(path: str, robot: Robot, kind: str, place: Path) -> set[str]:
         if path == part.path:
             if kind == "working":
                 return set(part.units)
-            raise Fault(place, f"'{path}' is {part.quantity} parts; expected {path}[1] … [{part.quantity}]")
+            raise LocatedError(place, f"'{path}' is {part.quantity} parts; expected {path}[1] … [{part.quantity}]")
     every = [name for part in robot.all_components() for name in (part.path, *part.units)]
-    raise Fault(place, f"unknown part '{path}'{nearest(path, every)}")
+    raise LocatedError(place, f"unknown part '{path}'{nearest(path, every)}")
 
 
 def _leg(said: schema_task.Leg, robot: Robot, place: Path) -> Leg:
     distance, duration = _distance_and_duration(place, said.distance, said.speed, said.duration)
     check_functions(said.functions, robot, place)
     stresses = {name: _stated(name, value, robot, (*place, "stresses", name)) for name, value in said.stresses.items()}
-    with below(place):
+    with errors_below(place):
         leg = Leg(duration, distance, said.cycles, said.starts, tuple(said.functions), stresses)
     check_leg(leg, place)
     return leg
@@ -121,6 +130,6 @@ def _leg(said: schema_task.Leg, robot: Robot, place: Path) -> Leg:
 
 def _stated(key: str, value: str | float, robot: Robot, place: Path) -> float:
     """A stated stress in the unit of the model inputs that take it."""
-    number = written(place, value, takers(key, robot, place)[1])
+    number = quantity_at(place, value, inputs_of_stress(key, robot, place)[1])
     check_stress(key, number, robot, place)
     return number

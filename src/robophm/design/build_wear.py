@@ -1,4 +1,4 @@
-"""From what a design says of a signal of wear to what is read of it."""
+"""Construction of the signal that shows a part's wear, with its threshold, from a design."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from robophm.core.errors import RobophmError, UnitError
 from robophm.core.signal import SECOND, signal_name
 from robophm.core.units import conversion
 from robophm.design import schema
-from robophm.design.fault import Fault, Path, written
+from robophm.design.located_error import LocatedError, Path, quantity_at
 from robophm.design.robot import Gauge, WearSignal
 
 
 def build_wear(place: Path, said: schema.Wear, quantity: int) -> WearSignal:
-    """The signal of wear of one of ``quantity`` parts. Raises Fault where it is of several, or contradicts itself."""
+    """Build the wear signal of one part. Raises LocatedError if ``quantity`` exceeds one or it contradicts itself."""
     if quantity > 1:
-        raise Fault(
+        raise LocatedError(
             place, f"one signal shows the wear of one part, not of {quantity}; expected components of their own"
         )
     unit = said.unit
@@ -23,7 +23,7 @@ def build_wear(place: Path, said: schema.Wear, quantity: int) -> WearSignal:
         try:
             conversion(unit, unit)
         except UnitError as error:
-            raise Fault((*place, "unit"), str(error)) from None
+            raise LocatedError((*place, "unit"), str(error)) from None
     in_reading = unit or ""
     if said.reading == "kurtosis":
         in_reading = ""
@@ -32,9 +32,11 @@ def build_wear(place: Path, said: schema.Wear, quantity: int) -> WearSignal:
     deviation = 0.0
     if said.threshold_deviation is not None:
         difference = f"delta_{unit}" if in_reading in ("degC", "degF") else in_reading
-        deviation = written((*place, "threshold_deviation"), said.threshold_deviation, difference)
+        deviation = quantity_at((*place, "threshold_deviation"), said.threshold_deviation, difference)
     if deviation < 0:
-        raise Fault((*place, "threshold_deviation"), f"{said.threshold_deviation} is negative; expected at least 0")
+        raise LocatedError(
+            (*place, "threshold_deviation"), f"{said.threshold_deviation} is negative; expected at least 0"
+        )
     return WearSignal(
         _gauge(place, said.topic, said.field, said.range, 0.0),
         unit,
@@ -42,7 +44,7 @@ def build_wear(place: Path, said: schema.Wear, quantity: int) -> WearSignal:
         round(said.every * SECOND),
         _beside((*place, "ambient"), said.ambient),
         _beside((*place, "load"), said.load),
-        written((*place, "threshold"), said.threshold, in_reading),
+        quantity_at((*place, "threshold"), said.threshold, in_reading),
         deviation,
     )
 
@@ -55,4 +57,4 @@ def _gauge(place: Path, topic: str, field: str, limits: tuple[float, float] | No
     try:
         return Gauge(signal_name(topic, field), *(limits or (-math.inf, math.inf)), round(max_age * SECOND))
     except RobophmError as error:
-        raise Fault(place, str(error)) from None
+        raise LocatedError(place, str(error)) from None

@@ -9,11 +9,11 @@ from dataclasses import replace
 from robophm.blocks.common_cause import Shares, alpha_factor, beta_factor, multiple_greek_letter, shared_causes
 from robophm.core.errors import StructureError
 from robophm.design import schema
-from robophm.design.fault import Fault, Path
+from robophm.design.located_error import LocatedError, Path
 from robophm.design.robot import Component
 
 MOST_CAUSES = 10_000
-"""Of a robot; a group of eight parts has 247, one for each set of them."""
+"""The most common causes of a robot; a group of eight parts has 247, one for each set of them."""
 
 
 class CommonCauses:
@@ -21,22 +21,22 @@ class CommonCauses:
 
     def __init__(self, components: dict[str, Component], modules: Iterable[str]) -> None:
         self.components = components
-        """By path; the failure modes of members keep what is their own."""
+        """Components by path; members of groups keep the failure modes that are their own."""
         self.causes: list[Component] = []
         self.groups: dict[str, str] = {}
-        """Who may fail together and how often, in words; by path."""
+        """Members of each group and how often they fail together, in words; by path of the group."""
         self.of: dict[str, list[str]] = {}
         """The causes that fail each unit."""
         self._grouped: set[str] = set()
         self._taken = {*components, *modules}
 
     def add(self, level: str, name: str, place: Path, said: schema.CommonCause, paths: Sequence[str]) -> None:
-        """A group of the components or units at these ``paths``, as many as ``said.of`` names. Raises Fault."""
+        """Add a group of the components or units at ``paths``, as many as ``said.of`` names. Raises LocatedError."""
         members: dict[str, Path] = {}  # unit → where it is named
         for i, path in enumerate(paths):
             for unit in self.components[path].units if path in self.components else (path,):
                 if unit in members:
-                    raise Fault((*place, "of", str(i)), f"{unit} is there twice; expected each part once")
+                    raise LocatedError((*place, "of", str(i)), f"{unit} is there twice; expected each part once")
                 members[unit] = (*place, "of", str(i))
         parts: dict[str, list[str]] = {}
         for unit in members:
@@ -56,16 +56,20 @@ class CommonCauses:
 
     def _check(self, place: Path, part: Component, units: Sequence[str], first: Component) -> None:
         if part.path in self._grouped:
-            raise Fault(place, f"{part.path} is in another group of common causes too; expected one for each part")
+            raise LocatedError(
+                place, f"{part.path} is in another group of common causes too; expected one for each part"
+            )
         if part.unknown:
-            raise Fault(place, f"{part.path} is of unknown rate, of which nothing is a share; expected a rate")
+            raise LocatedError(place, f"{part.path} is of unknown rate, of which nothing is a share; expected a rate")
         if len(units) < len(part.units):
-            raise Fault(
+            raise LocatedError(
                 place, f"{len(units)} of the {len(part.units)} equal parts of {part.path}; expected all of them"
             )
         mine, others = _likeness(part), _likeness(first)
         if unlike := next((what for what in mine if mine[what] != others[what]), None):
-            raise Fault(place, f"{part.path} is not like {first.path}: its {unlike} differs; expected parts all alike")
+            raise LocatedError(
+                place, f"{part.path} is not like {first.path}: its {unlike} differs; expected parts all alike"
+            )
 
     def _add_cause(
         self, level: str, name: str, place: Path, units: Sequence[str], share: float, everyone: bool
@@ -75,9 +79,9 @@ class CommonCauses:
         plain = ", ".join(names).translate(str.maketrans("/[", "  ", "]"))
         path = below + (name if everyone else f"{name} ({plain})")
         if path in self._taken:
-            raise Fault(place, f"duplicate name '{path}': a part has it too")
+            raise LocatedError(place, f"duplicate name '{path}': a part has it too")
         if len(self.causes) == MOST_CAUSES:
-            raise Fault(place, f"the robot has more than {MOST_CAUSES:,} common causes; expected smaller groups")
+            raise LocatedError(place, f"the robot has more than {MOST_CAUSES:,} common causes; expected smaller groups")
         # It ages as its members do: its hazard is the share of the mean of theirs.
         modes = tuple(
             replace(
@@ -105,7 +109,7 @@ def _shares(place: Path, said: schema.CommonCause, parts: int) -> Shares:
             return multiple_greek_letter(said.mgl, parts)
         return alpha_factor(said.alpha or (), parts, staggered=said.testing == "staggered")
     except StructureError as error:
-        raise Fault(place, str(error)) from None
+        raise LocatedError(place, str(error)) from None
 
 
 def _words(names: Sequence[str], shares: Shares) -> str:
@@ -122,7 +126,7 @@ _MOST_NAMED = 8
 
 
 def _likeness(part: Component) -> dict[str, object]:
-    """What must be the same in parts that are alike; where they sit, and what they have behind them, may differ."""
+    """The properties that alike parts must share; their place, and what they have behind them, may differ."""
     names = [mode.path.removeprefix(part.path) for mode in part.modes]
     stresses = [
         [(stress.model.name, stress.model.formula, sorted(stress.design.items())) for stress in mode.stresses]

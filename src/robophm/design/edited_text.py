@@ -14,7 +14,7 @@ class EditedText:
     """A text and the places that the YAML parser gives its values; edits are kept until ``applied``."""
 
     def __init__(self, text: str, label: str) -> None:
-        """Of a valid design, which ``label`` names. Raises DesignError where it is not written line by line."""
+        """Parse a valid design, which ``label`` names. Raises DesignError where it is not written line by line."""
         self.text = text if text.endswith("\n") else text + "\n"
         self.label = label
         self.root = compose(self.text)
@@ -23,7 +23,7 @@ class EditedText:
         self.edits: list[tuple[int, int, str]] = []
 
     def applied(self) -> str:
-        """The text with all edits."""
+        """Return the text with all edits made."""
         pieces, at = [], 0
         for start, end, replacement in sorted(self.edits, key=lambda edit: (edit[0], edit[1])):
             pieces += [self.text[at:start], replacement]
@@ -31,7 +31,7 @@ class EditedText:
         return "".join([*pieces, self.text[at:]])
 
     def own(self, key: Any, node: Any, what: str) -> None:
-        """Only what stands where it is used, line by line, can be edited. Raises DesignError."""
+        """Raise DesignError unless a value stands, line by line, where it is used: no other can be edited."""
         at = f"{self.label}:{key.start_mark.line + 1}"
         if is_alias(key, node):
             raise DesignError(f"{at}: '{key.value}' is an alias; expected a {what} of its own to put parts into")
@@ -41,7 +41,7 @@ class EditedText:
     # -- edits
 
     def replace(self, node: Any, key: str, text: str, own_remark: str) -> None:
-        """Another text in the place of a key and its value; the remark behind it stays unless it begins so."""
+        """Replace a key and its value by a text; the remark behind it stays, unless it begins with ``own_remark``."""
         if found := child(node, key):
             end = self.end(found[1])
             if self.text.startswith(own_remark, end):
@@ -49,20 +49,20 @@ class EditedText:
             self.edits.append((found[0].start_mark.index, end, text))
 
     def remarked(self, node: Any, key: str, remark: str) -> bool:
-        """Whether the remark behind the value of a key begins so."""
+        """Whether the remark behind the value of a key begins with this text."""
         found = child(node, key)
         return found is not None and self.text.startswith(remark, self.end(found[1]))
 
     def delete(self, key: Any, node: Any) -> None:
-        """Take out the lines of a key and its value."""
+        """Delete the lines of a key and its value."""
         self.edits.append((self.line_start(key.start_mark.index), self.line_end(self.end(node)), ""))
 
     def insert(self, at: int, text: str) -> None:
-        """Put in a text."""
+        """Insert a text at this index."""
         self.edits.append((at, at, text))
 
     def forget_lines(self, start: int, end: int, begin: str, within: str = "") -> None:
-        """Take out the lines from one place to another that begin so and hold this."""
+        """Delete the lines between two places that begin with ``begin`` and contain ``within``."""
         while start < end:
             after = self.line_end(start)
             line = self.text[start:after]
@@ -71,7 +71,7 @@ class EditedText:
             start = after
 
     def forget_above(self, start: int, begin: str) -> None:
-        """Take out the lines just above a place that begin so."""
+        """Delete the lines just above a place that begin with ``begin``."""
         while start and self.text.startswith(begin, before := self.line_start(start - 1)):
             self.edits.append((before, start, ""))
             start = before
@@ -79,7 +79,8 @@ class EditedText:
     # -- places
 
     def end(self, node: Any) -> int:
-        """Behind the last letter of a value: the parser's own mark of a block is where the next thing begins."""
+        """Return the index behind a value's last letter: the parser's mark of a block is where the next thing
+        begins."""
         index = 0
         while node.id != "scalar" and not node.flow_style and node.value and not index:
             last = node.value[-1]
@@ -93,39 +94,39 @@ class EditedText:
         return index
 
     def line_start(self, index: int) -> int:
-        """Where this line begins."""
+        """Return the index at which the line of ``index`` begins."""
         return self.text.rfind("\n", 0, index) + 1
 
     def line_end(self, index: int) -> int:
-        """Where the line after this one begins."""
+        """Return the index at which the line after that of ``index`` begins."""
         return self.text.find("\n", index) + 1 or len(self.text)
 
     def past_comments(self, index: int, column: int) -> int:
-        """Behind the comments that are indented beyond a column: they belong to what stands above them."""
+        """Return the index behind comments indented beyond a column: they belong to what stands above them."""
         while match := re.compile(rf" {{{column + 1},}}#").match(self.text, index):
             index = self.line_end(match.end())
         return index
 
 
 def child(node: Any, key: str) -> tuple[Any, Any] | None:
-    """The key and the value of a name in a mapping; None where it is no mapping, or has no such name."""
+    """Return the key and value nodes of a name in a mapping; None where it is no mapping, or has no such name."""
     return next(((k, v) for k, v in node.value if k.value == key), None) if node.id == "mapping" else None
 
 
 def is_alias(key: Any, node: Any) -> bool:
-    """Whether a value stands elsewhere."""
+    """Whether a value stands elsewhere in the text, and is only referred to here."""
     return bool(node.start_mark.index < key.end_mark.index)
 
 
 def plain(node: Any) -> Any:
-    """The value of a node, every scalar as it is written."""
+    """Return the value of a node, every scalar as it is written."""
     if node.id == "mapping":
         return {str(key.value): plain(value) for key, value in node.value}
     return [plain(value) for value in node.value] if node.id == "sequence" else str(node.value)
 
 
 def scalars(node: Any) -> Iterator[str]:
-    """Every scalar of a value, keys too."""
+    """Yield every scalar of a value, keys too."""
     stack = [node]
     while stack:
         one = stack.pop()

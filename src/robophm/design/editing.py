@@ -1,8 +1,8 @@
 """Edits of a design's document, the YAML of its file as nested mappings and lists, comments attached.
 
 Whatever names a part is kept in step: a part that gets another name has it in every diagram, one that is deleted is
-drawn nowhere, a new one is drawn in series with what its level has. An edit that cannot be made raises Fault; the
-document may then be half changed, and is to be thrown away.
+drawn nowhere, a new one is drawn in series with what its level has. An edit that cannot be made raises LocatedError;
+the document may then be half changed, and is to be thrown away.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from itertools import count
 from typing import Any, Literal
 
 from robophm.core.errors import nearest
-from robophm.design.fault import Fault, Path
+from robophm.design.located_error import LocatedError, Path
 from robophm.design.references import leaves, place_of, rewrite, rewrite_all, seen_from
 
 Kind = Literal["series", "parallel", "k_of_n", "standby", "load_sharing", "network"]
@@ -22,9 +22,9 @@ PARTS = ("modules", "components")
 
 
 def put(document: Any, path: Sequence[str], value: Any) -> None:
-    """Put a value at a place, what is around it made where it is missing. Raises Fault."""
+    """Put a value at a place, and make what is around it where that is missing. Raises LocatedError."""
     if not path:
-        raise Fault((), "a whole design is put in place as text")
+        raise LocatedError((), "a whole design is put in place as text")
     around, value = _around(document, path), deepcopy(value)
     key = path[-1]
     if isinstance(around, MutableSequence):
@@ -38,10 +38,10 @@ def put(document: Any, path: Sequence[str], value: Any) -> None:
 
 
 def delete(document: Any, path: Sequence[str]) -> None:
-    """Take away what is at a place; a part also out of all diagrams. Raises Fault where there is nothing."""
+    """Take away what is at a place; a part also out of all diagrams. Raises LocatedError where there is nothing."""
     around = _at(document, path[:-1]) if path else None
     if around is None or not _has(around, path[-1]):
-        raise Fault(tuple(path), "there is nothing here to delete")
+        raise LocatedError(tuple(path), "there is nothing here to delete")
     if isinstance(around, MutableSequence):
         del around[_index(around, path)]
         return
@@ -56,17 +56,17 @@ def delete(document: Any, path: Sequence[str]) -> None:
 
 
 def rename(document: Any, path: Sequence[str], name: str) -> None:
-    """Give what is at a place another name, in the same order, in all diagrams too. Raises Fault."""
+    """Give what is at a place another name, in the same order, in all diagrams too. Raises LocatedError."""
     around = _at(document, path[:-1]) if path else None
     if not isinstance(around, MutableMapping) or path[-1] not in around:
-        raise Fault(tuple(path), "there is nothing here to rename")
+        raise LocatedError(tuple(path), "there is nothing here to rename")
     old = path[-1]
     if name == old:
         return
     level = _at(document, path[:-2]) if len(path) >= 2 and path[-2] in PARTS else None
     taken = around if level is None else [other for key in PARTS for other in level.get(key, ())]
     if name in taken:
-        raise Fault(tuple(path), f"'{name}' is there already; names of one level must differ")
+        raise LocatedError(tuple(path), f"'{name}' is there already; names of one level must differ")
     if level is not None:
         was = place_of(path)
         now = f"{was.rpartition('/')[0]}/{name}".lstrip("/")
@@ -75,7 +75,7 @@ def rename(document: Any, path: Sequence[str], name: str) -> None:
 
 
 def wire(document: Any, path: Sequence[str], diagram: Any) -> None:
-    """Draw a level anew; None: all that it has in series. Raises Fault."""
+    """Draw a level anew; None: all that it has in series. Raises LocatedError."""
     level = _level(document, path)
     if diagram is None:
         level.pop("diagram", None)
@@ -84,11 +84,11 @@ def wire(document: Any, path: Sequence[str], diagram: Any) -> None:
 
 
 def group(document: Any, path: Sequence[str], members: Sequence[str], kind: Kind, k: int | None = None) -> None:
-    """Put parts of one level, which stand side by side in its diagram, into a group. Raises Fault."""
+    """Put parts of one level, which stand side by side in its diagram, into a group. Raises LocatedError."""
     level = _level(document, path)
     wanted = set(members)
     if len(wanted) < 2:
-        raise Fault(tuple(path), "a group needs at least two parts")
+        raise LocatedError(tuple(path), "a group needs at least two parts")
     diagram = level.get("diagram")
     if diagram is None:
         diagram = {"series": list(_names(level))}
@@ -99,7 +99,7 @@ def group(document: Any, path: Sequence[str], members: Sequence[str], kind: Kind
         if {name for i in inside for name in leaves(blocks[i])} == wanted:
             break
     else:
-        raise Fault(
+        raise LocatedError(
             (*path, "diagram"),
             f"{', '.join(sorted(wanted))} do not stand side by side; expected parts of one row or group",
         )
@@ -111,22 +111,22 @@ def group(document: Any, path: Sequence[str], members: Sequence[str], kind: Kind
 
 
 def move(document: Any, path: Sequence[str], to: Sequence[str]) -> None:
-    """Take a part to another level, in series with what that draws; whoever names it goes on to. Raises Fault.
+    """Take a part to another level, in series with what that draws; whoever names it goes on to. Raises LocatedError.
 
     ``to`` is the place of a module, or () for the robot.
     """
     if len(path) < 2 or path[-2] not in PARTS:
-        raise Fault(tuple(path), "is no part; expected a module or a component")
+        raise LocatedError(tuple(path), "is no part; expected a module or a component")
     around, source, target = _at(document, path[:-1]), _at(document, path[:-2]), _level(document, to)
     was, now, name = place_of(path), place_of((*to, *path[-2:])), path[-1]
     if not _has(around, name):
-        raise Fault(tuple(path), "there is nothing here to move")
+        raise LocatedError(tuple(path), "there is nothing here to move")
     if f"{place_of(to)}/".startswith(f"{was}/"):
-        raise Fault(tuple(path), "a module cannot be moved into itself")
+        raise LocatedError(tuple(path), "a module cannot be moved into itself")
     if source is target:
         return
     if name in _names(target):
-        raise Fault((*to, path[-2], name), f"'{name}' is there already; names of one level must differ")
+        raise LocatedError((*to, path[-2], name), f"'{name}' is there already; names of one level must differ")
     _undraw(source, {name, f"/{was}"})
     rewrite_all(document, lambda said: now + said[len(was) :] if (said + "/").startswith(was + "/") else said)
     comment = around.ca.items.get(name) if hasattr(around, "ca") else None
@@ -148,7 +148,7 @@ def move(document: Any, path: Sequence[str], to: Sequence[str]) -> None:
 def place(
     document: Any, path: Sequence[str], members: Sequence[str], beside: Sequence[str] = (), *, before: bool = False
 ) -> None:
-    """Draw parts of a level elsewhere: behind or before others in the smallest group that holds these. Raises Fault.
+    """Draw parts of a level elsewhere: behind or before others in their smallest common group. Raises LocatedError.
 
     Beside nothing is at the end of the outermost series. Groups of which all members are taken go along whole.
     """
@@ -157,7 +157,7 @@ def place(
     unknown = sorted((wanted | set(beside)) - set(_names(level)))
     if unknown or not wanted or wanted & set(beside):
         what = f"there is no '{unknown[0]}' here" if unknown else "parts are placed beside other parts"
-        raise Fault(tuple(path), what)
+        raise LocatedError(tuple(path), what)
     if diagram is None:
         diagram = {"series": list(_names(level))}
     elif not (isinstance(diagram, MutableMapping) and isinstance(diagram.get("series"), MutableSequence)):
@@ -167,7 +167,7 @@ def place(
     taken += [name for name in members if name not in {_stem(leaf) for block in taken for leaf in leaves(block)}]
     free = any(row is one for one in _rows(diagram, dependent=False))
     if not free and not all(isinstance(block, str) for block in taken):
-        raise Fault(tuple(path), "standby and load sharing are of parts and modules, not of groups")
+        raise LocatedError(tuple(path), "standby and load sharing are of parts and modules, not of groups")
     row.insert(at, _HERE)
     diagram = rewrite(diagram, lambda name: None if _stem(name) in wanted else name)
     for blocks in _rows(diagram if isinstance(diagram, MutableMapping) else (diagram := {"series": [diagram]})):
@@ -181,7 +181,7 @@ _HERE = "\0"  # where something will be drawn; no part has this name
 
 
 def _stem(name: str) -> str:
-    """Of 'motor[2]' the part."""
+    """The part's name without a member's number: 'motor' for 'motor[2]'."""
     return name.partition("[")[0]
 
 
@@ -193,12 +193,12 @@ def _beside(diagram: Any, beside: set[str], before: bool, path: Path) -> tuple[M
         holding = [i for i, block in enumerate(blocks) if beside & set(map(_stem, leaves(block)))]
         if beside <= {_stem(name) for i in holding for name in leaves(blocks[i])}:
             if any(isinstance(blocks[i], MutableMapping) and "network" in blocks[i] for i in holding):
-                raise Fault(
+                raise LocatedError(
                     (*path, "diagram"),
                     f"{', '.join(sorted(beside))}: in a network, whose links say what is beside what",
                 )
             return blocks, holding[0] if before else holding[-1] + 1
-    raise Fault((*path, "diagram"), f"{', '.join(sorted(beside))} are drawn in no group of this level")
+    raise LocatedError((*path, "diagram"), f"{', '.join(sorted(beside))} are drawn in no group of this level")
 
 
 def _whole(block: Any, wanted: set[str]) -> Iterator[Any]:
@@ -224,7 +224,7 @@ def _undraw(level: Any, names: set[str]) -> None:
 
 
 def ungroup(document: Any, path: Sequence[str], members: Sequence[str]) -> None:
-    """Dissolve the smallest group that holds all these parts into what is around it. Raises Fault."""
+    """Dissolve the smallest group that holds all these parts into what is around it. Raises LocatedError."""
     level = _level(document, path)
     wanted = set(members)
     best: tuple[int, MutableSequence[Any], int] | None = None
@@ -235,7 +235,7 @@ def ungroup(document: Any, path: Sequence[str], members: Sequence[str]) -> None:
             if wanted <= held and (best is None or len(held) <= best[0]):
                 best = (len(held), blocks, i)
     if best is None or not wanted:
-        raise Fault((*path, "diagram"), "these parts are in no group of this level")
+        raise LocatedError((*path, "diagram"), "these parts are in no group of this level")
     _, blocks, i = best
     blocks[i : i + 1] = _members(blocks[i], {*_names(level)})
     level["diagram"] = _tidy(outer)
@@ -244,7 +244,7 @@ def ungroup(document: Any, path: Sequence[str], members: Sequence[str]) -> None:
 def _level(document: Any, path: Sequence[str]) -> Any:
     level = _at(document, path)
     if not isinstance(level, MutableMapping) or not levels_path(path):
-        raise Fault(tuple(path), "is no level of the design; expected the robot or a module")
+        raise LocatedError(tuple(path), "is no level of the design; expected the robot or a module")
     return level
 
 
@@ -278,7 +278,7 @@ def _rows(block: Any, *, dependent: bool = True) -> Iterator[MutableSequence[Any
 
 
 def _members(block: Any, names: set[str]) -> list[Any]:
-    """What a group is of; of a network its parts."""
+    """The members of a group; for a network, its parts."""
     if "network" in block:
         return [name for name in dict.fromkeys(leaves(block)) if _stem(name) in names]
     inner = next(iter(block.values()))
@@ -291,7 +291,9 @@ def _grouped(taken: list[Any], kind: Kind, k: int | None, path: Path, names: set
     if kind == "k_of_n":
         return {"k_of_n": {"k": k or max(len(taken) - 1, 1), "of": taken}}
     if not all(isinstance(one, str) for one in taken):
-        raise Fault(path, f"{kind.replace('_', ' ')} is of parts and modules, not of groups; put them into a module")
+        raise LocatedError(
+            path, f"{kind.replace('_', ' ')} is of parts and modules, not of groups; put them into a module"
+        )
     if kind == "network":
         start, end = (_free(word, names) for word in _ENDS)
         return {"network": {"from": start, "to": end, "links": [[start, one, end] for one in taken]}}
@@ -339,18 +341,18 @@ def _draw(level: Any, name: str) -> None:
 
 
 def _at(document: Any, path: Sequence[str]) -> Any:
-    """What is at a place. Raises Fault where there is nothing."""
+    """The value at a place. Raises LocatedError where there is nothing."""
     here = document
     for n, key in enumerate(path):
         if not _has(here, key):
             known = list(here) if isinstance(here, MutableMapping) else []
-            raise Fault(tuple(path[: n + 1]), f"there is no '{key}'{nearest(key, [str(one) for one in known])}")
+            raise LocatedError(tuple(path[: n + 1]), f"there is no '{key}'{nearest(key, [str(one) for one in known])}")
         here = here[int(key)] if isinstance(here, MutableSequence) else here[key]
     return here
 
 
 def _around(document: Any, path: Sequence[str]) -> Any:
-    """The mapping or list that a place is in, made where there is none. Raises Fault where a value stands instead."""
+    """The mapping or list that a place is in, made where there is none. Raises LocatedError if a value is there."""
     here = document
     for n, key in enumerate(path[:-1]):
         if isinstance(here, MutableSequence):
@@ -360,7 +362,7 @@ def _around(document: Any, path: Sequence[str]) -> Any:
                 here[key] = {}
             here = here[key]
         if not isinstance(here, MutableMapping | MutableSequence):
-            raise Fault(tuple(path[: n + 1]), "holds a value; expected keys with values")
+            raise LocatedError(tuple(path[: n + 1]), "holds a value; expected keys with values")
     return here
 
 
@@ -372,12 +374,12 @@ def _has(here: Any, key: str) -> bool:
 
 def _index(here: MutableSequence[Any], path: Sequence[str]) -> int:
     if not path[-1].isdecimal() or int(path[-1]) > len(here):
-        raise Fault(tuple(path), f"'{path[-1]}' is no place in a list of {len(here)}")
+        raise LocatedError(tuple(path), f"'{path[-1]}' is no place in a list of {len(here)}")
     return int(path[-1])
 
 
 def _rename_key(mapping: Any, old: str, new: str) -> None:
-    """In its place, with the comments that stand there."""
+    """Rename a key in its place, with the comments that stand there."""
     if hasattr(mapping, "insert"):  # ruamel's, which keeps comments by key
         at, value = list(mapping).index(old), mapping[old]
         comment = mapping.ca.items.get(old)

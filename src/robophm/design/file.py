@@ -1,4 +1,4 @@
-"""robot.yaml ⇄ Robot: read with the line of every fault, saved whole or not at all with comments kept."""
+"""Reading and saving of design files: errors name the line, saving is atomic and keeps comments."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import DesignError, nearest
 from robophm.core.files import read_at_most, shipped, write_atomically
-from robophm.core.given import path as given_path
 from robophm.core.yaml_values import MAX_BYTES, Lines, located, values
 from robophm.design.robot import Robot
 
@@ -21,7 +21,7 @@ BACKUPS = 10
 """Earlier states of a design file that are kept beside it."""
 
 SCHEMA_VERSION = 1
-"""Of design files and task lists; a file that says another number is refused."""
+"""The version of design files and task lists; a file that states another number is refused."""
 
 _Model = TypeVar("_Model", bound="BaseModel")
 
@@ -44,18 +44,18 @@ def parse(text: str, name: str = "design") -> Robot:
     """A robot from the text of a design file; ``name`` is what errors call it. Raises DesignError."""
     data, lines = mapping(text, name, "design")
     from robophm.design.build import build
-    from robophm.design.fault import Fault
+    from robophm.design.located_error import LocatedError
     from robophm.design.schema import RobotFile  # a robot that is not read from a file needs no pydantic
 
     said = validated(RobotFile, data, name, lines)
     try:
         return build(said)
-    except Fault as fault:
+    except LocatedError as fault:
         raise DesignError(located(name, lines, fault.place, str(fault))) from None
 
 
 def mapping(text: str, name: str, what: str) -> tuple[dict[str, Any], Lines]:
-    """The plain values of a YAML text that says its schema version, and the line of each. Raises DesignError."""
+    """Return a YAML text's plain values and the line of each; it must state its schema version. Raises DesignError."""
     data, lines = values(text, name)
     if not isinstance(data, dict):
         raise DesignError(
@@ -69,7 +69,7 @@ def mapping(text: str, name: str, what: str) -> tuple[dict[str, Any], Lines]:
 
 
 def validated(model: type[_Model], data: dict[str, Any], name: str, lines: Lines) -> _Model:
-    """What a file says, checked key by key. Raises DesignError with the line of the first fault."""
+    """Return a file's values checked key by key. Raises DesignError with the line of the first fault."""
     from pydantic import ValidationError
 
     try:
@@ -77,7 +77,7 @@ def validated(model: type[_Model], data: dict[str, Any], name: str, lines: Lines
     except ValidationError as error:
         details = error.errors(include_url=False)
         details.sort(key=lambda detail: detail["type"] != "extra_forbidden")  # a misspelt key explains a missing one
-        place, message = fault_of(details[0], lines, model)
+        place, message = place_and_message(details[0], lines, model)
         more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
         raise DesignError(located(name, lines, place, message) + more) from None
 
@@ -86,7 +86,7 @@ class DesignFile:
     """A design file under edit: ``document`` is its YAML as nested mappings and lists, comments attached."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        """Open a file. Raises DesignError where it is not a valid design."""
+        """Open a file for editing. Raises DesignError where it is not a valid design."""
         self.path = Path(path)
         text = read(self.path)
         parse(text, str(path))
@@ -127,7 +127,7 @@ def write(path: Path, text: str) -> Robot:
 
 
 def write_text(path: Path, text: str) -> None:
-    """As ``write``, of a text that has been found valid already. Raises DesignError where it cannot be written."""
+    """Write a text, found valid already, as ``write`` does. Raises DesignError where it cannot be written."""
     if path.exists():
         replace_text(path, text)
         return
@@ -138,7 +138,7 @@ def write_text(path: Path, text: str) -> None:
 
 
 def replace_text(path: Path, text: str) -> None:
-    """As ``rewrite``, of a text that has been found valid already. Raises DesignError where it cannot be written."""
+    """Replace a text by one found valid already, as ``rewrite`` does. Raises DesignError where it cannot be written."""
     try:
         _keep(path, path.read_bytes())
         write_atomically(path, text)
@@ -163,7 +163,7 @@ def _keep(path: Path, content: bytes) -> None:
 
 
 def round_trip() -> Any:
-    """What reads and writes a document with its comments."""
+    """Return the YAML reader and writer that keeps a document's comments."""
     from ruamel.yaml import YAML
 
     yaml = YAML(typ="rt")
@@ -175,7 +175,7 @@ def round_trip() -> Any:
 
 
 def read(path: Path) -> str:
-    """The text of a file of at most MAX_BYTES. Raises DesignError."""
+    """Return the text of a file of at most MAX_BYTES. Raises DesignError."""
     try:
         if not path.exists():
             beside = [other.name for other in path.parent.iterdir()] if path.parent.is_dir() else []
@@ -192,8 +192,8 @@ def read(path: Path) -> str:
         raise DesignError(f"{path}: is not UTF-8 text (byte {error.start})") from None
 
 
-def fault_of(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> tuple[tuple[str, ...], str]:
-    """Place and message of a pydantic error: its location less the names of union branches."""
+def place_and_message(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> tuple[tuple[str, ...], str]:
+    """Return place and message of a pydantic error: its location without the names of union branches."""
     place: tuple[str, ...] = ()
     for i, step in enumerate(detail["loc"]):
         last = i == len(detail["loc"]) - 1

@@ -9,17 +9,17 @@ from typing import Any, Literal
 
 from robophm.core.errors import DesignError
 from robophm.core.yaml_values import Lines
-from robophm.design.fault import Fault, Path
-from robophm.design.file import fault_of, mapping
+from robophm.design.file import mapping, place_and_message
+from robophm.design.located_error import LocatedError, Path
 from robophm.design.robot import Robot
 
 MOST_PROBLEMS = 500
-"""That are told of one design."""
+"""The most problems that are reported of one design."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """What is wrong ("error": no robot can be made of it, or no figures given) or odd ("warning") at a place."""
+    """A mistake ("error": no robot can be made of it, or no figures given) or an oddity ("warning") at a place."""
 
     level: Literal["error", "warning"]
     place: Path
@@ -28,26 +28,26 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Checked:
-    """A text that is meant to be a design."""
+class CheckResult:
+    """The result of checking a text that is meant to be a design."""
 
     document: dict[str, Any]
-    """Its plain values; empty where it is no YAML mapping."""
+    """Plain values of the text; empty where it is no YAML mapping."""
     robot: Robot | None
-    """None where there is an error."""
+    """The robot that it describes; None where there is an error."""
     problems: tuple[Problem, ...]
 
 
-def check(text: str) -> Checked:
-    """All that can be said of a text; raises nothing for whatever is wrong in it."""
+def check(text: str) -> CheckResult:
+    """Check a text and return all that can be said of it; no mistake in it raises an error."""
     try:
         document, lines = mapping(text, "design", "design")
     except DesignError as error:
         line = str(error).removeprefix("design:").partition(":")[0]
-        return Checked({}, None, (Problem("error", (), _said(str(error)), int(line) if line.isdigit() else None),))
+        return CheckResult({}, None, (Problem("error", (), _said(str(error)), int(line) if line.isdigit() else None),))
     robot, wrong = _built(document, lines)
     odd = _odd(robot, lines) if robot else ()
-    return Checked(document, robot, tuple([*wrong, *odd][:MOST_PROBLEMS]))
+    return CheckResult(document, robot, tuple([*wrong, *odd][:MOST_PROBLEMS]))
 
 
 def _said(text: str) -> str:
@@ -65,8 +65,8 @@ def _built(document: dict[str, Any], lines: Lines) -> tuple[Robot | None, list[P
     try:
         return build(RobotFile.model_validate(document)), []
     except ValidationError as error:
-        places = [fault_of(detail, lines, RobotFile) for detail in error.errors(include_url=False)]
-    except Fault as fault:
+        places = [place_and_message(detail, lines, RobotFile) for detail in error.errors(include_url=False)]
+    except LocatedError as fault:
         places = [(fault.place, str(fault))]
     return None, [Problem("error", place, message, _line(place, lines)) for place, message in dict.fromkeys(places)]
 

@@ -1,4 +1,4 @@
-"""Where a design's document names parts: diagrams, functions, what depends on what, common causes, knowledge."""
+"""Names of parts in a design's document: in diagrams, functions, dependences, common causes, knowledge."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from collections.abc import Callable, Iterator, MutableMapping, MutableSequence,
 from typing import Any
 
 Rewriting = Callable[[str], str | None]
-"""From the path of a part to its new path, or None where it is gone."""
+"""A function from the path of a part to its new path, or None where the part is gone."""
 
 
 def place_of(path: Sequence[str]) -> str:
-    """The path of the part at a place: Power/Board of modules, Power, modules, Board."""
+    """Return the path of the part at a place: Power/Board for modules, Power, modules, Board."""
     return "/".join(path[1::2])
 
 
 def levels(document: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """The robot and its modules: path and mapping, outer before inner."""
+    """Yield the robot and its modules as path and mapping, outer before inner."""
     yield path, document
     modules = document.get("modules")
     if isinstance(modules, MutableMapping):
@@ -25,7 +25,7 @@ def levels(document: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def leaves(block: Any) -> Iterator[str]:
-    """The names in a diagram, as written."""
+    """Yield the names in a diagram, as written."""
     if isinstance(block, str):
         yield block
     elif isinstance(block, MutableSequence):
@@ -38,7 +38,7 @@ def leaves(block: Any) -> Iterator[str]:
 
 
 def rewrite_all(document: Any, new: Rewriting) -> None:
-    """Every name of a part in a document becomes what ``new`` makes of its path; names of parts that are gone go."""
+    """Rename parts in a whole document by what ``new`` makes of their paths; names of parts that are gone go."""
     for level, said in levels(document):
 
         def here(name: str, level: str = level) -> str | None:
@@ -59,7 +59,7 @@ def rewrite_all(document: Any, new: Rewriting) -> None:
 
 
 def rewrite(block: Any, new: Rewriting) -> Any:
-    """A diagram with other names, changed in place where it is a group; None where nothing of it is left."""
+    """Rename parts in a diagram, changed in place where it is a group; return None where nothing of it is left."""
     if isinstance(block, str):
         return new(block)
     if isinstance(block, MutableSequence):  # a list of what something depends on
@@ -131,7 +131,7 @@ def _renamed(name: str, level: str, new: Rewriting) -> str | None:
 
 
 def seen_from(level: str, was: str, name: str) -> str:
-    """A name that was written at the level ``was``, as another level has to write it."""
+    """Return a name, written at the level ``was``, as another level has to write it."""
     path = name[1:] if name.startswith("/") else f"{was}/{name}" if was else name
     inside = f"{level}/" if level else ""
     return path[len(inside) :] if path.startswith(inside) else f"/{path}"

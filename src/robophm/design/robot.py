@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
+from robophm.core.argument_checks import one_of
 from robophm.core.errors import DesignError
-from robophm.core.given import one_of
 from robophm.design.task import Plan, Task, TaskStress
 from robophm.hazard.model import Evaluation, Model
 from robophm.life.distribution import LifeDistribution
@@ -23,7 +23,7 @@ from robophm.life.distribution import LifeDistribution
 Array = npt.NDArray[np.float64]
 
 UNKNOWN = "unknown"
-"""What a design says in place of a rate that nobody knows."""
+"""The word of a design in place of a rate that nobody knows."""
 
 CLOCK_UNITS: Mapping[str, str] = {
     "operating": "h",
@@ -41,7 +41,7 @@ class Channel:
 
     signal: str
     unit: str
-    """In which the message's value is."""
+    """Unit of the message's value."""
     scale: float
     offset: float
     low: float
@@ -50,7 +50,7 @@ class Channel:
     """Nanoseconds that the last value holds."""
     stale: Literal["conservative", "nominal", "hold", "worst"]
     shift: float = 0.0
-    """What of the offset is no conversion of units: how much more the part has than its sensor reads."""
+    """The part of the offset that converts no unit: how much higher the part's input is than its sensor reads."""
     stress: str = ""
     """The name under which it is bound: the input's own, or that of the stress it follows from."""
 
@@ -63,16 +63,16 @@ class MeasuredClock:
     kind: Literal["position", "speed", "edge"]
     signals: tuple[str, ...]
     unit: str
-    """In which the messages' values are; "" for edges, which may be of anything."""
+    """Unit of the messages' values; "" for edges, which may be of anything."""
     scale: float
-    """To metres or m/s; 1 for edges."""
+    """Factor to metres or m/s; 1 for edges."""
     threshold: float
     max_age: int
 
 
 @dataclass(frozen=True)
 class Stress:
-    """What makes one failure mode age faster or slower than designed: a model at design and observed inputs."""
+    """A stress that makes one failure mode age faster or slower: a model at design and observed inputs."""
 
     model: Model
     design: Mapping[str, str | float]
@@ -80,26 +80,26 @@ class Stress:
     channels: Mapping[str, Channel] = field(default_factory=dict)
     """The inputs that are measured."""
     drivers: Mapping[str, tuple[TaskStress, ...]] = field(default_factory=dict)
-    """By numeric input, under which names it may be stated: its own first, then that of the stress it follows from."""
+    """Names, by numeric input, under which it may be stated: its own first, then that of the stress it follows from."""
 
     @cached_property
     def law(self) -> tuple[object, ...]:
-        """Equal where two stresses give the same factor for the same measured inputs."""
+        """A key that two stresses share if they give the same factor for the same measured inputs."""
         model = (self.model.name, self.model.formula, *((n, e.low, e.high) for n, e in self.model.numbers.items()))
         return (model, tuple(sorted(self.design.items())))
 
     @cached_property
     def key(self) -> tuple[object, ...]:
-        """Equal where two stresses give the same factor always."""
+        """A key that two stresses share if they always give the same factor."""
         return (*self.law, tuple(sorted(self.channels.items())))
 
     @cached_property
     def reference(self) -> float:
-        """λ(x₀)."""
+        """Return the hazard rate at design stress, λ(x₀)."""
         return float(self.model.evaluate(self.design).value)
 
     def factor(self, observed: Mapping[str, Array]) -> Evaluation:
-        """ψ(x) = λ(x)/λ(x₀) for observed inputs, shape of their broadcast; and where a model range is left.
+        """Return ψ(x) = λ(x)/λ(x₀) for observed inputs, in their broadcast shape; and where a model range is left.
 
         Where the formula breaks down out of range, and gives no positive number, ψ is 1.
         """
@@ -114,24 +114,24 @@ class Stress:
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """How sure a rate is, as a distribution of its ratio to the stated rate."""
+    """The uncertainty of a rate, as a distribution of its ratio to the stated rate."""
 
     error_factor: float | None = None
     """Lognormal of mean 1: 95th percentile over the median."""
     failures: float | None = None
     """Gamma of mean 1 and this shape."""
     samples: tuple[float, ...] | None = None
-    """Equally likely."""
+    """Equally likely ratios to the stated rate."""
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """What the field has said of a stated rate; it is in the failure mode's rate and uncertainty already."""
+    """Field evidence on a stated rate; it is in the failure mode's rate and uncertainty already."""
 
     factor: float
-    """The rate is so many times the stated one."""
+    """Ratio of the rate to the stated one."""
     stated: Uncertainty | None
-    """How sure the stated rate was."""
+    """Uncertainty of the stated rate before the evidence; None: it was taken as exact."""
 
 
 class Gauge(NamedTuple):
@@ -150,66 +150,66 @@ class WearSignal:
 
     gauge: Gauge
     unit: str | None
-    """In which its values are; None: not known."""
+    """Unit of the signal's values; None: not known."""
     reading: Literal["mean", "rms", "kurtosis", "highest", "lowest"]
-    """Made of the samples of each stretch of time."""
+    """The statistic made of the samples of each stretch of time."""
     every: int
-    """Nanoseconds, of a stretch."""
+    """Length of a stretch of time [ns]."""
     ambient: Gauge | None
-    """Taken off each sample."""
+    """A gauge whose value is subtracted from each sample; None: nothing is."""
     load: Gauge | None
-    """Within whose range samples count."""
+    """A gauge within whose range samples count; None: all count."""
     threshold: float
-    """In the unit of the reading: that of the signal, none of a kurtosis."""
+    """The threshold in the unit of the reading: the signal's; a kurtosis has none."""
     threshold_deviation: float = 0.0
-    """How well the threshold is known, a standard deviation in that unit."""
+    """Standard deviation of the threshold, in the same unit; 0: it is exactly known."""
 
 
 @dataclass(frozen=True)
 class FailureMode:
-    """One way of one component to fail."""
+    """A failure mode: one of the ways in which a component fails."""
 
     path: str
     rate: float
-    """Nominal, at design stress [1 per unit of its clock]; 0 of a rate that is unknown."""
+    """Nominal hazard rate at design stress [1 per unit of its clock]; 0 where it is unknown."""
     life: LifeDistribution
     clock: str
     measured_clock: MeasuredClock | None
     scaling: Literal["age", "hazard"]
     initial_exposure: float
-    """[unit of its clock]"""
+    """Exposure of the part when it was put in [unit of its clock]."""
     stresses: tuple[Stress, ...]
-    """What changes its rate; their factors multiply. The first may be the handbook model behind the rate."""
+    """Stresses that change its rate; their factors multiply. The first may be the handbook model behind the rate."""
     source: str
     uncertainty: Uncertainty | None = None
-    """None: the rate is taken as exact."""
+    """Uncertainty of the rate; None: it is taken as exact."""
     share: float = 1.0
-    """Of the hazard of that rate and life: what is not this part's own is a common cause's."""
+    """Share of that life's hazard that is this part's own; the rest belongs to a common cause."""
     evidence: Evidence | None = None
-    """None: nothing was learned of it."""
+    """Evidence on the rate from the field; None: nothing was learned."""
     member: str = ""
-    """Of a common cause's: path of the part's failure mode that it is a share of."""
+    """Path of the part's failure mode of which a common cause's mode is a share; "" for any other."""
     wear: WearSignal | None = None
-    """What shows it coming."""
+    """The signal that shows the mode coming; None: no signal does."""
 
     @property
     def unknown(self) -> bool:
-        """Whether its rate is not known: it is carried as if it never came, and whatever is made of it says so."""
+        """Whether its rate is unknown: it is carried as if it never came, and every figure made of it says so."""
         return self.rate == 0
 
     @property
     def origin(self) -> str:
-        """Path of the failure mode whose stresses, idleness and true rate this one has: its own or a member's."""
+        """Return the path of the mode whose stresses, duty and true rate this one has: its own or a member's."""
         return self.member or self.path
 
     @property
     def measured(self) -> tuple[Stress, ...]:
-        """The stresses that sensors are bound to."""
+        """Return the stresses that sensors are bound to."""
         return tuple(stress for stress in self.stresses if stress.channels)
 
     @property
     def key(self) -> str:
-        """What a ledger keeps its past under: another clock or scaling would make the sums mean something else."""
+        """Return the key of its past in a ledger: under another clock or scaling its sums would mean something else."""
         gathered = f" of {self.life!r}" if self.scaling == "hazard" else ""  # its hazard is a sum already
         return f"{self.path} ({self.clock}, {self.scaling} scaling{gathered})"
 
@@ -229,27 +229,27 @@ class Component:
     """Share at which it ages in a leg of a task that does not need it."""
     description: str = ""
     members: tuple[str, ...] = ()
-    """Of a common cause: the units that it fails together."""
+    """The units that a common cause fails together; empty for any other component."""
 
     @property
     def name(self) -> str:
-        """The last step of its path."""
+        """Return the last step of its path."""
         return self.path.rpartition("/")[2]
 
     @property
     def unknown(self) -> bool:
-        """Whether the rate of a failure mode of it is not known."""
+        """Whether the rate of one of its failure modes is unknown."""
         return any(mode.unknown for mode in self.modes)
 
     @property
     def multiplicity(self) -> int:
-        """How many equal parts in series one unit stands for."""
+        """Return how many equal parts in series one of its units stands for."""
         return self.quantity if len(self.units) == 1 else 1
 
 
 @dataclass(frozen=True)
 class Limits:
-    """How good health must be: λ at most [1/h], R and PoTC at least, median RUL at least [h]."""
+    """Limits of health: λ at most [1/h], R and PoTC at least, median RUL at least [h]; None: not limited."""
 
     hazard_rate: float | None = None
     reliability: float | None = None
@@ -258,18 +258,17 @@ class Limits:
 
     @property
     def stated(self) -> bool:
-        """Whether any is."""
+        """Whether any of the limits is stated."""
         return any(getattr(self, limit.name) is not None for limit in fields(Limits))
 
 
 @dataclass(frozen=True)
 class Thresholds(Limits):
-    """Where health is no longer good enough, and before that, where attention is due."""
+    """Limits beyond which health is no longer good enough, and those beyond which attention is due."""
 
     warning: Limits = field(default_factory=Limits)
     survival: float | None = None
-    """Not a limit, and of the robot alone: remaining life is also stated as the time at which the chance to still work
-    falls to this."""
+    """Value of survival ahead: remaining life is also stated as the time when survival falls to it; not a limit."""
 
 
 @dataclass(frozen=True)
@@ -280,30 +279,30 @@ class Module:
     modules: tuple[Module, ...]
     components: tuple[Component, ...]
     wiring: Block
-    """As drawn: units are paths of its modules and components."""
+    """The diagram as drawn: units are paths of its modules and components."""
     diagram: Block
-    """Expanded: units are units of components."""
+    """The diagram expanded: units are those of components."""
     description: str = ""
     thresholds: Thresholds = field(default_factory=Thresholds)
 
     @property
     def name(self) -> str:
-        """The last step of its path."""
+        """Return the last step of its path."""
         return self.path.rpartition("/")[2]
 
     @property
     def part_count(self) -> int:
-        """How many parts it holds, equal ones counted one by one; a common cause is none."""
+        """Return how many parts it holds, equal ones counted one by one; a common cause is none."""
         return sum(part.quantity for part in self.all_components() if not part.members)
 
     def all_components(self) -> Iterator[Component]:
-        """The components at this level and below, in design order."""
+        """Yield the components at this level and below, in design order."""
         for module in self.modules:
             yield from module.all_components()
         yield from self.components
 
     def all_modules(self) -> Iterator[Module]:
-        """The modules below, outer before inner, in design order."""
+        """Yield the modules below, outer before inner, in design order."""
         for module in self.modules:
             yield module
             yield from module.all_modules()
@@ -311,7 +310,7 @@ class Module:
 
 @dataclass(frozen=True)
 class Usage:
-    """What an hour brings. ``operating`` is the share of calendar time; the others are per operating hour."""
+    """The use that a design expects: ``operating`` is a share of calendar time, the others are per operating hour."""
 
     operating: float = 1.0
     kilometres: float = 0.0
@@ -319,7 +318,7 @@ class Usage:
     starts: float = 0.0
 
     def per_operating_hour(self, clock: str) -> float:
-        """How far a clock goes in one operating hour."""
+        """Return how far a clock advances in one operating hour."""
         return 1.0 if clock in ("operating", "calendar") else float(getattr(self, clock))
 
 
@@ -331,9 +330,9 @@ class Robot(Module):
     causes: tuple[Component, ...] = ()
     """Common causes of failure, each a unit in series with its members."""
     groups: Mapping[str, str] = field(default_factory=dict)
-    """What parts may fail together and how often, in words; by the paths of the groups."""
+    """Groups of parts that may fail together and how often, in words; by path of the group."""
     depends_on: Mapping[str, Block] = field(default_factory=dict)
-    """What modules and components work only while it does: by their paths, as drawn."""
+    """Diagrams of what modules and components depend on, by their paths, as drawn."""
     usage: Usage = field(default_factory=Usage)
     clocks: Mapping[str, MeasuredClock] = field(default_factory=dict)
     """The clocks that are measured for the robot as a whole, whether parts age on them or not."""
@@ -343,19 +342,19 @@ class Robot(Module):
     """Nanoseconds of silence after which the robot is off."""
     task: Task | None = None
     warnings: tuple[str, ...] = ()
-    """What is odd in its design."""
+    """Remarks on what is odd in the design."""
     notes: tuple[str, ...] = ()
-    """What its sensors rest on, and what they do not reach."""
+    """Remarks on what the design's sensors rest on, and what they do not reach."""
     design_hash: str = ""
     """SHA-256 of the design's content, to tell results of different designs apart."""
 
     @property
     def name(self) -> str:
-        """The robot's own name."""
+        """Return the robot's own name."""
         return self.path
 
     def all_components(self) -> Iterator[Component]:
-        """The components in design order, then the common causes."""
+        """Yield the components in design order, then the common causes."""
         yield from super().all_components()
         yield from self.causes
 
@@ -381,7 +380,7 @@ class Robot(Module):
         return Plan((self.task,) if self.task else ())
 
     def diagram_of(self, function: str | None = None) -> Block:
-        """The diagram of a function by its name, or of the whole robot where none is named.
+        """Return the diagram of a function by its name, or of the whole robot where none is named.
 
         Raises DesignError, with the nearest known name, where the robot has no such function.
         """
@@ -389,7 +388,7 @@ class Robot(Module):
 
     @cached_property
     def max_ages(self) -> Mapping[str, int]:
-        """How long [ns] the last value of each bound signal holds; of one that is bound twice, as it is bound last."""
+        """Return how long [ns] the last value of each bound signal holds; if bound twice, as it is bound last."""
         found: dict[str, int] = {}
         for mode in self.modes:
             for stress in mode.stresses:
@@ -401,7 +400,8 @@ class Robot(Module):
         return found
 
     def part_of(self, mode: FailureMode) -> str:
-        """Path of the component that a failure mode rests with: its own, or of a common cause's the member."""
+        """Return the path of the component that a failure mode belongs to: its own, or for a common cause's the
+        member."""
         return self._parts[mode.origin]
 
     @cached_property
@@ -410,7 +410,7 @@ class Robot(Module):
 
     @cached_property
     def signals(self) -> Mapping[str, str | None]:
-        """Every signal that the design listens to, and the unit in which it takes its values; None for any."""
+        """Return every signal that the design listens to, and the unit in which it takes its values; None for any."""
         found: dict[str, str | None] = {self.powered: None} if self.powered else {}
         for clock in (*self.clocks.values(), *(mode.measured_clock for mode in self.modes)):
             if clock:

@@ -1,4 +1,4 @@
-"""What a design file may say, key by key. ``robophm schema`` prints it as JSON Schema.
+"""The schema of a design file, key by key. ``robophm schema`` prints it as JSON Schema.
 
 Only the schema files load pydantic; the rest of robophm sees the resolved ``Robot`` alone.
 """
@@ -19,7 +19,7 @@ from robophm.parts import completed
 from robophm.parts import part as library_part
 
 Clock = Literal["operating", "calendar", "kilometres", "cycles", "starts"]
-"""What a failure mode ages on."""
+"""The clocks that a failure mode can age on."""
 
 
 class SignalBinding(Strict):
@@ -142,7 +142,7 @@ class Uncertainty(Strict):
 
 
 class Learned(Strict):
-    """What the field says of a stated rate; `robophm learn` writes it, from all that was seen so far."""
+    """Field evidence on a stated rate; `robophm learn` writes it, from all that was seen so far."""
 
     factor: float = Field(gt=0, le=1e12, description="the rate is so many times what is stated")
     shape: float = Field(gt=0, le=1e12, description="gamma: as sure as if so many failures had been seen")
@@ -156,7 +156,7 @@ class Learned(Strict):
 
 
 class WearGauge(Strict):
-    """What is measured beside a signal of wear."""
+    """A second signal, measured beside a signal of wear."""
 
     topic: str = Field(min_length=1)
     field: str = Field(min_length=1, description="path of the number in the message")
@@ -238,10 +238,10 @@ def _of_table_3_2(symbol: str) -> str:
 Environment = Annotated[
     str, AfterValidator(_of_table_3_2), WithJsonSchema({"type": "string", "enum": list(ENVIRONMENTS)})
 ]
-"""Where parts work, as the handbook has it; also where no model asks for it, a word that none would know is refused."""
+"""A symbol of the handbook for where parts work; an unknown one is refused also where no model asks for it."""
 
 PartName = Annotated[str, AfterValidator(_in_library), WithJsonSchema({"type": "string", "examples": ["lidar_2d"]})]
-"""Of an entry of the library of parts."""
+"""The name of an entry of the library of parts."""
 
 Duty = Annotated[float, Field(ge=0, le=1, description="share at which parts age in a leg that does not need them")]
 
@@ -316,13 +316,13 @@ class Limits(Strict):
 
 
 class ModuleThresholds(Limits):
-    """Where a module's health is no longer good enough: an error, and before it a warning."""
+    """Limits beyond which a module's health is no longer good enough: an error, and before it a warning."""
 
     warning: Limits = Field(default_factory=Limits, description="the same, where attention is due")
 
 
 class Thresholds(ModuleThresholds):
-    """Where the robot's health is no longer good enough (exit code 1)."""
+    """Limits beyond which the robot's health is no longer good enough (exit code 1)."""
 
     survival: Annotated[float, Field(gt=0, lt=1, description="state also when survival ahead falls to this")] | None = (
         None
@@ -337,7 +337,7 @@ class Module(_Group):
 
 
 class Usage(Strict):
-    """What an hour brings: the nominal future, on every clock."""
+    """The use that the design expects per hour: the nominal future, on every clock."""
 
     operating: Annotated[float, Field(gt=0, le=1, description="share of calendar time that the robot works")] = 1.0
     kilometres: quantity_in("km/h", "driven per operating hour", "1.2 km/h", 0.0) | None = None  # type: ignore[valid-type]

@@ -1,4 +1,4 @@
-"""What a design file may say of how parts are wired: diagrams of blocks."""
+"""The schema of diagrams in a design file: how parts are wired in blocks."""
 
 from __future__ import annotations
 

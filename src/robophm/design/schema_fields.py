@@ -1,4 +1,4 @@
-"""What a key of a design file may hold: a quantity in its unit, a name, a mapping without unknown keys."""
+"""Types of the values in a design file: a quantity in its unit, a name, a mapping without unknown keys."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LONGEST = 1e9
 def quantity_in(
     unit: str, description: str, example: str, low: float = float("-inf"), high: float = float("inf")
 ) -> Any:
-    """A field that takes a written quantity and holds the number in ``unit``."""
+    """Return the type of a field that takes a written quantity and holds the number in ``unit``."""
 
     def read(value: object) -> float:
         try:
@@ -39,7 +39,7 @@ def quantity_in(
 
 
 Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^/\[\]\x00-\x1f\x7f-\x9f\u2028\u2029]+$")]
-"""Of a module, component, mode or function: any text without / [ ] and control characters."""
+"""The name of a module, component, mode or function: any text without / [ ] and control characters."""
 
 
 def _written(value: object) -> object:

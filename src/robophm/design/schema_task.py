@@ -1,4 +1,4 @@
-"""What a design file, or a list of tasks, may say of tasks and of what is known before them."""
+"""The schema of tasks, and of what is known before them, in a design file or a list of tasks."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ AnyTask = Annotated[Annotated[Task, Tag("Task")] | Annotated[Leg, Tag("Leg")], D
 
 
 class Knowledge(Strict):
-    """What is known of parts, by their paths."""
+    """Knowledge of parts, by their paths."""
 
     failed: list[str] = Field(default_factory=list, description="have failed")
     working: list[str] = Field(default_factory=list, description="work now")

@@ -1,4 +1,4 @@
-"""What a level of a design inherits from those above it."""
+"""The settings that a level of a design inherits from those above it."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from robophm.design import schema
-from robophm.design.driving import Ambient, Cover, ambient_of
-from robophm.design.fault import Path
+from robophm.design.located_error import Path
+from robophm.design.sensor_channels import Ambient, SensorCover, ambient_of
 
 
 @dataclass(frozen=True)
 class Scope:
-    """What a level inherits from those above it."""
+    """The settings that hold in a level: its own, and those inherited from above."""
 
     environment: str | None = None
     signals: Mapping[str, tuple[Path, schema.SignalBinding]] = field(default_factory=dict)
@@ -24,7 +24,7 @@ class Scope:
     ambient: Ambient | None = None
 
     def within(self, place: Path, level: Any) -> Scope:
-        """What holds in a level of it: what the level states, else what it inherits."""
+        """Return the scope of a level inside this one: what that states, else what it inherits."""
         return Scope(
             level.environment or self.environment,
             {**self.signals, **{name: ((*place, "signals", name), b) for name, b in level.signals.items()}},
@@ -35,6 +35,6 @@ class Scope:
             self.ambient if isinstance(level, schema.Component) else ambient_of(place, level, self.ambient),
         )
 
-    def cover(self, part: schema.Component) -> Cover:
-        """What of stresses a part in it has sensors of."""
-        return Cover(self.signals, frozenset(part.signals), part.offsets, self.ambient)
+    def cover(self, part: schema.Component) -> SensorCover:
+        """Return the sensors that a part in this scope has of its stresses."""
+        return SensorCover(self.signals, frozenset(part.signals), part.offsets, self.ambient)

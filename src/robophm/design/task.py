@@ -1,4 +1,4 @@
-"""What a robot is to do: tasks of legs, and what is known before the first."""
+"""Tasks of a robot, leg after leg, and what is known of its parts before the first."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from itertools import chain
 from math import fsum, inf
 from typing import NamedTuple, TypeVar
 
-from robophm.core.given import instance, number, shown
-from robophm.design.fault import Fault, at
+from robophm.core.argument_checks import instance, number, shown
+from robophm.design.located_error import LocatedError, error_at
 
 LONGEST_TASK = 1e6
 """Hours, more than a century: what a task, or a list of them, may take in all."""
@@ -19,7 +19,7 @@ FARTHEST = 1e12
 """Metres; twice the distance to Neptune is no task either."""
 
 MOST_CYCLES = 1e15
-"""Of one leg, and as many starts."""
+"""The most cycles of one leg, and the most starts."""
 
 
 class TaskStress(NamedTuple):
@@ -27,9 +27,9 @@ class TaskStress(NamedTuple):
 
     name: str
     shift: float
-    """How much more the input is than what is stated: its offsets, or its rise as designed."""
+    """Difference of the input from what is stated: its offsets, or its rise as designed."""
     around: bool
-    """Whether it may be stated of what the part is in, and not of the part alone."""
+    """Whether it may be stated of the part's surroundings, and not of the part alone."""
 
 
 @dataclass(frozen=True)
@@ -42,28 +42,28 @@ class Leg:
     duration: float
     distance: float = 0.0
     cycles: float | None = None
-    """None: by the usage per hour."""
+    """Cycles in this leg; None: by the usage per hour."""
     starts: float | None = None
     functions: tuple[str, ...] = ()
-    """By name; none named is the whole robot."""
+    """Names of the functions that must work; none named is the whole robot."""
     stresses: Mapping[str, float] = field(default_factory=dict)
-    """What sensors of a stress would read, in the unit of the inputs that it drives: of all parts, or below one
+    """Stresses as sensors would read them, in the unit of the inputs that they drive: of all parts, or below one
     (``Power/temperature``)."""
 
     def __post_init__(self) -> None:
-        """Hold a leg to what a file of tasks is held to."""
+        """Check a leg as a file of tasks is checked."""
         for name in ("duration", "distance", "cycles", "starts"):
             if (value := getattr(self, name)) is not None or name in ("duration", "distance"):
-                object.__setattr__(self, name, number(value, name, error=at(name)))
+                object.__setattr__(self, name, number(value, name, error=error_at(name)))
         functions = dict.fromkeys(names(self.functions, "functions", "functions by name"))
         object.__setattr__(self, "functions", tuple(functions))
-        instance(self.stresses, Mapping, "stresses", "what each is, by name", at("stresses"))
+        instance(self.stresses, Mapping, "stresses", "what each is, by name", error_at("stresses"))
         names(self.stresses, "stresses", "stresses by name")
         for key, value in self.stresses.items():
-            number(value, f"stress '{key}'", low=-inf, error=at("stresses", key))
+            number(value, f"stress '{key}'", low=-inf, error=error_at("stresses", key))
 
     def stated(self, path: str, part: str, drivers: Iterable[TaskStress]) -> float | None:
-        """What is stated of a model input of the failure mode at a path; of a name the nearest statement holds."""
+        """Return the value stated for a model input of the failure mode at a path; the nearest statement holds."""
         steps = path.split("/")
         for driver in drivers:
             for n in range(len(steps), -1 if driver.around else part.count("/"), -1):
@@ -75,53 +75,53 @@ class Leg:
 
 @dataclass(frozen=True)
 class Task:
-    """One job of the robot, leg after leg. No legs: nothing to do."""
+    """One job of the robot, leg after leg; without legs there is nothing to do."""
 
     legs: tuple[Leg, ...]
     name: str = ""
 
     def __post_init__(self) -> None:
-        """Hold a task to what a file of tasks is held to."""
+        """Check a task as a file of tasks is checked."""
         object.__setattr__(self, "legs", _all(self.legs, Leg, "legs", "legs, such as (Leg(0.5),)"))
-        instance(self.name, str, "name", "a text", at("name"))
+        instance(self.name, str, "name", "a text", error_at("name"))
 
     @classmethod
     def plain(cls, distance: float, duration: float) -> Task:
-        """A ``distance`` [m] in a ``duration`` [h] by the whole robot."""
+        """Make a task of the whole robot: a ``distance`` [m] in a ``duration`` [h]."""
         return cls((Leg(duration, distance),))
 
     @classmethod
     def joined(cls, tasks: Iterable[Task]) -> Task:
-        """All legs of tasks, one task after the other, as one task."""
+        """Join the legs of tasks, one task after the other, to one task."""
         return cls(tuple(chain.from_iterable(task.legs for task in tasks)))
 
     @cached_property
     def distance(self) -> float:
-        """Of all legs [m]."""
+        """Return the distance of all legs [m]."""
         return fsum(leg.distance for leg in self.legs)
 
     @cached_property
     def duration(self) -> float:
-        """Of all legs [h]."""
+        """Return the duration of all legs [h]."""
         return fsum(leg.duration for leg in self.legs)
 
 
 @dataclass(frozen=True)
 class Knowledge:
-    """What is known of units of the diagrams; any other is known to work if monitored, or else unknown."""
+    """Knowledge of units of the diagrams; any that is not named works if monitored, or else is unknown."""
 
     failed: frozenset[str] = frozenset()
     working: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
-        """Take any collection of names."""
+        """Accept any collection of names."""
         for name in ("failed", "working"):
             object.__setattr__(self, name, frozenset(names(getattr(self, name), name, "units by name")))
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Tasks in their order."""
+    """A plan: tasks in their order, and what is known before the first."""
 
     tasks: tuple[Task, ...]
     knowledge: Knowledge = field(default_factory=Knowledge)
@@ -129,20 +129,20 @@ class Plan:
     """Hours after which the list begins anew; None: as the design's operating share allows."""
 
     def __post_init__(self) -> None:
-        """Check what it is made of."""
+        """Check the tasks and the knowledge of the plan."""
         object.__setattr__(self, "tasks", _all(self.tasks, Task, "tasks", "tasks, such as (Task((Leg(0.5),)),)"))
-        instance(self.knowledge, Knowledge, "knowledge", "a Knowledge", at("knowledge"))
+        instance(self.knowledge, Knowledge, "knowledge", "a Knowledge", error_at("knowledge"))
         if self.every is not None:
-            number(self.every, "every", above=True, high=LONGEST_TASK, error=at("every"))
+            number(self.every, "every", above=True, high=LONGEST_TASK, error=error_at("every"))
 
     @property
     def joined(self) -> Task:
-        """All of the tasks as one."""
+        """Return all of the tasks as one."""
         return Task.joined(self.tasks)
 
     @property
     def gap(self) -> float:
-        """Hours of calendar time from the end of the last task until the list begins anew; 0 without ``every``."""
+        """Return the calendar hours from the end of the last task until the list begins anew; 0 without ``every``."""
         return 0.0 if self.every is None else max(self.every - self.joined.duration, 0.0)
 
 
@@ -150,17 +150,17 @@ _Kind = TypeVar("_Kind")
 
 
 def _all(given: object, kind: type[_Kind], what: str, expected: str) -> tuple[_Kind, ...]:
-    """Things of one kind in their order. Raises Fault where they are not."""
+    """Return things of one kind in their order. Raises LocatedError where they are not."""
     if isinstance(given, str) or not isinstance(given, Iterable):
-        raise Fault((what,), f"{what} {shown(given)}: expected {expected}")
-    return tuple(instance(one, kind, what, expected, at(what)) for one in given)
+        raise LocatedError((what,), f"{what} {shown(given)}: expected {expected}")
+    return tuple(instance(one, kind, what, expected, error_at(what)) for one in given)
 
 
 def names(given: object, what: str, expected: str) -> Collection[str]:
-    """Names, in the order given. Raises Fault where they are none, or one text, whose letters are no names."""
+    """Return names in the order given. Raises LocatedError for none, or one text: its letters are no names."""
     if isinstance(given, str) or not isinstance(given, Iterable):
-        raise Fault((what,), f"{what} {shown(given)}: expected {expected}, such as ('a', 'b')")
+        raise LocatedError((what,), f"{what} {shown(given)}: expected {expected}, such as ('a', 'b')")
     found = tuple(given)
     for name in found:
-        instance(name, str, what, expected, at(what))
+        instance(name, str, what, expected, error_at(what))
     return found

@@ -1,4 +1,4 @@
-"""Task lists: tasks.yaml and tasks.csv of a robot."""
+"""Readers of task lists: tasks.yaml and tasks.csv of a robot."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from collections.abc import Iterable
 from itertools import count, groupby
 from typing import Any
 
+from robophm.core.argument_checks import instance
+from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import DesignError, nearest
-from robophm.core.given import instance
-from robophm.core.given import path as given_path
 from robophm.core.yaml_values import Lines, located
 from robophm.design.file import mapping, read, validated
 from robophm.design.robot import Robot
@@ -26,7 +26,7 @@ _MOST_ROWS = 100_000
 
 
 def load_plan(path: str | os.PathLike[str], robot: Robot) -> Plan:
-    """Tasks of a robot from a .yaml or .csv file. Raises DesignError with file, line and what was expected."""
+    """Read a robot's tasks from a .yaml or .csv file. Raises DesignError with file, line and what was expected."""
     path = given_path(path, "list of tasks", DesignError)
     instance(robot, Robot, "robot", "a Robot, as of robophm.load", DesignError)
     text = read(path)
@@ -36,7 +36,7 @@ def load_plan(path: str | os.PathLike[str], robot: Robot) -> Plan:
 
 
 def parse_plan(text: str, robot: Robot, name: str = "tasks") -> Plan:
-    """Tasks from the text of a YAML file; ``name`` is what errors call it. Raises DesignError."""
+    """Read a robot's tasks from YAML text; ``name`` is what errors call it. Raises DesignError."""
     from robophm.design.schema_task import TaskFile
 
     data, lines = mapping(text, name, "list of tasks")
@@ -44,7 +44,7 @@ def parse_plan(text: str, robot: Robot, name: str = "tasks") -> Plan:
 
 
 def plan_from_csv(text: str, robot: Robot, name: str = "tasks") -> Plan:
-    """Tasks from a table with a row for each leg: columns as keys of a leg, any other is a stress.
+    """Read tasks from a table with a row for each leg: columns as keys of a leg, any other is a stress.
 
     Rows that name the same ``task`` one after another are its legs; one that names none is a task of its own.
     Raises DesignError.
@@ -53,7 +53,7 @@ def plan_from_csv(text: str, robot: Robot, name: str = "tasks") -> Plan:
 
 
 def table_rows(text: str, name: str) -> list[Row]:
-    """The rows of a table with their lines; empty cells are left out. Raises DesignError."""
+    """Return the rows of a table with their lines; empty cells are left out. Raises DesignError."""
     reader = csv.DictReader(io.StringIO(text, newline=""), strict=True)
     rows: list[Row] = []
     try:
@@ -74,7 +74,7 @@ def table_rows(text: str, name: str) -> list[Row]:
 
 
 def plan_of_rows(rows: Iterable[Row], robot: Robot, name: str) -> Plan:
-    """Tasks from rows of a table. Raises DesignError."""
+    """Build a plan from rows of a table. Raises DesignError."""
     from robophm.design.schema_task import TaskFile
 
     known = {"task", "functions", *_LEG}
@@ -104,10 +104,10 @@ def plan_of_rows(rows: Iterable[Row], robot: Robot, name: str) -> Plan:
 
 def _plan(data: dict[str, Any], lines: Lines, robot: Robot, name: str, model: Any) -> Plan:
     from robophm.design.build_task import build_plan
-    from robophm.design.fault import Fault
+    from robophm.design.located_error import LocatedError
 
     said = validated(model, data, name, lines)
     try:
         return build_plan(said, robot)
-    except Fault as fault:
+    except LocatedError as fault:
         raise DesignError(located(name, lines, fault.place, str(fault))) from None

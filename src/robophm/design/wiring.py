@@ -1,4 +1,4 @@
-"""How the parts of a design are wired: its diagrams of names become diagrams of units."""
+"""The wiring of a design's parts: its diagrams of names become diagrams of units."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Any
 from robophm.blocks import diagram as blocks
 from robophm.core.errors import StructureError, nearest
 from robophm.design import schema_blocks
-from robophm.design.fault import Fault, Path
+from robophm.design.located_error import LocatedError, Path
 from robophm.design.robot import Component, Module
 
 
 class Wiring:
-    """Diagrams of names become diagrams of units; what contains itself, or depends on itself, is found."""
+    """Expands diagrams of names to diagrams of units, and finds what contains, or depends on, itself."""
 
     def __init__(
         self,
@@ -27,32 +27,32 @@ class Wiring:
     ) -> None:
         self.modules, self.components, self.places, self.depends_on = modules, components, places, depends_on
         self.causes = causes
-        """In series with each unit."""
+        """Common causes that are in series with each unit."""
         self.expanded: dict[str, blocks.Block] = {}
         self.under_way: list[tuple[str, str]] = []
-        """(what is done, to which path)"""
+        """The expansions under way: (what is done, to which path)."""
         self.groups: dict[str, blocks.Group] = {}  # of parts that depend on each other, by name
         self.group_places: dict[str, Path] = {}
 
     def module(self, module: Module) -> Module:
-        """The module and those in it, with their diagrams."""
+        """Return the module and those in it, with their diagrams."""
         inner = tuple(self.module(child) for child in module.modules)
         parts = tuple(self.components[part.path] for part in module.components)
         wiring, diagram = self._wiring(module.path), self.path("", module.path, ())
         return replace(module, modules=inner, components=parts, wiring=wiring, diagram=diagram)
 
     def parts(self, level: str, names: Iterable[str], place: Path) -> list[str]:
-        """Paths of the components or units that are named at a level."""
+        """Return the paths of the components or units that are named at a level."""
         found = []
         for i, name in enumerate(names):
             at = (*place, str(i))
             found.append(self._resolve(level, name, at))
             if found[-1] in self.modules:
-                raise Fault(at, f"'{name}' is a module; expected a part")
+                raise LocatedError(at, f"'{name}' is a module; expected a part")
         return found
 
     def needs(self, path: str) -> blocks.Block:
-        """What a module or component depends on, as drawn."""
+        """Return the diagram of what a module or component depends on, as drawn."""
         level, said = path.rpartition("/")[0], self.depends_on[path]
         place = (*self.places[path], "depends_on")
         if isinstance(said, list):
@@ -83,7 +83,7 @@ class Wiring:
                 return blocks.KOutOfN(group.k, *self._inner(level, group.of, (*place, "k_of_n", "of")))
             return self._group(level, diagram, place)
         except StructureError as error:
-            raise Fault(place, str(error)) from None
+            raise LocatedError(place, str(error)) from None
 
     def _inner(self, level: str, diagrams: Iterable[Any], place: Path) -> list[blocks.Block]:
         return [self._named(level, diagram, (*place, str(i))) for i, diagram in enumerate(diagrams)]
@@ -101,19 +101,23 @@ class Wiring:
         ends, nodes = (network.start, network.end), {}
         for name in network.junctions:
             if self._is_part(level, name):
-                raise Fault((*place, "junctions"), f"'{name}' is a part, which may fail; expected it in links alone")
+                raise LocatedError(
+                    (*place, "junctions"), f"'{name}' is a part, which may fail; expected it in links alone"
+                )
             if not any(name in (link.start, link.end) for link in links):
-                raise Fault((*place, "junctions"), f"no link joins '{name}' to anything")
+                raise LocatedError((*place, "junctions"), f"no link joins '{name}' to anything")
         for name in dict.fromkeys(name for link in links for name in (link.start, link.end)):
             if name not in network.junctions and (name not in ends or self._is_part(level, name)):
                 if not self._is_part(level, name):
                     known = (*network.junctions, *ends, *self._known(level))
-                    raise Fault((*place, "links"), f"'{name}' is neither a part nor in junctions{nearest(name, known)}")
+                    raise LocatedError(
+                        (*place, "links"), f"'{name}' is neither a part nor in junctions{nearest(name, known)}"
+                    )
                 nodes[name] = blocks.Unit(self._resolve(level, name, (*place, "links")))
         try:
             return blocks.Network(*ends, links, nodes)
         except StructureError as error:
-            raise Fault(place, str(error).removeprefix("network: ")) from None
+            raise LocatedError(place, str(error).removeprefix("network: ")) from None
 
     def _group(
         self, level: str, diagram: schema_blocks.Standby | schema_blocks.LoadSharing, place: Path
@@ -128,7 +132,9 @@ class Wiring:
             component = self.components.get(path)
             units = component.units if component else (path,)
             if component and component.required not in (1, component.quantity):
-                raise Fault(place, f"'{name}': {component.required} of {component.quantity}; expected a quantity alone")
+                raise LocatedError(
+                    place, f"'{name}': {component.required} of {component.quantity}; expected a quantity alone"
+                )
             members += [(unit,) for unit in units]
         name = f"{kind.replace('_', ' ')} of {', '.join(member for (member,) in members)}"
         if isinstance(said, schema_blocks.StandbyGroup):
@@ -155,51 +161,59 @@ class Wiring:
                     always.add(block.name)
                     others = [one for one, these in zip(paths, needed, strict=True) if one != path and block in these]
                     if any(_within(block.name, one) for one in paths):
-                        raise Fault(place, f"'{path}' depends on '{block.name}' of its own group; expected on others")
+                        raise LocatedError(
+                            place, f"'{path}' depends on '{block.name}' of its own group; expected on others"
+                        )
                     if others:
-                        raise Fault(
+                        raise LocatedError(
                             place, f"'{path}' and '{others[0]}' depend on '{block.name}', others of their group do "
                             "not; expected that one does, or all",
                         )  # fmt: skip
             members.append(tuple(block.name for block in parts))
         found = replace(group, members=tuple(members), always=frozenset(always))
         if self.groups.setdefault(group.name, found) != found:
-            raise Fault(place, f"{group.name}: drawn elsewhere with other numbers; expected the same")
+            raise LocatedError(place, f"{group.name}: drawn elsewhere with other numbers; expected the same")
         self.group_places.setdefault(group.name, place)
         return blocks.Series(found, *common) if common else found
 
     def _member(self, path: str, block: blocks.Block, place: Path) -> blocks.Unit:
-        """The unit that a block in series in a member of a group has to be. Raises Fault."""
+        """The unit that a block in series in a member of a group has to be. Raises LocatedError."""
         if not isinstance(block, blocks.Unit) or isinstance(block, blocks.Group):
-            raise Fault(place, f"'{path}' is not of parts in series; expected a part, or a module of parts in series")
+            raise LocatedError(
+                place, f"'{path}' is not of parts in series; expected a part, or a module of parts in series"
+            )
         component = self.components.get(block.name.partition("[")[0])
         if not component:
-            raise Fault(place, f"'{path}' may fail together with others ({block.name}); expected a part that does not")
+            raise LocatedError(
+                place, f"'{path}' may fail together with others ({block.name}); expected a part that does not"
+            )
         for mode in component.modes:
             if mode.scaling == "hazard":
-                raise Fault(place, f"{mode.path}: scaling 'hazard' in a group of parts; expected 'age'")
+                raise LocatedError(place, f"{mode.path}: scaling 'hazard' in a group of parts; expected 'age'")
             if mode.uncertainty:
-                raise Fault(place, f"{mode.path}: 'uncertainty' in a group of parts; expected a rate that is exact")
+                raise LocatedError(
+                    place, f"{mode.path}: 'uncertainty' in a group of parts; expected a rate that is exact"
+                )
         return block
 
     def _of_members(self, paths: Iterable[str], block: blocks.Block) -> bool:
-        """Whether it is a part of a member of a group, or a cause by which such may fail together."""
+        """Whether a block is a part of a member of a group, or a cause by which such parts may fail together."""
         return isinstance(block, blocks.Unit) and any(
             any(_within(unit, path) for path in paths)
             for unit in (block.name, *(unit for unit, causes in self.causes.items() if block.name in causes))
         )
 
     def check_groups(self, used: Iterable[str]) -> None:
-        """Raise Fault where a member of a group is drawn outside it too."""
+        """Raise LocatedError where a member of a group is drawn outside it too."""
         of: dict[str, str] = {}
         for name, group in self.groups.items():
             for unit in (unit for member in group.members for unit in member):
                 other = of.setdefault(unit, name)
                 if other != name:
-                    raise Fault(self.group_places[name], f"'{unit}' is a member of two groups; expected of one")
+                    raise LocatedError(self.group_places[name], f"'{unit}' is a member of two groups; expected of one")
         if alone := next((unit for unit in sorted(used) if unit in of), None):
             always = alone in self.groups[of[alone]].always
-            raise Fault(
+            raise LocatedError(
                 self.group_places[of[alone]],
                 f"'{alone}', on which a member depends, is needed outside the group too; expected that all members do"
                 if always else f"'{alone}' is drawn outside its group too; expected in it alone",
@@ -217,13 +231,13 @@ class Wiring:
         if component and bracket:
             if path in component.units:
                 return path
-            raise Fault(
+            raise LocatedError(
                 place,
                 f"'{name}': {stem} has quantity {component.quantity}; expected [1] … [{component.quantity}]",
             )
         if path in self.modules or component:
             return path
-        raise Fault(place, f"unknown part '{name}'{nearest(name, self._known(level))}")
+        raise LocatedError(place, f"unknown part '{name}'{nearest(name, self._known(level))}")
 
     def _known(self, level: str) -> list[str]:
         """The names that a diagram of this level may draw."""
@@ -231,12 +245,12 @@ class Wiring:
         return [path.removeprefix(f"{level}/") if level else path for path in paths if path]
 
     def block(self, path: Path, diagram: Any, place: Path) -> blocks.Block:
-        """A diagram that a level draws, expanded to units."""
+        """Expand a diagram that a level draws to units."""
         level = "/".join(path)
         return self._expand(level, self._named(level, diagram, place), place)
 
     def path(self, level: str, path: str, place: Path) -> blocks.Block:
-        """What must work so that a module, a component or a member of one, drawn at a level, does its work.
+        """Return what must work so that a module, component or member, drawn at a level, does its work.
 
         It needs what it depends on, and what the modules around it do, up to one that is around the level too.
         """
@@ -268,13 +282,13 @@ class Wiring:
         return blocks.Series(name, *causes) if causes else blocks.Unit(name)
 
     def _once(self, what: str, path: str, place: Path) -> blocks.Block:
-        """Expanded: what a module contains, or what something depends on."""
+        """The expanded diagram of what a module contains, or of what something depends on; each is expanded once."""
         key = f"{what} {path}"
         if key not in self.expanded:
             if (what, path) in self.under_way:
                 circle = [*self.under_way[self.under_way.index((what, path)) :], (what, path)]
                 steps = " → ".join(step or "the robot" for _, step in circle)
-                raise Fault(place, f"cycle: {steps} {what} itself")
+                raise LocatedError(place, f"cycle: {steps} {what} itself")
             self.under_way.append((what, path))
             if what == "contains":
                 level, drawn, at = path, self._wiring(path), (*self.places[path], "diagram")
@@ -293,7 +307,7 @@ class Wiring:
 
 
 def series(block: blocks.Block) -> list[blocks.Block]:
-    """What must all work: the diagram itself, or what it is a series of, each once."""
+    """Return the blocks that must all work: the diagram itself, or what it is a series of, each once."""
     found: list[blocks.Block] = []
     todo = [block]
     while todo:
@@ -316,8 +330,8 @@ def _join(level: str, name: str) -> str:
     return f"{level}/{name}" if level else name
 
 
-def told_apart(level: Any) -> Iterable[str]:
-    """Names by which a design tells equal parts apart: drawn as 'motor[2]' or in a group, or what may fail together."""
+def distinguished_parts(level: Any) -> Iterable[str]:
+    """Yield the names by which a design tells equal parts apart: as 'motor[2]', in a group, or failing together."""
     for group in level.common_causes.values():
         yield from group.of
     stack: list[Any] = [level.diagram, *getattr(level, "functions", {}).values()]
@@ -339,4 +353,4 @@ def told_apart(level: Any) -> Iterable[str]:
             inner = getattr(block, next(kind for kind in schema_blocks.BLOCKS if hasattr(block, kind)))
             stack += getattr(inner, "of", inner)
     for module in level.modules.values():
-        yield from told_apart(module)
+        yield from distinguished_parts(module)

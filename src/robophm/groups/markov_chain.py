@@ -16,10 +16,10 @@ from robophm.blocks.diagram import LoadSharing, Standby
 from robophm.core.errors import StructureError
 from robophm.groups.member import Member
 from robophm.groups.path import Array, Path, Rows
-from robophm.groups.state import Solved
+from robophm.groups.solved_group import SolvedGroup
 
 MOST_STATES = 256
-"""Of a group of different parts; equal ones are only counted, and may be far more."""
+"""The most states of a group of different parts; equal ones are only counted, and may be far more."""
 
 
 _TERMS = 24  # of an exponential over a short time
@@ -32,12 +32,12 @@ class Transition(NamedTuple):
     end: int | None
     member: int
     weight: float
-    """Times the member's rate."""
+    """Factor on the member's rate."""
     always: float
-    """Times the rate of what it depends on."""
+    """Factor on the rate of what the member depends on."""
 
 
-class Chain(Solved):
+class Chain(SolvedGroup):
     """A group of members with constant rates along a path, from its start on.
 
     ``status`` at ``now``: of each member True works, False has failed, None. Raises StructureError where the members
@@ -106,7 +106,7 @@ class Chain(Solved):
             return v / np.where(total > 0, total, 1.0)[:, None], log + np.log(total), piece
 
     def log_works(self, s: Array) -> Array:
-        """ln P(works at s, and what is known), shape (times,)."""
+        """Return ln P(works at s, and what is known), shape (times,)."""
         return self._states(s)[1]
 
     def log_fails_in(self, s: Array, length: Array) -> Array:

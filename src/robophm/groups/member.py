@@ -1,4 +1,4 @@
-"""One member of a group: its failure modes in series, and how they age while it waits and while it works."""
+"""A member of a group: its failure modes in series, and how they age while it waits and while it works."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from robophm.groups.path import Array, Path, Rows
 from robophm.groups.quadrature import log_integral
-from robophm.groups.state import log_fails
+from robophm.groups.solved_group import log_fails
 from robophm.life.distribution import FAINT, LifeDistribution
 from robophm.life.exponential import Exponential
 
@@ -19,12 +19,12 @@ class Mode:
     """A failure mode of a member."""
 
     column: int
-    """Which of the ages along a path is its own."""
+    """Column of the mode's age in the arrays of a path."""
     life: LifeDistribution
     age: float = 0.0
-    """At the start of the path."""
+    """Age at the start of the path."""
     multiplicity: float = 1.0
-    """Equal parts in series that it is of."""
+    """Number of equal parts in series that it is of."""
     always: bool = False
     """Whether it ages as if it stood alone, whether its member waits, works, or bears more than its share."""
 
@@ -38,7 +38,7 @@ Member = Sequence[Mode]
 
 
 def alike(members: Sequence[Member], path: Path) -> bool:
-    """Whether all have the same lives and ages, and age alike."""
+    """Whether all members have the same lives and ages, and age alike."""
     kinds = {tuple((mode.life, mode.age, mode.multiplicity, mode.always) for mode in member) for member in members}
     if len(kinds) > 1:
         return False
@@ -88,7 +88,8 @@ def working_hazard(member: Member, path: Path, since: Array, length: Array, dorm
 
 
 def latest(member: Member, path: Path, s: Array, dormancy: float) -> Array:
-    """Since when it must work at the latest to be able to fail at ``s``: ``s``, but for lives with a location."""
+    """Return the latest time since when it must work to be able to fail at ``s``: ``s``, but for lives with a
+    location."""
     found, ages = np.zeros(np.shape(s)), path.at(s)
     for mode in member:
         rest, waits = getattr(mode.life, "location", 0.0) - mode.age, _waiting(mode, dormancy)

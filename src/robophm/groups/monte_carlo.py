@@ -1,4 +1,4 @@
-"""A diagram by chance: parts live and die as they are said to, and what still works is counted.
+"""Monte Carlo simulation of a diagram: parts live and die as they are said to, and what still works is counted.
 
 It shares no mathematics with the exact ways of solving: parts that stand alone are tossed for by their survival, 64 to
 a machine word; the members of a group draw their lives, and its story is told event by event. It checks them, and
@@ -23,7 +23,7 @@ Array = npt.NDArray[np.float64]
 Words = npt.NDArray[np.uint64]
 
 MOST = 1_000_000_000
-"""Samples."""
+"""The most samples of one simulation."""
 
 _TURN = 1 << 18  # samples at a time, so that words and lives stay in cache
 _HELD = 1 << 28  # samples times gates of a tree at a time: 32 MB of bits
@@ -32,21 +32,21 @@ _DENSE = 10  # bits that are tossed for all words; then only for those in which 
 
 
 @dataclass(frozen=True)
-class Wear:
+class AgeingMode:
     """A failure mode of a unit, and how it ages per hour."""
 
     life: LifeDistribution
     speed: float = 1.0
     """[unit of its clock per hour]"""
     age: float = 0.0
-    """At the start [unit of its clock]; of a part that stands alone its life before counts too."""
+    """Age at the start [unit of its clock]; of a part that stands alone its life before counts too."""
     multiplicity: float = 1.0
-    """Of the hazard of its life: equal parts in series, less what they share with a common cause."""
+    """Multiple of its life's hazard: equal parts in series, less what they share with a common cause."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """How often something happened, and the interval that its probability lies in (Clopper and Pearson 1934)."""
+    """An estimated probability, and the interval that it lies in (Clopper and Pearson 1934)."""
 
     probability: float
     low: float
@@ -55,10 +55,10 @@ class Estimate:
 
 
 def simulate(
-    diagram: Block, units: Mapping[str, Sequence[Wear]], hours: float, samples: int, *, seed: int = 0,
+    diagram: Block, units: Mapping[str, Sequence[AgeingMode]], hours: float, samples: int, *, seed: int = 0,
     confidence: float = 0.95,
 ) -> Estimate:  # fmt: skip
-    """P(the diagram works after so many hours), of so many samples; the same for the same seed.
+    """Estimate P(the diagram works after so many hours) from samples; the same for the same seed.
 
     Raises ValueError where samples are none or beyond MOST.
     """
@@ -68,7 +68,7 @@ def simulate(
 def simulate_tree(
     tree: FaultTree, occurred: Sequence[float], samples: int, *, seed: int = 0, confidence: float = 0.95
 ) -> Estimate:
-    """P(the top event of a fault tree), of so many samples of its events; as ``simulate``."""
+    """Estimate P(the top event of a fault tree) from samples of its events; as ``simulate``."""
 
     def tossed(words: int, random: np.random.Generator) -> Words:
         found: list[Words] = []
@@ -83,7 +83,7 @@ def simulate_tree(
 def _estimate(
     tossed: Callable[[int, np.random.Generator], Words], samples: int, seed: int, confidence: float, turn: int = _TURN
 ) -> Estimate:
-    """Of the bits that so many words of samples give."""
+    """The estimate from the bits that words of samples give."""
     if not 1 <= samples <= MOST:
         raise ValueError(f"samples = {samples}; expected 1 … {MOST:,}")
     random = np.random.Generator(np.random.SFC64(seed))
@@ -98,7 +98,7 @@ def _estimate(
 
 
 def interval(count: int, samples: int, confidence: float) -> tuple[float, float]:
-    """Within which a probability lies that was met so often; at least so surely, whatever it is."""
+    """Return the interval of a probability that was met so often; it holds it at least so surely, whatever it is."""
     tail = (1 - confidence) / 2
     low = float(betaincinv(count, samples - count + 1, tail)) if count else 0.0
     high = float(betaincinv(count + 1, samples - count, 1 - tail)) if count < samples else 1.0
@@ -106,10 +106,10 @@ def interval(count: int, samples: int, confidence: float) -> tuple[float, float]
 
 
 class _Toss:
-    """One turn: what works, a bit for each sample; every unit and group is tossed for once, wherever it is drawn."""
+    """One turn: which units work, a bit for each sample; each is tossed for once, wherever it is drawn."""
 
     def __init__(
-        self, units: Mapping[str, Sequence[Wear]], hours: float, words: int, random: np.random.Generator
+        self, units: Mapping[str, Sequence[AgeingMode]], hours: float, words: int, random: np.random.Generator
     ) -> None:
         self._units, self._hours, self._words, self._random = units, hours, words, random
         self._known: dict[str, Words] = {}
@@ -144,7 +144,7 @@ class _Toss:
         return self._known[unit.name]
 
     def _life(self, units: Iterable[str]) -> Array:
-        """How many hours of work units in series have in them; shape (samples,)."""
+        """The hours of work that units in series have in them; shape (samples,)."""
         shortest = np.full(64 * self._words, np.inf)
         for wear in (wear for unit in units for wear in self._units[unit]):
             if wear.speed > 0:
@@ -154,7 +154,7 @@ class _Toss:
         return shortest
 
     def _group(self, group: Group) -> Array:
-        """When it fails [h]; shape (samples,)."""
+        """The time at which the group fails [h]; shape (samples,)."""
         lives = [self._life(unit for unit in member if unit not in group.always) for member in group.members]
         lasts = [self._life(unit for unit in member if unit in group.always) for member in group.members]
         if isinstance(group, Standby):
@@ -164,7 +164,9 @@ class _Toss:
 
     @staticmethod
     def _sharing(group: LoadSharing, lives: Array, lasts: Array) -> Array:
-        """Of lives by the load borne, and of what members depend on by the clock; shapes (members, samples)."""
+        """The life of a load-sharing group, from its members' lives by load and those of their dependences by the
+        clock.
+        """
         borne, now = np.zeros(lives.shape[1]), np.zeros(lives.shape[1])
         for factor in group.factors:
             ends = now + np.where(lives < np.inf, lives - borne, np.inf) / factor
@@ -177,7 +179,7 @@ class _Toss:
         return now
 
     def _standby(self, group: Standby, lives: Sequence[Array], lasts: Sequence[Array]) -> Array:
-        """Of lives by work, and of what members depend on by the clock."""
+        """The life of a standby group, from its members' lives by work and those of their dependences by the clock."""
         ends = np.minimum(lives[: group.active], lasts[: group.active])
         every = np.arange(ends.shape[1])
         failed = np.full(len(every), np.inf)  # when a switch did not come off
@@ -197,7 +199,7 @@ class _Toss:
 
 
 def toss(probability: float, words: int, random: np.random.Generator) -> Words:
-    """Bits that are 1 with a probability, to the last of its 64: a uniform number is compared with it bit by bit.
+    """Return bits that are 1 with a probability, to the last of 64 bits: a uniform number is compared bit by bit.
 
     Two bits of it decide on average, and most words after ten; the others go on alone.
     """
@@ -237,7 +239,7 @@ def _gate(block: Block, inputs: Sequence[Words]) -> Words:
 
 
 def _of_gate(k: int, inputs: Sequence[Words]) -> Words:
-    """Of a fault tree."""
+    """The output of a gate of a fault tree."""
     if k == NOT:
         return ~inputs[0]
     if k > ANY:
@@ -248,7 +250,7 @@ def _of_gate(k: int, inputs: Sequence[Words]) -> Words:
 
 
 def _enough(k: int, inputs: Sequence[Words]) -> Words:
-    """Whether at least k of them are 1."""
+    """Whether at least k of the inputs are 1."""
     enough = [np.zeros_like(inputs[0]) for _ in range(k)]  # at least 1, 2, … of those so far
     for one in inputs:
         for j in range(k - 1, 0, -1):
@@ -258,7 +260,7 @@ def _enough(k: int, inputs: Sequence[Words]) -> Words:
 
 
 def _reached(network: Network, works: Mapping[int, Words]) -> Words:
-    """Where its sink is reached: from node to node along what works (of blocks by id()), until nothing is new."""
+    """Samples in which the sink is reached along what works (of blocks by id()), node by node until nothing is new."""
     sure = np.full_like(works[id(network.blocks[0])], _ALL)
     stands = {name: works[id(block)] for name, block in network.nodes}
     ways = []

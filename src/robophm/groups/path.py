@@ -20,16 +20,16 @@ class Path:
 
     def __init__(self, modes: int) -> None:
         self.corners = np.zeros(1)
-        """Where pieces begin, shape (pieces,)."""
+        """Times when pieces begin, shape (pieces,)."""
         self.gained = np.zeros((1, modes))
-        """What the modes have aged by then, shape (pieces, modes)."""
+        """Ages that the modes have gained by then, shape (pieces, modes)."""
         self.speed = np.zeros((1, modes))
-        """Along each piece, shape (pieces, modes)."""
+        """Ageing of the modes per unit of time along each piece, shape (pieces, modes)."""
         self.end = 0.0
-        """Until when steps have been added."""
+        """Time until which steps have been added."""
 
     def add(self, step: Array) -> tuple[float, float]:
-        """Add a step in which the modes age so much, shape (modes,); when it begins and how long it takes."""
+        """Add a step in which the modes age so much, shape (modes,); return when it begins and how long it takes."""
         begin, speed = self.end, self.speed[-1]
         if not step.any():
             return begin, 0.0
@@ -46,31 +46,31 @@ class Path:
         return begin, length
 
     def steps(self, steps: Iterable[Array]) -> tuple[Array, Array]:
-        """Add several steps, one after the other; when they begin and how long they take."""
+        """Add several steps, one after the other; return when they begin and how long they take."""
         begin, length = np.array([self.add(step) for step in steps]).reshape(-1, 2).T
         return begin, length
 
     def piece(self, s: Array) -> Rows:
-        """On which piece a time lies; on the later one at a corner."""
+        """Return the piece on which a time lies; at a corner the later one."""
         if len(self.corners) == 1:
             return np.zeros(np.shape(s), dtype=np.intp)
         return np.searchsorted(self.corners, s, side="right") - 1
 
     def at(self, s: Array) -> list[Array]:
-        """The age that each mode has gained by ``s``; arrays of the shape of ``s``."""
+        """Return the age that each mode has gained by ``s``; arrays of the shape of ``s``."""
         p = self.piece(s)
         into = s - self.corners[p]
         return [self.gained[p, j] + self.speed[p, j] * into for j in range(self.speed.shape[1])]
 
     def when(self, mode: int, gained: Array) -> Array:
-        """When a mode has aged so much; infinite for never."""
+        """Return when a mode has aged so much; infinite for never."""
         p = np.maximum(np.searchsorted(self.gained[:, mode], gained, side="right") - 1, 0)
         rest, speed = np.maximum(gained - self.gained[p, mode], 0.0), self.speed[p, mode]
         with np.errstate(all="ignore"):
             return self.corners[p] + np.where(rest > 0, rest / speed, 0.0)
 
     def between(self, start: Array, length: Array) -> list[Array]:
-        """The age that each mode gains in a stretch; ``length`` has its own digits."""
+        """Return the age that each mode gains in a stretch; ``length`` has its own digits."""
         p, end = self.piece(start), start + length
         if len(self.corners) == 1:
             return [self.speed[0, j] * length for j in range(self.speed.shape[1])]

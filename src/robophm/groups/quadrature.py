@@ -18,7 +18,7 @@ LogFunction = Callable[[Rows, Array, Array], Array]
 """(which integral, place, how far that is from the upper end) → logarithm of the integrand; arrays of one shape."""
 
 TOLERANCE = 5e-14
-"""Of each integral, that a panel may be off by."""
+"""Relative error that a panel of each integral may have."""
 
 _HALVINGS = 60
 _PANELS = 4  # to begin with
@@ -94,7 +94,7 @@ class _Stretches:
         self._log_f, self._high = log_f, high
 
     def logs(self, panel: Rows, left: Array, width: Array) -> tuple[Array, Array]:
-        """Of the integral over each panel, by Gauss's rule, and of what it surely does not exceed; (panels,) each.
+        """Return ln of the integral over each panel, by Gauss's rule, and of an upper bound of it; (panels,) each.
 
         A panel is one of a stretch, from a share of it on; the shares are those of the smooth substitution.
         """
@@ -138,7 +138,7 @@ def _between_breaks(low: Array, high: Array, breaks: Sequence[float]) -> tuple[R
 
 
 def _smooth(x: Array) -> Array:
-    """From 0 to 1, flat to the third order at both ends; its derivative is 140·x³·(1 − x)³."""
+    """A map from 0 to 1 that is flat to the third order at both ends; its derivative is 140·x³·(1 − x)³."""
     smooth: Array = x**4 * (35 + x * (-84 + x * (70 - 20 * x)))
     return smooth
 

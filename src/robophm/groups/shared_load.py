@@ -16,10 +16,10 @@ from robophm.core.errors import StructureError
 from robophm.groups.member import Member, Mode, alike, log_rate
 from robophm.groups.path import Array, Path, Rows
 from robophm.groups.quadrature import log_integral, log_sum
-from robophm.groups.state import Solved, log_fails, log_outlives
+from robophm.groups.solved_group import SolvedGroup, log_fails, log_outlives
 
 
-class Sharing(Solved):
+class SharedLoad(SolvedGroup):
     """A load-sharing group along a path; ``status`` at ``now`` of each member: True works, False has failed, None."""
 
     def __init__(
@@ -30,7 +30,7 @@ class Sharing(Solved):
         if not alike(members, path):
             raise StructureError(
                 f"{group.name}: parts that age and share a load have no exact solution once they differ in age or "
-                "stress; expected equal ones, or robophm show DESIGN --monte-carlo 100000"
+                "stress; expected equal ones, or an estimate by simulation"
             )
         works, failed = (sum(one is said for one in status) for said in (True, False))
         # Where nobody has failed by now, and how many of those who may be the one who has.
@@ -65,7 +65,7 @@ class Sharing(Solved):
         return total
 
     def _speeds(self, mode: Mode) -> tuple[float, float]:
-        """How much faster than the path it ages while all work, and once one has failed."""
+        """How much faster than the path a mode ages while all work, and once one has failed."""
         return (1.0, 1.0) if mode.always else (self._factors[0], self._factors[1])
 
     def _log_rate(self, s: Array, length: Array, lost: int) -> Array:

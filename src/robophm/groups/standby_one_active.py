@@ -29,7 +29,7 @@ from robophm.groups.member import (
 )
 from robophm.groups.path import Array, Path, Rows
 from robophm.groups.quadrature import log_integral, log_sum
-from robophm.groups.state import Solved, log_fails, log_outlives
+from robophm.groups.solved_group import SolvedGroup, log_fails, log_outlives
 from robophm.groups.table import LogTable
 
 _OVER = 1000.0  # a cumulative hazard that nothing outlives
@@ -37,7 +37,7 @@ _LOST = 1e-14
 _PARTS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
-class InOrder(Solved):
+class OneActiveStandby(SolvedGroup):
     """A standby group with one active member along a path, from the path's start on.
 
     ``now``: the time up to which is known what ``status`` says: of each member True works, False has failed, None.
@@ -53,7 +53,7 @@ class InOrder(Solved):
         self._may = [one is not False and not any(before is True for before in status[:i])
                      for i, one in enumerate(status)]  # fmt: skip
         self.breaks = self._bends()
-        """Times at which its densities may bend."""
+        """Times at which the densities may bend."""
         scale = self.scale() if len(members) > 2 else 1.0
         self._tables = {
             i: LogTable(partial(self._fails_directly, i), self.breaks, scale) for i in range(1, len(members) - 1)
@@ -82,7 +82,7 @@ class InOrder(Solved):
         return float(s[min(int(np.argmax(lived > 1)), len(s) - 1)])
 
     def over(self, s: Array, length: Array) -> npt.NDArray[np.bool_]:
-        """Where a member that works for its share of the stretch, new or used, cannot outlive it."""
+        """Return where a member that works for its share of the stretch, new or used, cannot outlive it."""
         share = length / len(self._members)
         found = np.ones(len(s), dtype=bool)
         for member in self._members:
@@ -121,13 +121,13 @@ class InOrder(Solved):
         return float(log_waiting_fails(self._members[i], self._path, now, self._dormancy)[0])
 
     def _unused(self, i: int) -> float:
-        """Of the spares behind a member, what is known of them."""
+        """The logarithm of P(what is known of the spares behind a member)."""
         return sum(self._either(k) for k in range(i + 1, len(self._members))) if self.told else 0.0
 
     # Densities; logarithms, per unit of s.
 
     def fails(self, i: int, s: Array) -> Array:
-        """ln of the density with which member i, as the active one, fails at s."""
+        """Return ln of the density with which member i, as the active one, fails at s."""
         if i == 0:
             found = log_density(self._members[0], self._path, np.zeros_like(s), s, s, self._dormancy)
             return found if self._may[0] else np.where(s >= self.now, -np.inf, found)
@@ -148,7 +148,7 @@ class InOrder(Solved):
         return log_integral(log_f, np.zeros(len(s)), until, self.breaks, lost).reshape(shape)
 
     def _activated(self, i: int, s: Array) -> Array:
-        """That member i becomes the active one at s."""
+        """The logarithm of the density with which member i becomes the active one at s."""
         found = []
         for earlier in range(i):
             one = self.fails(earlier, s)
@@ -163,7 +163,9 @@ class InOrder(Solved):
         return found if self._may[i] else np.where((since < self.now) & (s >= self.now), -np.inf, found)
 
     def _ends(self, i: int, s: Array) -> Array:
-        """That the group fails with member i: no switch, or nobody left; what is known of the others included."""
+        """The logarithm of P(the group fails with member i: no switch, or nobody left; and what is known of the
+        others).
+        """
         later = range(i + 1, len(self._members))
         if not later:
             return np.zeros(np.shape(s))
@@ -175,7 +177,7 @@ class InOrder(Solved):
     # What others ask.
 
     def serves(self, i: int, s: Array) -> Array:
-        """ln P(member i is the active one at s)."""
+        """Return ln P(member i is the active one at s)."""
         if i == 0:
             first = log_outlives(working_hazard(self._members[0], self._path, np.zeros_like(s), s, self._dormancy))
             return first if self._may[0] else np.where(s >= self.now, -np.inf, first)

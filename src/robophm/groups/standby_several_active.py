@@ -22,12 +22,12 @@ from robophm.core.errors import StructureError
 from robophm.groups.member import Member, alike
 from robophm.groups.path import Array, Path, Rows
 from robophm.groups.quadrature import log_integral, log_sum
-from robophm.groups.standby_one_active import InOrder
-from robophm.groups.state import Solved
+from robophm.groups.solved_group import SolvedGroup
+from robophm.groups.standby_one_active import OneActiveStandby
 from robophm.groups.table import LogTable
 
 
-class Positions(Solved):
+class SeveralActiveStandby(SolvedGroup):
     """A standby group with several active members along a path; ``status`` at ``now``: True works, False failed, None.
 
     Raises StructureError where spares differ, or something is known of one but the last.
@@ -41,7 +41,7 @@ class Positions(Solved):
             raise StructureError(
                 f"{group.name}: {group.active} active of parts that age have no exact solution once spares differ in "
                 "age or something is known of one that is not the last; expected new spares, "
-                "or robophm show DESIGN --monte-carlo 100000"
+                "or an estimate by simulation"
             )
         self.now, self.told = now, any(one is not None for one in status)
         self._dead = status[-1] is False  # with the last cold spare, which only fails when called
@@ -54,13 +54,15 @@ class Positions(Solved):
         for member, said in zip(first, status, strict=False):
             kind = said, *((replace(mode, column=0), path.speed[:, mode.column].tobytes()) for mode in member)
             if kind not in kinds:
-                lives = InOrder(order, [member, *spares, spares[0]], path, now, [said, *[None] * (self._spares + 1)])
+                lives = OneActiveStandby(
+                    order, [member, *spares, spares[0]], path, now, [said, *[None] * (self._spares + 1)]
+                )
                 kinds[kind] = _Place(lives, self._spares)
             self._places.append(kinds[kind])
         self._breaks = sorted({at for place in kinds.values() for at in place.lives.breaks})
 
     def over(self, s: Array, length: Array) -> npt.NDArray[np.bool_]:
-        """Where some place has gathered more than all spares can outlive."""
+        """Return where some place has gathered more than all spares can outlive."""
         found: npt.NDArray[np.bool_] = np.any([place.lives.over(s, length) for place in set(self._places)], axis=0)
         return found
 
@@ -104,9 +106,9 @@ class Positions(Solved):
 
 
 class _Place:
-    """What is active at one place, one after the other, as often as there are spares."""
+    """The parts that are active at one place, one after the other, as often as there are spares."""
 
-    def __init__(self, lives: InOrder, spares: int) -> None:
+    def __init__(self, lives: OneActiveStandby, spares: int) -> None:
         self.lives = lives
         scale = lives.scale()
         self._serves = [LogTable(partial(lives.serves, i), lives.breaks, scale) for i in range(1, spares + 1)]

@@ -14,7 +14,7 @@ from numpy.polynomial import chebyshev
 from robophm.groups.path import Array, Rows
 
 FARTHEST = 1e9
-"""Of the logarithm of a probability: what is beyond has no digits left to be told apart, and is never."""
+"""The largest −ln of a probability: what is beyond has no digits left to be told apart, and is never."""
 
 _DEGREE = 19
 _NODES = chebyshev.chebpts1(_DEGREE + 1)
@@ -37,7 +37,7 @@ class LogTable:
         self._breaks = np.array(breaks)
 
     def __call__(self, s: Array) -> Array:
-        """At times of any shape; the later side at a break."""
+        """Return the logarithm at times of any shape; at a break the later side's."""
         shape, s = np.shape(s), np.ravel(s)
         found = np.full(len(s), -np.inf)
         place = np.searchsorted(self._breaks, s, side="right")

@@ -1,1 +1,1 @@
-"""What makes a part fail, as a rate: models, handbooks, accelerations."""
+"""Hazard rates: models of what makes parts fail, handbooks, accelerations."""

@@ -15,10 +15,10 @@ from robophm.core.table import Source
 from robophm.hazard.model import Array, Factor, Model, Range, acceleration
 
 BOLTZMANN = 8.617333e-5
-"""eV/K."""
+"""Boltzmann's constant [eV/K]."""
 
 ABSOLUTE_ZERO = -273.15
-"""°C."""
+"""Absolute zero in degrees Celsius [°C]."""
 
 _TEMPERATURE = Range(-100.0, 500.0, "degC", "temperature of the part", monotone=1)
 _REFERENCE = Range(-100.0, 500.0, "degC", "temperature at which the stated rate holds", default=25.0)
@@ -169,7 +169,7 @@ ACCELERATIONS: Mapping[str, Model] = {
 """Every acceleration by its name in a design."""
 
 PER_CYCLE = frozenset({"coffin_manson"})
-"""Of damage that comes with every cycle or start, whatever the time between."""
+"""Accelerations of damage that comes with every cycle or start, whatever the time between."""
 
 
 def stress_inputs(model: Model) -> tuple[str, ...]:

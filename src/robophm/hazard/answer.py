@@ -14,33 +14,34 @@ from robophm.hazard.model import Assumed, Choice, Model
 
 
 class FactorValue(NamedTuple):
-    """One factor of an answer."""
+    """One factor of an answer, with its symbol and meaning."""
 
     symbol: str
     value: float
     note: str
-    """What it stands for, and where it comes from."""
+    """Meaning of the factor, and where it comes from."""
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a model says for inputs as a person writes them."""
+    """The answer of a model for inputs as a person writes them."""
 
     model: Model
     value: float
-    """[``model.unit``]"""
+    """Value of the model's result [``model.unit``]."""
     inputs: Mapping[str, str | float]
-    """As they were taken: converted, checked, with defaults filled in."""
+    """Inputs as they were taken: converted, checked, with defaults filled in."""
     assumed: Mapping[str, Assumed]
-    """What counts for the inputs that were not given, and why."""
+    """Values assumed for inputs that were not given, and why."""
     taken: Mapping[str, str]
-    """Of choices that were written otherwise, the option that each was taken as, by the input's name."""
+    """Options that choices written otherwise were taken as, by the input's name."""
     factors: tuple[FactorValue, ...]
-    """In the order of the formula."""
+    """Factors in the order of the formula."""
 
 
 def answer(model: Model, given: Mapping[str, object]) -> Answer:
-    """The answer for inputs as written ('60 degC', 'CDR'). Raises ModelError and UnitError as ``Model.settle``."""
+    """Return the answer for inputs as written ('60 degC', 'CDR'). Raises ModelError and UnitError as
+    ``Model.settle``."""
     inputs = model.settle(given)
     with np.errstate(all="ignore"):
         result = model.explain(inputs)

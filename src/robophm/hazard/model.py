@@ -24,10 +24,10 @@ from robophm.core.units import quantity
 Array = npt.NDArray[np.float64]
 
 PER_MILLION_HOURS = 1e-6
-"""What turns the handbooks' failures per 10⁶ h into 1/h."""
+"""Factor from the handbooks' failures per 10⁶ h to 1/h."""
 
 FARTHEST = 1e6
-"""Where a number is tried that may be any."""
+"""Largest number that is tried of an input without limits."""
 
 TEMPERATURE = "temperature"
 """The stress that all parts of a place have in common: from it follow the temperatures of cases and junctions."""
@@ -45,9 +45,9 @@ class Factor:
     note: str = ""
     parts: tuple[Factor, ...] = ()
     outside: npt.NDArray[np.bool_] | bool = False
-    """Where what went into this factor is beyond what the handbook covers (an overstress S > 1)."""
+    """Flags of where an input is beyond what the handbook covers (an overstress S > 1); shape of ``value``."""
     beyond: Callable[[], str] = str
-    """What is then wrong, in words with the numbers: "the applied voltage 60 V is more than the rated voltage 50 V"."""
+    """Returns what is then wrong, with the numbers: "the applied voltage 60 V is more than the rated voltage 50 V"."""
 
     def __mul__(self, other: Factor | float) -> Factor:
         return self._join("·", other, lambda a, b: a * b)
@@ -70,7 +70,7 @@ class Factor:
 
 
 def more_than(what: str, value: Array | float, limit: str, most: Array | float, unit: str) -> Callable[[], str]:
-    """Of a factor's ``beyond``: what is more than which limit; ``most`` and ``value`` [``unit``]."""
+    """Return a factor's ``beyond``: what is more than which limit; ``most`` and ``value`` [``unit``]."""
 
     def words() -> str:
         amounts = [f"{float(np.max(number)):.6g} {unit}".rstrip() for number in (value, most)]
@@ -80,7 +80,7 @@ def more_than(what: str, value: Array | float, limit: str, most: Array | float, 
 
 
 Otherwise = Callable[[Mapping[str, Any]], tuple[float, str] | None]
-"""What counts for an input that is left open, by the others, and why; None where it does not count."""
+"""A function of the other inputs that gives the value for an open one, and why; None where it does not count."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class Choice:
     description: str = ""
     default: str | None = None
     aliases: Mapping[str, str] = field(default_factory=dict)
-    """What people call an option, and the option: {"mlcc": "CDR"}."""
+    """Names that people use for an option, and the option: {"mlcc": "CDR"}."""
     required: bool = True
 
     @cached_property
@@ -131,13 +131,14 @@ class Range:
     whole: bool = False
     """Whether it counts things: pins, gates, contacts."""
     otherwise: Otherwise | None = None
-    """Of an input that may be left open and counts all the same."""
+    """Value for an input that may be left open and counts all the same."""
     monotone: int = 0
     """+1 where the result never falls with this input, −1 where it never rises, 0 where it may do either."""
     stress: str = ""
-    """By what name else it is bound or stated of the part itself: a capacitor's ``dc_voltage`` is its ``voltage``."""
+    """Other name by which it is bound or stated of the part itself: a capacitor's ``dc_voltage`` is its ``voltage``."""
     warmth: Literal["ambient", "own"] | None = None
-    """Of a temperature in operation: that around the part, or the part's own, which follows from it by a rise."""
+    """Kind of a temperature in operation: that around the part, or the part's own, warmer by a rise; None for
+    others."""
 
     @property
     def driver(self) -> str:
@@ -150,7 +151,7 @@ class Range:
         return f"{self.low:.10g} … {self.high:.10g} {self.unit}".rstrip()
 
     def holds(self, number: Array | float) -> npt.NDArray[np.bool_]:
-        """Where a number lies in this range; a limit does, however it was rounded on the way."""
+        """Return where a number lies in this range; a limit does, however it was rounded on the way."""
         return ~(below(number, self.low) | above(number, self.high))
 
     def written(self, number: float) -> str:
@@ -163,7 +164,7 @@ class Assumed:
     """The value that is assumed for an input that was not stated, and why."""
 
     value: str | float | None
-    """None where it counts as not there."""
+    """Value that is assumed; None where the input counts as not there."""
     why: str
 
 
@@ -179,7 +180,7 @@ class Note:
 Input = Choice | Range | Note
 
 LONGEST_NOTE = 500
-"""Characters."""
+"""The most characters of a user's note."""
 
 
 class Evaluation(NamedTuple):
@@ -200,7 +201,7 @@ class Model:
     inputs: Mapping[str, Input]
     function: Callable[..., Factor] = field(repr=False)
     description: str = ""
-    """What of: the first line of its file, or what follows the formula."""
+    """Title: the first line of its file, or what follows the formula."""
 
     @cached_property
     def numbers(self) -> Mapping[str, Range]:
@@ -268,7 +269,7 @@ class Model:
         return " ".join(value.split())
 
     def expected(self, name: str) -> str:
-        """What an input accepts, in words."""
+        """Return what an input accepts, in words."""
         entry = self.inputs[name]
         if isinstance(entry, Choice):
             return "one of " + ", ".join(entry.options)

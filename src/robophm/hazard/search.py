@@ -11,7 +11,7 @@ from robophm.hazard.handbooks import handbook_model, handbook_models
 from robophm.hazard.model import Choice, Model
 
 _KIND_OF = "(?:micro|opto|photo)?"
-"""What may stand before a word: a microcircuit is a circuit, but a thumbwheel switch no wheel."""
+"""Prefixes that may stand before a word: a microcircuit is a circuit, but a thumbwheel switch no wheel."""
 
 
 def all_models() -> dict[str, Model]:
@@ -36,7 +36,7 @@ def find_models(kind: str | None = None) -> dict[str, Model]:
 
 
 def _names(name: str, model: Model) -> str:
-    """What a model and its choices are called, in lower case."""
+    """The names of a model and its choices, in lower case."""
     said = [name.replace("_", " ").replace(".", " ")]
     for entry in model.inputs.values():
         if isinstance(entry, Choice):

@@ -1,4 +1,4 @@
-"""What time and stress to come add to the cumulative hazard of a robot's failure modes, and of its dependent parts."""
+"""The cumulative hazard that time and stress to come add to a robot's failure modes and dependent parts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robophm.health.plant import Modes, Parts, column, finite
 Array = npt.NDArray[np.float64]
 
 _MOST_KNOTS = 256
-"""Of a future that begins anew for ever, how many are looked at one by one."""
+"""The most changes of a repeated future that are followed one by one; from then on its mean pace holds."""
 
 _AT_ONCE = 8_000_000  # numbers that one array may hold
 
@@ -24,14 +24,14 @@ class Ageing(Condition):
     """A view of a robot now, asked what steps and futures add to it."""
 
     def gathered(self, parts: Parts, advance: Array, effective: Array) -> Array:
-        """What steps that follow one another add to the cumulative hazard of each unit; shape (units, steps, ...).
+        """Return the cumulative hazard that successive steps add to each unit; shape (units, steps, ...).
 
         Arguments as of ``increments``.
         """
         return parts.of_units(self.increments(parts, advance, effective))
 
     def increments(self, modes: Modes, advance: Array, effective: Array, ratios: Array | None = None) -> Array:
-        """What steps that follow one another add to the cumulative hazard of modes; shape (modes, steps, ...).
+        """Return the cumulative hazard that successive steps add to failure modes; shape (modes, steps, ...).
 
         ``advance`` of each clock, and the same times its stress, have shape (modes of the robot, steps, ...). Rates
         are as stated unless ``ratios`` to them are given, shape (these modes, draws): the axis after the steps.
@@ -40,7 +40,7 @@ class Ageing(Condition):
         return np.concatenate((parts, self.groups_steps(modes, effective))) if len(modes.groups) else parts
 
     def groups_steps(self, parts: Modes, effective: Array) -> Array:
-        """What steps that follow one another add to groups of dependent parts; shape (groups, steps, ...).
+        """Return the cumulative hazard that successive steps add to dependent groups; shape (groups, steps, ...).
 
         Argument as of ``increments``.
         """
@@ -65,7 +65,7 @@ class Ageing(Condition):
         return weight * modes.lives.increment(age, step)
 
     def along(self, modes: Modes, future: Future, ratios: Array | None = None) -> Callable[[Array], Array]:
-        """What a future adds to the cumulative hazard of modes, as a function of hours; shape (modes, hours, draws).
+        """Return a function of hours: the cumulative hazard a future adds to modes; shape (modes, hours, draws).
 
         Rates are as stated, in one draw, unless ``ratios`` to them are given, shape (modes, draws). Where changing
         stress weighs a hazard, the first _MOST_KNOTS changes are followed one by one, fewer of very many modes or
@@ -104,7 +104,8 @@ class Ageing(Condition):
         return added
 
     def _along_steady(self, modes: Modes, future: Future, ratios: Array) -> Callable[[Array], Array]:
-        """The same where nothing changes: a mode ages at one pace, and its stress weighs what it gathers."""
+        """The same as ``along`` where nothing changes: a mode ages at one pace, and its stress weighs what it
+        gathers."""
         m, hours = modes.modes, future.hours[-1]
         advance, effective = future.advance[m, -1:] / hours, future.effective[m, -1:] / hours
         pace, weight = steady_pace(modes.by_age, advance, effective)
@@ -115,7 +116,8 @@ class Ageing(Condition):
         return lambda hours: weighing * more(hours)
 
     def groups_along(self, parts: Parts, future: Future) -> Callable[[Array], Array]:
-        """What a future adds to the cumulative hazard of the groups of dependent parts; shape (groups, hours)."""
+        """Return a function of hours: the cumulative hazard a future adds to dependent groups; shape (groups,
+        hours)."""
         along = [self._as_known[i].along(drawn_out(future), self.plant.groups[i].modes) for i in parts.groups]
 
         def added(hours: Array) -> Array:
@@ -129,7 +131,7 @@ class Ageing(Condition):
         return advance, self.future.factor[:, None] * advance
 
     def _since_new_steps(self, parts: Parts, advance: Array, effective: Array) -> Array:
-        """What is added to the cumulative hazard of modes and groups, of whose members nothing is known."""
+        """The cumulative hazard added to modes and to groups of whose members nothing is known."""
         more = self._increments(parts, advance[:, None], effective[:, None])[:, 0]
         for i in parts.groups:
             more = np.vstack((more, self._since_new[i].to(effective[self.plant.groups[i].modes])))

@@ -1,19 +1,19 @@
-"""A new robot lived through again and again, by chance: it checks what is exact, and stands in where nothing is."""
+"""Monte Carlo simulation of a new robot: it checks exact results, and stands in where no exact one exists."""
 
 from __future__ import annotations
 
 from robophm.design.robot import Robot
-from robophm.groups.monte_carlo import Estimate, Wear, simulate
+from robophm.groups.monte_carlo import AgeingMode, Estimate, simulate
 
 
 def survival_by_chance(robot: Robot, hours: float, samples: int, *, seed: int = 0) -> Estimate:
-    """Reliability of a new robot after so many operating hours, nominal, of so many samples.
+    """Estimate the nominal reliability of a new robot after operating ``hours``, from so many simulated ``samples``.
 
     Raises ValueError where these are none, or beyond ``monte_carlo.MOST``.
     """
     units = {
         unit: [
-            Wear(
+            AgeingMode(
                 mode.life,
                 robot.usage.per_operating_hour(mode.clock),
                 mode.initial_exposure,

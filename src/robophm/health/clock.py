@@ -1,4 +1,4 @@
-"""How far a clock goes: with the calendar, with operation, or as signals drive it."""
+"""How far a failure mode's clock advances: with the calendar, with operation, or as measured signals drive it."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ import numpy as np
 
 from robophm.core.signal import HOUR, SECOND
 from robophm.design.robot import MeasuredClock
-from robophm.health.sample_stretch import Grid, HeldValues, Part, SampleStretch, ascending
+from robophm.health.sample_stretch import Grid, HeldValues, SampleStretch, SignalSubset, ascending
 from robophm.health.window import Array, Times
 
 
 @dataclass(frozen=True)
 class Clock:
-    """One clock of a robot's parts."""
+    """One clock by which parts of a robot age."""
 
     clock: str
     measured: MeasuredClock | None
     usage: float
-    """Per operating hour, where nothing measures it."""
+    """Units of the clock per operating hour, used where no signal measures it."""
 
     def advance(self, grid: Grid) -> Array:
-        """How far it goes in each interval of a grid: one that goes by itself in nanoseconds."""
+        """Return how far the clock goes in each interval of a grid; in nanoseconds where no signal drives it."""
         if self.clock == "calendar":
             return np.diff(grid.edges).astype(float)
         if self.measured is None:
@@ -32,7 +32,7 @@ class Clock:
         )
 
     def units(self, advance: Array) -> Array:
-        """Such a way, or a sum of them, in the unit of the clock."""
+        """Convert an advance, or a sum of advances, to the unit of the clock."""
         if self.clock == "calendar":
             return advance / HOUR
         return advance * (self.usage / HOUR) if self.measured is None else advance
@@ -45,16 +45,16 @@ class Clock:
 
     @property
     def signals(self) -> set[str]:
-        """That drive it."""
+        """Return the names of the signals that drive the clock."""
         return {signal for signal, _ in self.keys}
 
-    def hold(self, part: Part) -> None:
-        """Hold what the signals say that drive it."""
+    def hold(self, part: SignalSubset) -> None:
+        """Hold the values of the signals that drive the clock, for this stretch and the next."""
         if self.measured:
             for signal, key in self.keys:
                 part.signal(signal, key, self.measured.max_age)
 
-    def count_silence(self, part: Part) -> None:
+    def count_silence(self, part: SignalSubset) -> None:
         """Count the nanoseconds of operation in which a speed had no valid value."""
         if self.measured and self.measured.kind == "speed":
             ((signal, key),) = self.keys
@@ -95,7 +95,7 @@ class Clock:
         return gone
 
     def _unheard(self, grid: Grid, measured: MeasuredClock, first: int) -> Array:
-        """What counts until the first value: once that is max_age late, the design's usage. No silence is a zero."""
+        """The advance until the first value: once that is max_age late, the design's usage; silence is never a zero."""
         stretch = grid.stretch
         late = max((stretch.ledger.started or 0) + measured.max_age, stretch.start)
         on = stretch.operating.between(np.clip(grid.edges, late, max(first, late)))

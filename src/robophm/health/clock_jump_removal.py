@@ -1,4 +1,4 @@
-"""A ledger into which a clock that had jumped ahead was counted: the jump, and what came behind it, taken out again."""
+"""Repair of a ledger that counted a forward jump of the clock: the jump, and what followed it, are taken out again."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from robophm.health.ledger import Ledger, Step
 from robophm.health.window import Window
 
 
-class Repaired(NamedTuple):
-    """What was taken out."""
+class RemovedJump(NamedTuple):
+    """The stretch of time that was taken out of a ledger."""
 
     before: int
-    """To which the ledger goes back [ns]."""
+    """The time to which the ledger goes back [ns]."""
     until: int
-    """To which it had been integrated [ns]."""
+    """The time to which the ledger had been integrated [ns]."""
     operating: float
     """Hours of operation behind the jump that are taken out with it."""
 
 
-def take_out_jump(robot: Robot, ledger: Ledger) -> Repaired | None:
+def take_out_jump(robot: Robot, ledger: Ledger) -> RemovedJump | None:
     """Bring a ledger back to where its first jump of the clock began; None where it has none, and nothing is changed.
 
     A jump is a step of the past that took longer than ``CLOCK_JUMP``. Sums are brought back by what the steps from then
@@ -51,7 +51,7 @@ def take_out_jump(robot: Robot, ledger: Ledger) -> Repaired | None:
     ledger.seen = {key: seen._replace(time=min(seen.time, before)) for key, seen in ledger.seen.items()}
     ledger.replaced = {key: min(time, before) for key, time in ledger.replaced.items()}
     ledger.services = [service._replace(time=min(service.time, before)) for service in ledger.services]
-    return Repaired(before, until, sum(step.operating for step in gone))
+    return RemovedJump(before, until, sum(step.operating for step in gone))
 
 
 def _bring_back(robot: Robot, ledger: Ledger, gone: list[Step], before: int) -> None:

@@ -11,7 +11,7 @@ CLOCK_JUMP = 400 * 24 * HOUR
 """Nanoseconds by which a sample may be ahead of all before it and count at once: a robot may rest for a year."""
 
 CONFIRMED = 600 * SECOND
-"""Nanoseconds that what is ahead must span to be believed."""
+"""Nanoseconds that the samples ahead must span before they are believed."""
 
 MOST_ASIDE = 200_000
 """Samples that are set aside at most; of what comes beyond them none is kept."""
@@ -32,11 +32,11 @@ class ClockJumps:
     """Decides sample by sample, in order of arrival, by times alone: what counts now, later, or never."""
 
     def __init__(self, newest: int, aside: Iterable[int] = ()) -> None:
-        """``newest`` [ns] of those that count, and the times of those that are set aside."""
+        """``newest`` is the latest time that counts [ns], ``aside`` the times of samples that are set aside."""
         self.newest = newest
         self._first = self._last = 0
         self.count = 0
-        """Of those that are set aside."""
+        """Number of samples that are set aside."""
         for time in aside:
             self._set_aside(time)
 
@@ -45,7 +45,8 @@ class ClockJumps:
         return time > self.newest + CLOCK_JUMP
 
     def hear(self, time: int) -> str:
-        """One more: ``counts``, and those set aside never will; ``waits`` with those; with them it ``confirms``.
+        """Judge one more sample: it ``counts`` (and those set aside never will), ``waits`` with those, or ``confirms``
+        them.
 
         ``full``: it would have to wait, and there is no room.
         """
@@ -76,7 +77,7 @@ def why_not(sample: Sample) -> str:
 
 
 def waiting(newest: int, aside: Sequence[Sample]) -> str:
-    """In words, that samples are set aside."""
+    """Say in words that samples are set aside, and what will make them count."""
     first = min(sample.time for sample in aside)
     moment = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=first // SECOND)
     return (

@@ -1,4 +1,4 @@
-"""A robot now: where every failure mode stands, and what follows of its systems, hazard rate and survival since new.
+"""The present state of a robot: how far each failure mode has aged, and its hazard rate and survival since new.
 
 What is known of parts, that they work or have failed, takes from a cumulative hazard what cannot have happened.
 """
@@ -26,15 +26,15 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Condition:
-    """One view of a robot now: where every failure mode stands, and how it will go on."""
+    """One view of a robot now: how far every failure mode has aged, and how it will go on."""
 
     plant: Plant = field(repr=False)
     age: Array
-    """Effective age of each mode, initial exposure included [unit of its clock]."""
+    """Effective age of each mode, initial exposure included [unit of its clock]; shape (modes,)."""
     new_age: Array
     """The same when its part was put in: its initial exposure."""
     cumulative_hazard: Array
-    """Of each mode since new."""
+    """Cumulative hazard of each mode since new; shape (modes,)."""
     seen_age: Array
     """Effective age of each mode when its part was last known to work; 0 when it was new."""
     unseen_hazard: Array
@@ -42,23 +42,23 @@ class Condition:
     factor_now: Array
     """Stress factor ψ under the present stress."""
     usage_now: Array
-    """How far each clock goes in an operating hour, as observed."""
+    """Units that each clock advances per operating hour, as observed."""
     future: Future
-    """How stress and usage go on; a task takes from it what it does not state."""
+    """The future course of stress and use; a task takes from it what it does not state."""
     inputs: Mapping[str, float] | None = None
-    """What a model input is where a task does not state it, by channel, else as designed; None: nothing a task states
-    matters."""
+    """Model inputs, by channel, for a task that does not state them; one that is missing is as designed. None: no
+    stress that a task states matters."""
     knowledge: Knowledge = field(default_factory=Knowledge)
     plan: Future | None = None
-    """What its remaining life follows instead, where it has a plan."""
+    """The planned future that remaining life follows in place of ``future``, where there is a plan."""
 
     @cached_property
     def _working(self) -> npt.NDArray[np.bool_]:
-        """Of every unit of the robot."""
+        """Whether each unit of the robot is known to work; shape (units,)."""
         return self.plant.working(self.knowledge)
 
     def survival(self, diagram: Block) -> State:
-        """Survival since new: nothing is known but the exposure."""
+        """Return the survival of a system since new: nothing is known of it but its exposure."""
         system = self.plant.system(diagram)
         lived = system.of_groups(self._lived(system))
         return system.structure.state(np.exp(-lived), -np.expm1(-lived))
@@ -93,7 +93,7 @@ class Condition:
         return GroupState(held, new, seen, now, [self._status(member) for member in held.group.members])
 
     def _status(self, member: Sequence[str]) -> bool | None:
-        """Whether a member of a group works, as far as that is known."""
+        """Whether a member of a group works (True) or has failed (False); None where that is not known."""
         if any(unit in self.knowledge.failed for unit in member):
             return False
         known = all(self.plant.monitored[self.plant.place[unit]] or unit in self.knowledge.working for unit in member)
@@ -110,12 +110,12 @@ class Condition:
         return float(system.conditional.log_works(system.of_groups(self.known(system, system.needed))))
 
     def component_hazard_rates(self) -> Array:
-        """Of every component [1/h of operation], the equal parts of one together; shape (components,)."""
+        """Return the hazard rate of every component [1/h of operation], equal parts together; shape (components,)."""
         parts = self.plant.parts
         return self._by_component(parts.of_units(self._mode_hazard(parts)))
 
     def component_survival(self) -> tuple[Array, Array]:
-        """Of every component since new, all of its parts, and its complement; each of shape (components,)."""
+        """Return P(all parts of a component survive) since new and its complement; each of shape (components,)."""
         lived = self._by_component(self.plant.parts.of_units(self.cumulative_hazard))
         return np.exp(-lived), -np.expm1(-lived)
 
@@ -125,7 +125,7 @@ class Condition:
         return sums
 
     def _mode_hazard(self, parts: Parts) -> Array:
-        """Of each mode, per operating hour."""
+        """Hazard rate of each mode and each group [1/h of operation]."""
         m = parts.modes
         speed = self.factor_now * self.usage_now
         hazard = np.where(speed[m] > 0, finite(parts.lives.hazard(self.age[m])) * speed[m], 0.0)

@@ -37,7 +37,7 @@ class DependentGroup:
         nothing = np.zeros(len(self.modes))
         new = self.members(nothing, nothing)
         self.ages = not all(mode.constant_rate for member in new for mode in member)
-        """Whether the age of a member matters."""
+        """Whether the age of a member matters, because a rate changes with it."""
         solve(group, new, Path(len(self.modes)), 0.0)  # refused if it has to be
 
     def members(self, new: Array, gained: Array) -> list[list[Mode]]:

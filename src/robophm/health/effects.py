@@ -1,4 +1,4 @@
-"""What each failure does to a robot, from its structure: a functional FMECA; and what may have failed unseen."""
+"""Failure mode effects and criticality (FMECA), from a robot's structure; and which units may have failed unseen."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
+from robophm.core.argument_checks import number
 from robophm.core.errors import RobophmError, nearest
-from robophm.core.given import number
 from robophm.design.robot import CLOCK_UNITS, Component, FailureMode, Robot
 from robophm.design.task import Knowledge
 from robophm.health.importance import Drawn
@@ -23,7 +23,7 @@ from robophm.health.unknown_rates import unknown
 Array = npt.NDArray[np.float64]
 
 SEVERITY: Mapping[str, int] = {"robot": 8, "function": 6, "redundancy": 3, "nothing": 1}
-"""Of a failure that takes the robot, a function of it, redundancy, or nothing; unless said otherwise."""
+"""Default severity of a failure that takes the robot, a function, redundancy, or nothing."""
 
 OCCURRENCE = (1e-6, 1e-5, 1e-4, 5e-4, 2e-3, 1e-2, 2e-2, 5e-2, 1e-1)
 """Probabilities from which on occurrence is 2, 3 … 10 (AIAG, Potential Failure Mode and Effects Analysis, 4th ed.)."""
@@ -31,36 +31,37 @@ OCCURRENCE = (1e-6, 1e-5, 1e-4, 5e-4, 2e-3, 1e-2, 2e-2, 5e-2, 1e-1)
 
 @dataclass(frozen=True)
 class Effect:
-    """One failure mode: what it does, how often, whether it is seen, and what that adds up to."""
+    """One failure mode: what it does, how often, whether it is detected, and the resulting priority and criticality."""
 
     part: str
     mode: str
     functions: tuple[str, ...]
-    """That its part is drawn in."""
+    """The functions whose diagrams contain the part."""
     lost: tuple[str, ...]
     """Functions that fail with it alone; "" is the robot as a whole."""
     effect: str
-    """robot, function, redundancy or nothing."""
+    """The worst effect: robot, function, redundancy or nothing."""
     rate: float
-    """[1 per unit of its clock], of one part."""
+    """Hazard rate of one part by this mode [1 per unit of its clock]."""
     unit: str
     probability: float
-    """That any of the equal parts fails so within the hours; not a number where its rate is unknown."""
+    """P(any of the equal parts fails by this mode within the hours); not a number where its rate is unknown."""
     ratio: float
-    """α: its share of the part's failures within the hours; not a number where a rate of the part is unknown."""
+    """Failure mode ratio α: the share of the part's failures within the hours; NaN where a rate of the part is
+    unknown."""
     beta: float
     """P(the robot fails within the hours | it has)."""
     detected: float
-    """P(a sensor sees it)."""
+    """P(a sensor detects this failure mode)."""
     severity: int
     occurrence: int
     detection: int
     unknown: bool = False
-    """Whether its rate is not known: its occurrence then counts as 10, the highest, and its criticality as nothing."""
+    """Whether its rate is unknown: occurrence then counts as 10, the highest, and criticality as nothing."""
 
     @property
     def rpn(self) -> int:
-        """Severity · occurrence · detection."""
+        """The risk priority number: severity · occurrence · detection."""
         return self.severity * self.occurrence * self.detection
 
     @property
@@ -74,7 +75,7 @@ class Effect:
 def effects(
     outlook: Outlook, hours: float, detected: Mapping[str, float], severities: Mapping[str, int] | None = None
 ) -> list[Effect]:
-    """Of every failure mode of every part, the gravest first; within operating hours from a new robot's start.
+    """Return the effect of every failure mode of a new robot within operating hours, the gravest first.
 
     ``severities`` from 1 to 10: by function, by part or failure mode, or of SEVERITY's kinds. Raises RobophmError for
     any other.
@@ -131,7 +132,7 @@ def effects(
 
 
 def check_severities(severities: Mapping[str, int], robot: Robot) -> None:
-    """Raises RobophmError where a severity is none, or of nothing that the robot has."""
+    """Raise RobophmError where a severity is not from 1 to 10, or names nothing that the robot has."""
     known = [*SEVERITY, *robot.functions, *(part.path for part in robot.all_components()),
              *(mode.path for mode in robot.modes)]  # fmt: skip
     for name, value in severities.items():
@@ -183,12 +184,12 @@ def fault_chances(outlook: Outlook, hours: float) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class SilentStates:
-    """Which units may have failed unseen, all likely combinations of it, and what the robot then does."""
+    """Combinations of units that may have failed unseen, how likely each is, and how the robot then fares."""
 
     units: tuple[str, ...]
     states: tuple[frozenset[str], ...]
     weights: Array
-    """P(state | the robot works now), of those listed; adds up to 1."""
+    """P(state | the robot works now) of the listed states; adds up to 1."""
     outcome: Array
     """P(it works through the hours | state)."""
     missed: float
@@ -196,7 +197,7 @@ class SilentStates:
 
 
 def silent_states(outlook: Outlook, diagram: Block, hours: float, most: int = 1500) -> SilentStates:
-    """What may have failed unseen by now, and what that means for the hours of operation ahead.
+    """Return which units may have failed unseen by now, and what that means for the operating hours ahead.
 
     Raises RobophmError where nothing can have failed unseen: then no sensor of failures buys anything.
     """
@@ -210,7 +211,7 @@ def silent_states(outlook: Outlook, diagram: Block, hours: float, most: int = 15
         nothing = "nothing of known rate" if unknown(outlook, diagram) else "nothing"
         raise RobophmError(
             f"{nothing} can have failed unseen: every part is new, monitored, or needed by what works; expected a "
-            "robot with a past (--store, or --after) and redundancy that nobody watches"
+            "robot with a past and redundancy that nobody watches"
         )
     advance, effective = outlook.paced(np.array([hours]))
     states, weights, outcomes, listed = [], [], [], 0.0
@@ -237,7 +238,7 @@ def silent_states(outlook: Outlook, diagram: Block, hours: float, most: int = 15
 
 
 def mode_shares(outlook: Outlook) -> dict[str, float]:
-    """Of the hazard that a part has gathered by now, the share of each of its failure modes, by path.
+    """Return the share of each failure mode, by path, in the hazard that its part has gathered by now.
 
     Equal shares where it has gathered none.
     """

@@ -1,4 +1,4 @@
-"""What a robot has lived through: stress history → age, effective age and cumulative hazard of every failure mode.
+"""Integration of a robot's stress history into age, effective age and cumulative hazard of every failure mode.
 
 A ledger holds the sums; an Exposure knows how samples become sums for one robot. Between samples the last value
 holds, until it is stale; every interval is split exactly where something changes.
@@ -18,28 +18,27 @@ from robophm.core.signal import HOUR, Sample
 from robophm.design.robot import Channel, MeasuredClock, Robot
 from robophm.health.clock import Clock
 from robophm.health.ledger import RECENT, Ledger, Step, Total
-from robophm.health.sample_stretch import Flags, Observed, Part, SampleStretch
-from robophm.health.stress_groups import Group, StressGroups, channel_key
+from robophm.health.sample_stretch import Flags, Observed, SampleStretch, SignalSubset
+from robophm.health.stress_groups import StressGroup, StressGroups, channel_key
 from robophm.health.window import Array, Columns, Window
 
 EACH = 2_500
-"""Samples for each bundle of signals, beyond which bundles are gone through one by one: what is made on the way then
-stays in the processor's cache."""
+"""Samples per bundle of signals beyond which bundles are integrated one by one, so that their arrays stay in cache."""
 
 IntervalObserver = Callable[[Sequence[int], Array, Array, Mapping[str, Array]], None]
-"""Is told what some failure modes went through: which, by index; of each interval how far their clock went (a calendar
-clock: while the robot was on), the stress factor, and every measured input in the unit of its model."""
+"""A callback that is told what failure modes went through: their indices; for each interval how far their clock went (a
+calendar clock: while the robot was on), the stress factor, and every measured input in the unit of its model."""
 
 
 class ExposureIntegrator:
-    """How the samples of one robot become exposure. Holds no state: that is the ledger's."""
+    """Turns the samples of one robot into exposure. It holds no state: that is the ledger's."""
 
     def __init__(self, robot: Robot, witness: IntervalObserver | None = None) -> None:
         self.robot = robot
         self._witness = witness
         self.modes = robot.modes
         clocks: dict[tuple[object, ...], Clock] = {}
-        groups: dict[tuple[object, ...], Group] = {}
+        groups: dict[tuple[object, ...], StressGroup] = {}
         channels: dict[str, Channel] = {}
 
         def clock_of(name: str, measured: MeasuredClock | None) -> Clock:
@@ -49,7 +48,7 @@ class ExposureIntegrator:
         for i, mode in enumerate(self.modes):
             clock, source = clock_of(mode.clock, mode.measured_clock), (mode.clock, mode.measured_clock)
             key = (source, *(stress.key for stress in mode.measured))
-            group = groups.setdefault(key, Group.of(clock, mode.measured))
+            group = groups.setdefault(key, StressGroup.of(clock, mode.measured))
             group.members.append(i)
             for stress in mode.measured:
                 channels |= {channel_key(channel): channel for channel in stress.channels.values()}
@@ -70,13 +69,14 @@ class ExposureIntegrator:
     def integrate_columns(
         self, ledger: Ledger, columns: Columns, ends: Sequence[int], duty: Array | None = None
     ) -> None:
-        """The same for periods with these ends [ns], ascending: bit for bit what one after the other gives."""
+        """Integrate periods with these ends [ns], ascending: bit for bit as ``integrate`` called for one after the
+        other."""
         if ledger.integrated_to is None:
             ledger.integrated_to = ledger.started if ledger.started is not None else ends[0]
         stretch = SampleStretch(ledger, columns, _with_recent(ledger.integrated_to, ends), self.robot)
         age, effective, hazard = np.zeros((3, len(stretch.bounds) - 1, len(self.modes)))
         went = _Went(age, effective, hazard, {}, {})
-        whole = Part(stretch)
+        whole = SignalSubset(stretch)
         for clock in self.clocks:
             if not clock.measured:
                 went.add(clock, whole)
@@ -85,7 +85,7 @@ class ExposureIntegrator:
         many = sum(len(said.times) for said in stretch.raw.values()) > EACH * len(self._apart)
         parts = []
         for bundle in self._apart if many else [self._whole]:
-            parts.append(part := Part(stretch))
+            parts.append(part := SignalSubset(stretch))
             self._go_through(bundle, part, went, duty)
             part.let_go()
         operating, calendar = stretch.operating.between(stretch.bounds) / HOUR, np.diff(stretch.bounds) / HOUR
@@ -102,8 +102,8 @@ class ExposureIntegrator:
     def _apart(self) -> tuple[StressGroups, ...]:
         return tuple(self._whole.apart())
 
-    def _go_through(self, bundle: StressGroups, part: Part, went: _Went, duty: Array) -> None:
-        """What the signals of a bundle did to what they drive."""
+    def _go_through(self, bundle: StressGroups, part: SignalSubset, went: _Went, duty: Array) -> None:
+        """Add the effect of a bundle's signals on the clocks and failure modes that they drive."""
         ledger = part.stretch.ledger
         for key, channel in bundle.channels.items():
             part.channel(key, channel)
@@ -160,7 +160,7 @@ class ExposureIntegrator:
         return factor
 
     def _known(self, ledger: Ledger, now: int) -> list[tuple[Array | None, Flags, list[Array]]]:
-        """What is known now of each group, as ``StressGroups.factors``: of a robot that is on, also while it is off."""
+        """The present stress factors of each group, as ``StressGroups.factors``; an off robot is treated as on."""
         observed = {}
         for key, channel in self.channels.items():
             time, (said,) = ledger.last.get(key, (now - channel.max_age, (math.nan,)))
@@ -177,7 +177,7 @@ class ExposureIntegrator:
         return mean
 
     def recent_usage(self, ledger: Ledger) -> Array:
-        """How far each mode's clock went per operating hour in the last ten minutes; NaN where it was off."""
+        """Return the advance of each mode's clock per operating hour in the last ten minutes; NaN where it was off."""
         hours = sum(step.operating for step in ledger.recent)
         age = sum((step.age for step in ledger.recent), np.zeros(len(self.modes)))
         return age / hours if hours > 0 else np.full(age.shape, np.nan)
@@ -204,7 +204,7 @@ class ExposureIntegrator:
         return held | means
 
     def silent(self, ledger: Ledger) -> dict[str, int | None]:
-        """The signals that are bound and have no valid value at the integrated-to time; edges once heard may rest.
+        """Return the bound signals without a valid value at the integrated-to time; edges once heard may rest.
 
         With the time [ns] of the last value; None where there never was one.
         """
@@ -241,8 +241,8 @@ def _begun(ledger: Ledger, modes: Sequence[int], age: Array) -> Array:
     return begun
 
 
-def _inputs(part: Part, key: str) -> list[tuple[float, float] | None]:
-    """By period, a channel's integral over the time [ns] of operation in which it was valid, and that time.
+def _inputs(part: SignalSubset, key: str) -> list[tuple[float, float] | None]:
+    """A channel's integral over the operating time [ns] in which it was valid, and that time; for each period.
 
     The rest of the time is counted as stale.
     """
@@ -261,17 +261,17 @@ def _inputs(part: Part, key: str) -> list[tuple[float, float] | None]:
 
 @dataclass
 class _Went:
-    """What the periods of a stretch added."""
+    """The exposure that the periods of a stretch added."""
 
     age: Array
-    """Of each mode; shape (periods, modes), as the next two."""
+    """Age added to each mode; shape (periods, modes), as of the next two."""
     effective: Array
     hazard: Array
     clocks: dict[Clock, Array]
     inputs: dict[str, list[tuple[float, float] | None]]
-    """Of each channel, its integral and its time, by period."""
+    """Integrals of each channel's value, and the time in which that was valid, by period."""
 
-    def add(self, clock: Clock, part: Part) -> None:
-        """How far a clock went in each period."""
+    def add(self, clock: Clock, part: SignalSubset) -> None:
+        """Add the advance of a clock in each period."""
         periods = part.grid(())
         self.clocks[clock] = clock.units(periods.sums(clock.advance(periods)))

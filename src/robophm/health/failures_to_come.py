@@ -1,4 +1,4 @@
-"""Which parts the failures to come will come from, within a stated horizon."""
+"""The parts that failures within a stated horizon will come from, and the share of each."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
 from robophm.blocks.importance import barlow_proschan
-from robophm.core.given import number
+from robophm.core.argument_checks import number
 from robophm.health.outlooks import View
 from robophm.health.prognosis import Outlook
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
@@ -19,20 +19,20 @@ from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 Array = npt.NDArray[np.float64]
 
 LONGEST = 1e9
-"""Hours of calendar time that a horizon may be; where the median remaining life is longer, it is this."""
+"""The longest horizon [h of calendar time]; it replaces a median remaining life that is longer."""
 
 _TOLERANCE = 1e-6  # of a share
 
 
 @dataclass(frozen=True)
 class Contribution:
-    """What a component, or a group of parts that depend on each other, has in the failures to come."""
+    """The share of a component, or of a group of dependent parts, in the failures to come."""
 
     path: str
-    """Of the component with all of its equal parts; of a group its name."""
+    """Path of the component (all of its equal parts together), or name of the group."""
     quantity: int
     group: bool
-    """Whether it is a group, which fails as one unit: its members have no share of their own."""
+    """Whether this is a group, which fails as one unit: its members have no share of their own."""
     nominal: float
     """P(its failure is the one that fails the robot within the horizon | the robot fails within it); not a number where
     the robot has failed or cannot fail."""
@@ -41,12 +41,12 @@ class Contribution:
 
 @dataclass(frozen=True)
 class FailuresToCome:
-    """Of a robot, given what is known now; the shares of each view add up to 1."""
+    """The failures to come of a robot, given what is known now; the shares of each view add up to 1."""
 
     horizon: float
     """[h of calendar time] from now on."""
     stated: bool
-    """Whether it was asked for; else it is the robot's sensor-based median remaining life."""
+    """Whether the horizon was asked for; else it is the robot's sensor-based median remaining life."""
     operating: float
     """Hours of operation within it."""
     nominal_failure: float
@@ -55,13 +55,13 @@ class FailuresToCome:
     contributions: tuple[Contribution, ...]
     """The largest sensor-based share first; of parts of unknown rate, whose failures are not counted, none."""
     unknown: PartsOfUnknownRate | None = None
-    """What parts are left out."""
+    """The parts of unknown rate that are left out, and what that makes of the figures."""
 
 
 def failures_to_come(
     outlooks: Mapping[View, Outlook], diagram: Block, median: float, horizon: float | None = None
 ) -> FailuresToCome:
-    """Within a horizon [h], or else the ``median`` remaining life; of a robot that has failed nothing is to come.
+    """Return the failures to come within a horizon [h], or within the ``median`` remaining life if none is given.
 
     Exact through redundancy, shared parts, ageing and what is known: ∫ P(the robot hangs on a part) dP(it fails). Along
     a future that changes, at its mean pace. Raises RobophmError for what is no time ahead.

@@ -21,18 +21,18 @@ from robophm.life.exponential import Exponential
 
 @dataclass(frozen=True)
 class RobotFaultTree(TopEvent):
-    """That a robot, or a function of it, has failed; its basic events are that units of the diagram have."""
+    """The fault tree whose top event is the failure of a robot or function, and its basic events that units fail."""
 
     rates: Mapping[str, float] = field(default_factory=dict)
     """Hazard rates as designed [1/h of operation] of the units that fail at a constant one."""
     unknown: PartsOfUnknownRate | None = None
-    """What parts of unknown rate make of the probabilities."""
+    """The effect of parts of unknown rate on the probabilities."""
 
 
 def fault_tree(
     outlook: Outlook, function: str | None = None, hours: float = 0.0, *, limit: int = LIMIT
 ) -> RobotFaultTree:
-    """Of the robot, or of a function of it by name, since new and after so many more hours of operation.
+    """Return the fault tree of the robot, or of a function by name, after so many more hours of operation than now.
 
     Beyond ``limit`` steps for a module of the tree it is too large to be solved. Raises RobophmError where hours are
     not finite or the robot has no such function.

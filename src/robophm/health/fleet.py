@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
 from robophm.blocks.reliability import State
+from robophm.core.argument_checks import instance, numbers
 from robophm.core.errors import DesignError
-from robophm.core.given import instance, numbers
 from robophm.core.waiting_time import Curve, time_at, times_of_many
 from robophm.health.ageing import steady_pace
 from robophm.health.outlooks import nominal_outlook
@@ -29,7 +29,7 @@ AT_ONCE = 60_000
 
 @dataclass(frozen=True)
 class Fleet:
-    """Where robots of one design stand, and how they go on; arrays have shape (modes, robots), or (modes, 1) of all.
+    """Robots of one design: where they stand and how they go on; arrays are (modes, robots), or (modes, 1) if common.
 
     Each robot is what an Outlook is, with a steady future. Answers have shape (robots,); beyond them no memory is
     taken but for a block of robots that stays in cache. Groups of dependent parts are asked robot by robot. Parts of
@@ -38,23 +38,23 @@ class Fleet:
 
     plant: Plant = field(repr=False)
     robot: Callable[[int], Outlook] = field(repr=False)
-    """Each alone."""
+    """Returns the outlook of one robot of the fleet by its index."""
     age: Array
     """Effective age of each mode [unit of its clock]; shape (modes, robots)."""
     cumulative_hazard: Array
-    """Since new; empty: that of the age."""
+    """Cumulative hazard of each mode since new; where empty it follows from the age."""
     unseen_hazard: Array
-    """Since each part was last known to work; empty: since new."""
+    """Cumulative hazard since each part was last known to work; where empty, since new."""
     working: npt.NDArray[np.bool_]
     """Whether each unit is known to work; shape (units, robots) or (units, 1)."""
     failed: npt.NDArray[np.bool_]
-    """Whether it is known to have failed."""
+    """Whether each unit is known to have failed; shape as of ``working``."""
     speed: Array
-    """How fast each mode ages in an hour of operation now, stress included."""
+    """Effective age that each mode gains in an hour of operation now, stress included."""
     advance: Array
-    """How far its clock goes in an hour of calendar time to come."""
+    """Advance of each mode's clock in an hour of calendar time to come."""
     effective: Array
-    """The same times its stress factor."""
+    """The same advance times the mode's stress factor."""
 
     @classmethod
     def designed(cls, plant: Plant, age: Array) -> Fleet:
@@ -104,7 +104,7 @@ class Fleet:
         return int(self.age.shape[1])
 
     def since_new(self, diagram: Block) -> State:
-        """Of the system since new, its density [1/h of operation]: nothing is known but the exposure."""
+        """Return the system's survival since new and its density [1/h of operation]: only the exposure is known."""
         system = self.plant.system(diagram)
         found = np.empty((3, len(self)))
         for turn in self._turns(system):
@@ -115,7 +115,7 @@ class Fleet:
         return State(found[1], found[0], infinite(found[2]))
 
     def hazard_rate(self, diagram: Block) -> Array:
-        """Now, given what is known now [1/h of operation]; infinite where the system has failed."""
+        """Return the hazard rate now, given what is known [1/h of operation]; infinite where the system has failed."""
         system = self.plant.system(diagram)
         found = np.empty(len(self))
         for turn in self._turns(system):
@@ -165,14 +165,14 @@ class Fleet:
             yield slice(start, min(start + size, len(self)))
 
     def _and_groups(self, modes: Array, system: System, turn: Robots, ask: Callable[[Outlook], Array]) -> Array:
-        """Below the failure modes what the groups of dependent parts of each robot say, one by one."""
+        """Append, below the failure modes, the figures of each robot's groups of dependent parts, asked one by one."""
         if not len(system.groups):
             return modes
         groups = [ask(self.robot(i)) for i in np.arange(len(self))[turn].tolist()]
         return np.concatenate((np.broadcast_to(modes, (len(modes), len(groups))), np.stack(groups, axis=1)))
 
     def _hazards(self, system: System, turn: slice) -> tuple[Array, Array]:
-        """Of each mode: its hazard now [1/h of operation], and its cumulative hazard since new."""
+        """Hazard of each mode now [1/h of operation], and its cumulative hazard since new."""
         age = _of(self.age, system.modes, turn)
         if self.cumulative_hazard.size:
             lived, hazard = _of(self.cumulative_hazard, system.modes, turn), system.lives.hazard(age)
@@ -217,7 +217,7 @@ class Fleet:
 
 
 def _of(array: npt.NDArray[_Number], rows: slice | npt.NDArray[np.intp], turn: Robots) -> npt.NDArray[_Number]:
-    """Some rows of a block of robots; of what all have in common, the one column."""
+    """The given rows of a block of robots; of an array that all have in common, its one column."""
     of_robots = array if array.shape[1] == 1 else array[:, turn]
     if isinstance(rows, slice) or of_robots.shape[1] > 1:
         return of_robots[rows]

@@ -1,4 +1,4 @@
-"""How a robot goes on: every clock and every stress along calendar time, repeated for ever."""
+"""The future use of a robot: every clock and every stress along calendar time, repeated for ever."""
 
 from __future__ import annotations
 
@@ -23,13 +23,14 @@ class Future:
     operating: Array
     """Operating hours by then, shape (knots,)."""
     advance: Array
-    """How far the clock of each failure mode has gone by then, shape (modes, knots)."""
+    """Advance of each failure mode's clock by then, shape (modes, knots)."""
     effective: Array
     """The same times the stress factor on the way."""
 
     @classmethod
     def steady(cls, name: str, plant: Plant, factor: Array, usage: Array, share: float) -> Future:
-        """One stress ``factor`` and one ``usage`` per operating hour of each mode, for a ``share`` of the day."""
+        """Make a future of one stress ``factor`` and ``usage`` per operating hour of each mode, on a ``share`` of
+        time."""
         advance = np.where(plant.calendar, 1.0, share * usage)
         ends = np.array([0.0, 1.0])
         return cls(name, ends, share * ends, advance[:, None] * ends, (factor * advance)[:, None] * ends)
@@ -38,7 +39,7 @@ class Future:
     def of_steps(
         cls, name: str, hours: Sequence[float], operating: Sequence[float], advance: Array, effective: Array
     ) -> Future:
-        """From what each step adds; ``advance`` and ``effective`` of shape (modes, steps)."""
+        """Make a future from what each step adds; ``advance`` and ``effective`` have shape (modes, steps)."""
         sums = (np.cumsum(np.pad(np.asarray(one, dtype=float), ((0, 0), (1, 0))), axis=1) for one in (
             [hours], [operating], advance, effective
         ))  # fmt: skip
@@ -62,11 +63,11 @@ class Future:
 
     @property
     def changeless(self) -> bool:
-        """Whether nothing ever changes."""
+        """Whether neither stress nor use ever changes in this future."""
         return len(self.hours) == 2
 
     def rounds(self, count: int) -> Future:
-        """So many rounds of it drawn out, to begin anew only after them."""
+        """Return the future drawn out to so many rounds, which begins anew only after them."""
 
         def again(sums: Array) -> Array:
             turns = np.arange(count)[:, None] * sums[..., None, -1:] + sums[..., None, 1:]
@@ -85,12 +86,12 @@ class Future:
         return result
 
     def pace(self, plant: Plant) -> Array:
-        """How far each mode ages in an hour of calendar time, by the clock that its life counts; shape (modes,)."""
+        """Return how far each mode ages in an hour of calendar time, by the clock of its life; shape (modes,)."""
         result: Array = np.where(plant.by_age, self.effective[:, -1], self.advance[:, -1]) / self.hours[-1]
         return result
 
     @property
     def usage(self) -> Array:
-        """How far the clock of each mode goes in an operating hour."""
+        """Return the advance of each failure mode's clock per operating hour."""
         result: Array = self.advance[:, -1] / self.operating[-1]
         return result

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from robophm.groups.member import Member, Mode
 from robophm.groups.path import Path
 from robophm.groups.solve import Way, fewest_failed, left, solve
-from robophm.groups.state import Solved
+from robophm.groups.solved_group import SolvedGroup
 from robophm.health.dependent_group import DependentGroup
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ Array = npt.NDArray[np.float64]
 
 
 _MOMENT = 1e-9
-"""Of any clock."""
+"""A stretch of any clock, short enough to count as a moment, in which a member is taken to have failed."""
 
 
 def _without_location(member: Member) -> list[Mode]:
@@ -49,7 +49,7 @@ class GroupState:
         past, nothing = np.maximum(now - seen, 0.0), np.zeros(len(new))
         begun = held.members(new, np.maximum(seen - new, 0.0))
         self.failed = False
-        """Whether what is known of its members says so."""
+        """Whether the group has failed, by what is known of its members."""
         anew = partial(solve, held.group)
         if all(status):  # then nothing of what was matters but the ages
             self._begin(anew, held.members(new, np.maximum(now - new, 0.0)), nothing)
@@ -76,18 +76,18 @@ class GroupState:
         self._way, self._members, self._past, self._status = way, members, past, status
         self._path, self._now = self._begun()
         self._ahead: Array | None = None  # where it has no past
-        self._straight: Solved | None = None
+        self._straight: SolvedGroup | None = None
 
     def _begun(self) -> tuple[Path, float]:
         path = Path(len(self._past))
         path.add(self._past)
         return path, path.end
 
-    def _solved(self, path: Path) -> Solved:
+    def _solved(self, path: Path) -> SolvedGroup:
         return self._way(self._members, path, self._now, self._status)
 
     def _works(self) -> bool:
-        """Whether it may, by what is known of its members."""
+        """Whether the group may still work, by what is known of its members."""
         return bool(self._solved(self._path).log_works(np.array([self._now]))[0] > -np.inf)
 
     def until_now(self) -> float:
@@ -97,12 +97,12 @@ class GroupState:
         return float(self._solved(self._path).gathered(np.zeros(1), np.array([self._now]))[0])
 
     def to(self, aged: Array) -> Array:
-        """What going on so far in one step adds, shape (modes, n) → (n,)."""
+        """Return the cumulative hazard that one step adds, shape (modes, n) → (n,)."""
         result: Array = self.steps(aged[:, None])[0]
         return result
 
     def steps(self, aged: Array) -> Array:
-        """What steps that follow one another add to its cumulative hazard; shape (modes, steps, ...) → (steps, ...)."""
+        """Return the cumulative hazard that successive steps add; shape (modes, steps, ...) → (steps, ...)."""
         shape = aged.shape[1:]
         aged = aged.reshape(*aged.shape[:2], -1)
         lengths = self._lengths(aged)
@@ -134,14 +134,14 @@ class GroupState:
         return self._ahead
 
     def _lengths(self, aged: Array) -> Array | None:
-        """How long the steps are where all go straight on; None where they do not."""
+        """Lengths of the steps where all go straight on along the path; None where they do not."""
         line = self._line(aged)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             lengths = np.tensordot(line / (line @ line), aged, 1) if line.any() else np.zeros(aged.shape[1:])
             straight = np.allclose(aged, np.multiply.outer(line, lengths), rtol=1e-12, atol=0.0)
         return np.asarray(lengths) if straight else None
 
-    def _along_line(self, aged: Array) -> Solved:
+    def _along_line(self, aged: Array) -> SolvedGroup:
         line = self._line(aged)
         if self._straight is None:
             path, _ = self._begun()
@@ -150,7 +150,7 @@ class GroupState:
         return self._straight
 
     def along(self, future: Future, modes: npt.NDArray[np.intp]) -> Callable[[Array], Array]:
-        """What a future adds to its cumulative hazard, as a function of hours.
+        """Return a function of hours: the cumulative hazard that a future adds to the group.
 
         Where the ages of its members do not keep their proportions, the future's stretches are followed one by one as
         far as it is drawn out, and then their mean.

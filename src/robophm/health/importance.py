@@ -1,4 +1,4 @@
-"""What a robot's future hangs on: how much each unit matters, in the time ahead and in all of it."""
+"""Importance of each unit of a robot: how much the system's failure hangs on it, in the time ahead and in all of it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Array = npt.NDArray[np.float64]
 
 
 USUAL = 1000.0
-"""Hours of operation."""
+"""Hours of operation ahead that are asked about unless said otherwise."""
 
 LONGEST = 1e9
 """Hours of operation ahead that may be asked about."""
@@ -34,7 +34,7 @@ LONGEST = 1e9
 
 @dataclass(frozen=True)
 class UnitImportance:
-    """How much one unit of a diagram matters, given what is known now; not a number where that says nothing.
+    """The importance of one unit of a diagram, given what is known now; not a number where that says nothing.
 
     The measures are those of ``blocks.importance``.
     """
@@ -53,19 +53,19 @@ class UnitImportance:
 
 @dataclass(frozen=True)
 class Importances:
-    """Of all units of a diagram, in drawing order."""
+    """The importances of all units of a diagram, in drawing order."""
 
     hours: float
-    """Of operation from now on, to which all but the Barlow–Proschan importances are."""
+    """Hours of operation from now on, to which all but the Barlow–Proschan importances refer."""
     failure: float
     """P(the system fails within them | what is known now)."""
     ever: float
-    """P(it ever fails)."""
+    """P(the system ever fails), the sum of the Barlow–Proschan importances."""
     units: tuple[UnitImportance, ...]
     refused: str = ""
-    """Why there are no Fussell–Vesely importances, where there are none."""
+    """The reason why there are no Fussell–Vesely importances, where there are none."""
     unknown: PartsOfUnknownRate | None = None
-    """What parts of unknown rate are left out: theirs say what would be if they never failed."""
+    """The effect of parts of unknown rate, which are left out: their importances are as if they never failed."""
 
     @property
     def has_failed(self) -> bool:
@@ -78,7 +78,7 @@ class Importances:
         return not math.isnan(self.ever)
 
     def ranked(self, by: str = "criticality") -> list[UnitImportance]:
-        """The most important first; those of which it is not known last."""
+        """Return the units, the most important first; those of unknown importance come last."""
 
         def rank(one: UnitImportance) -> float:
             value = getattr(one, by)
@@ -88,7 +88,8 @@ class Importances:
 
 
 def usual_hours(outlook: Outlook, median: float) -> float:
-    """Of operation ahead to ask about if nothing is said: USUAL, or half a life, of that median [h], if shorter."""
+    """Return the hours of operation to ask about by default: USUAL, or half of the median remaining life [h] if
+    shorter."""
     half = median * outlook.plant.robot.usage.operating
     return min(half, USUAL) if half > 0 else USUAL
 
@@ -110,7 +111,7 @@ class Drawn(Parts):
 
 
 def importances(outlook: Outlook, drawn: Drawn, hours: float, *, lifelong: bool = True) -> Importances:
-    """How much each unit matters within so many operating hours, at the mean pace of the future, given what is known.
+    """Return how much each unit matters within operating hours, at the future's mean pace, given what is known.
 
     Barlow–Proschan importances are of all time ahead, and take most of the work: they are left out if not ``lifelong``.
     """
@@ -130,7 +131,7 @@ def importances(outlook: Outlook, drawn: Drawn, hours: float, *, lifelong: bool 
 
 
 def of_tree(event: TopEvent, hours: float = math.nan) -> Importances:
-    """Of a coherent fault tree, from the probabilities of its events.
+    """Return the importances of the events of a coherent fault tree, from their probabilities.
 
     Raises StructureError for one with "not" or "xor", where what fails may be for the better.
     """
@@ -164,7 +165,7 @@ def _stated(
 
 
 def _numbers(works: float, *of_units: Array) -> Sequence[Array]:
-    """As they are; as decimals where so little speaks for it, ln P(works now), that floats would lose digits."""
+    """The arrays unchanged; as decimals where ln P(works now) is so low that floats would lose digits."""
     return of_units if works > math.log(FAINTEST) else [as_decimals(one) for one in of_units]
 
 
@@ -182,6 +183,6 @@ def _caused(outlook: Outlook, drawn: Drawn, known: Array) -> Array:
 
 
 def _added(outlook: Outlook, drawn: Drawn, hours: Array) -> Array:
-    """What operating hours add to the cumulative hazard of each unit; shape (units, hours)."""
+    """The cumulative hazard that operating hours add to each unit; shape (units, hours)."""
     advance, effective = outlook.paced(hours)
     return outlook.gathered(drawn, advance[:, None], effective[:, None])[:, 0]

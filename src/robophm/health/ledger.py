@@ -1,4 +1,4 @@
-"""What is kept of a robot's past: sums by failure mode, the open window, and how its load went, in few steps."""
+"""The ledger: a robot's past as sums by failure mode, the open window, and its load history in a few steps."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Total:
 
     @classmethod
     def zeros(cls, n: int) -> Total:
-        """n empty sums."""
+        """Make ``n`` sums that are zero."""
         return cls(np.zeros(n), np.zeros(n))
 
     def add(self, more: Array) -> None:
@@ -58,27 +58,27 @@ class Total:
         return self.high + self.low
 
     def copy(self) -> Total:
-        """An independent copy."""
+        """Return an independent copy of the sums."""
         return Total(self.high.copy(), self.low.copy())
 
 
 class Step(NamedTuple):
-    """What a stretch of the past added to parts that were needed in it: how fast clocks go, whoever was idle."""
+    """The exposure of one stretch of the past, for parts that were needed in it: clocks count in full, idle or not."""
 
     end: int
     calendar: float
-    """[h]"""
+    """Calendar time of the step [h]."""
     operating: float
-    """[h]"""
+    """Operating time of the step [h]."""
     age: Array
-    """Of each mode [unit of its clock]."""
+    """Age that each mode gained [unit of its clock]; shape (modes,)."""
     effective: Array
-    """Of each mode, stress factor times age."""
+    """Stress factor times age of each mode; shape (modes,)."""
     inputs: dict[str, tuple[float, float]]
-    """Of each channel while it had a valid value: its integral over operating time, and that time [ns]."""
+    """Integrals of channels over operating time, and the time [ns] in which each had a valid value."""
 
     def then(self, later: Step) -> Step:
-        """Both as one."""
+        """Return this step and a later one joined to one."""
         inputs = self.inputs.copy()
         for key, (value, time) in later.inputs.items():
             before = inputs.get(key, (0.0, 0.0))
@@ -94,7 +94,7 @@ class Step(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """How far a mode was when it was last known to work: its sums at that time."""
+    """The sums of a failure mode at the time when its part was last known to work."""
 
     time: int
     age: float
@@ -109,7 +109,7 @@ class Service(NamedTuple):
     mode: str
     kind: Literal["replaced", "repaired"]
     failed: bool
-    """Whether this mode had failed; else it was served before."""
+    """Whether this mode had failed; else its part was served in time."""
     before: tuple[float, float, float]
     """Age, effective age, cumulative hazard of its stress; without the initial exposure, while that still counts."""
     after: tuple[float, float, float]
@@ -126,7 +126,7 @@ class Ledger:
     hazard: Total
     """∫ψ·h₀(a)da, for the modes whose stress scales the hazard; zero for the others."""
     clocks: Total
-    """Since the start: operating hours, calendar hours, and the robot's own measured clocks in design order."""
+    """Sums since the start: operating hours, calendar hours, and the robot's own measured clocks in design order."""
     odometers: tuple[str, ...] = ()
     """Names of the robot's own measured clocks."""
     started: int | None = None
@@ -137,7 +137,8 @@ class Ledger:
     off: int | None = None
     """Time until which it was off last."""
     ended: int | None = None
-    """When the recording ended that was heard last; None where that was no recording, or since another sample.
+    """End of the last recording, when nothing was heard since; None where samples came live, or since another sample.
+    It says nothing of the past, and is kept beside the ledger.
 
     It says nothing of the past, and is kept beside the ledger.
     """
@@ -146,25 +147,26 @@ class Ledger:
     last: dict[str, tuple[int, tuple[float, ...]]] = field(default_factory=dict)
     """The last valid value of every channel, position and clock signal, by its key."""
     pending: Window = field(default_factory=Window)
-    """The open window: received, not yet integrated."""
+    """The open window: samples that have been received but not yet integrated."""
     aside: list[Sample] = field(default_factory=list)
-    """So far ahead of all others that the clock may have jumped; not yet confirmed, in order of arrival."""
+    """Samples so far ahead of all others that the clock may have jumped; not yet confirmed, in order of arrival."""
     counts: Counter[str] = field(default_factory=Counter)
-    """What was not taken, by reason and signal."""
+    """Numbers of samples that were not taken, by reason and signal."""
     stale: Counter[str] = field(default_factory=Counter)
     """Nanoseconds of operation without a valid value, by channel key."""
     extrapolated: Counter[str] = field(default_factory=Counter)
     """Nanoseconds of operation outside a model's printed range, by mode."""
     recent: list[Step] = field(default_factory=list)
-    """The last ten minutes."""
+    """Steps of the last ten minutes."""
     history: list[Step] = field(default_factory=list)
-    """All of the past, in at most MOST_HISTORY steps."""
+    """The whole past, in at most MOST_HISTORY steps."""
     history_step: int = HOUR
     """Nanoseconds of a step of the history; it doubles as the past grows."""
     replaced: dict[str, int] = field(default_factory=dict)
-    """When the sums of a mode last began anew, in a new part or a repaired one: its initial exposure counts no more."""
+    """Time at which a mode's sums last began anew, in a new or repaired part: its initial exposure then counts no
+    more."""
     seen: dict[str, Seen] = field(default_factory=dict)
-    """When the part of a mode was last known to work."""
+    """Sums of each mode when its part was last known to work."""
     services: list[Service] = field(default_factory=list)
     """Every replacement and repair, in order of time: what was there before stays known."""
 
@@ -206,13 +208,13 @@ class Ledger:
         return replace(self, **totals, **{name: getattr(self, name).copy() for name in kept})
 
     def replace(self, modes: Iterable[str], failed: Collection[str] = ()) -> None:
-        """The parts of these modes, by key, are new from now on; the modes among them that had ``failed``."""
+        """Begin the sums of these modes, by key, anew, as of new parts; the modes in ``failed`` had failed."""
         for key in modes:
             self._begin_anew(key, "replaced", key in failed, (0.0, 0.0, 0.0))
             self.seen.pop(key, None)
 
     def repair(self, mode: str, after: tuple[float, float, float], *, failed: bool = False) -> None:
-        """The part of this mode, by key, works again and has these sums from now on, initial exposure included."""
+        """Record a repair: the part of this mode, by key, works again with these sums, initial exposure included."""
         self._begin_anew(mode, "repaired", failed, after)
         self.inspect((mode,))
 
@@ -228,7 +230,7 @@ class Ledger:
         self.replaced[key] = now
 
     def remember(self, new: Step) -> None:
-        """Take a stretch of the past into what is kept of it, newest last."""
+        """Append a stretch of the past to the recent steps and the history, newest last."""
         self.recent = _appended(self.recent, new, _RECENT_STEP)
         self.recent = [step for step in self.recent if step.end > new.end - RECENT]
         self.history = _appended(self.history, new, self.history_step)
@@ -239,14 +241,14 @@ class Ledger:
                 self.history = _appended(self.history, step, self.history_step)
 
     def inspect(self, modes: Iterable[str]) -> None:
-        """The parts of these modes, by key, are known to work now."""
+        """Record that the parts of these modes, by key, are known to work now."""
         sums = [total.value for total in (self.age, self.effective, self.hazard)]
         for key in modes:
             i = self.modes.index(key)
             self.seen[key] = Seen(self.integrated_to or 0, *(float(total[i]) for total in sums))
 
     def to_json(self) -> dict[str, Any]:
-        """As plain values; floats come back bit for bit."""
+        """Return the ledger as plain values for JSON; floats come back bit for bit."""
         totals = {name: getattr(self, name) for name in ("age", "effective", "hazard", "clocks")}
         return {
             "version": _VERSION,
@@ -268,12 +270,12 @@ class Ledger:
 
     @classmethod
     def of(cls, robot: Robot, data: Mapping[str, Any]) -> Ledger:
-        """A robot's ledger read back. Raises StoreError as ``from_json``."""
+        """Read back the ledger of a robot. Raises StoreError as ``from_json``."""
         return cls.from_json(data, tuple(mode.key for mode in robot.modes), tuple(robot.clocks))
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any], modes: tuple[str, ...], odometers: tuple[str, ...]) -> Ledger:
-        """A ledger read back; an odometer that it has not begins at zero.
+        """Read back a ledger; an odometer that it does not have begins at zero.
 
         Raises StoreError where it was kept for other failure modes or another version.
         """

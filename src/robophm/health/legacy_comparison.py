@@ -1,4 +1,4 @@
-"""What the 2020 tool made of a robot beside what is exact of it."""
+"""The figures of the 2020 tool for a robot beside the exact ones."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from robophm.design.importers.legacy.figures import reliability_at
 from robophm.design.importers.legacy.reading import Imported
 from robophm.health.plant import Plant
-from robophm.health.when_new import promises
+from robophm.health.when_new import nominal_figures
 
 HOURS = 1000.0
-"""Of operation, at which figures are compared: those of the 2020 tool's guide."""
+"""Hours of operation at which figures are compared: those of the 2020 tool's guide."""
 
 
 @dataclass(frozen=True)
@@ -31,10 +31,10 @@ class Comparison:
 
 
 def comparisons(imported: Imported, hours: float = HOURS) -> list[Comparison]:
-    """Of the system, then of its modules."""
+    """Return the comparison for the system, then for each of its modules."""
     exact: dict[str, tuple[float, float, float]] = {
         one.path: (one.hazard_rate, one.reliability, one.unreliability)
-        for one in promises(Plant(imported.robot), hours)
+        for one in nominal_figures(Plant(imported.robot), hours)
     }
     for part in imported.robot.components:  # a module without parts of its own is one part
         rate = part.modes[0].rate

@@ -1,4 +1,4 @@
-"""The task ahead: the probability that it will be completed, given what is known now.
+"""The probability that a task ahead will be completed, given what is known now.
 
 P(for every leg, its functions work at the end of the leg | the functions that the task needs work now, and what else
 is known), jointly over the legs. Robots do not heal within a task, so that only the last leg of each function counts.
@@ -39,32 +39,32 @@ class Completion:
 
 
 @dataclass(frozen=True)
-class Deciding:
-    """A component, and how the task would fare if it could not fail."""
+class DecidingComponent:
+    """A component that a task hangs on, and how the task would fare if it could not fail."""
 
     path: str
     failure_without: float
-    """Probability that the task fails then."""
+    """Probability that the task fails if this component cannot."""
     share: float
-    """Of the task's probability of failure, what would vanish."""
+    """Share of the task's probability of failure that would vanish."""
 
 
 class Steps(NamedTuple):
-    """What legs, or the phases of a mission, add to every failure mode; arrays of shape (modes, legs, ...)."""
+    """The exposure that legs, or phases of a mission, add to every failure mode; arrays of shape (modes, legs, ...)."""
 
     advance: Array
-    """Of its clock."""
+    """Advance of each mode's clock."""
     effective: Array
-    """The same times its stress factor."""
+    """The same advance times the mode's stress factor."""
 
     def phases(self, ends: Sequence[int]) -> Steps:
-        """Legs taken together up to these, each included."""
+        """Join the legs of each phase; ``ends`` are the indices of the phases' last legs."""
         starts = [0, *(end + 1 for end in ends[:-1])]
         return Steps(*(np.add.reduceat(one, starts, axis=1) for one in self))
 
 
 def needs(task: Task) -> tuple[tuple[Need, ...], list[int]]:
-    """Until the end of which phase each function must work, and the leg with which each phase ends."""
+    """Return the phase until whose end each function must work, and the leg with which each phase ends."""
     last: dict[str, int] = {}
     for k, leg in enumerate(task.legs):
         last |= dict.fromkeys(leg.functions or ("",), k)
@@ -85,15 +85,15 @@ def completion(outlook: Outlook, task: Task, diagram: Block | None = None) -> Co
 
 
 def completion_of_steps(outlook: Outlook, task: Task, steps: Steps) -> Completion:
-    """The same of a task whose legs are known to age the robot so; as for the task actually done."""
+    """Return the completion of a task whose legs are known to age the robot so, as of a task that was actually done."""
     wanted, ends = needs(task)
-    mission = outlook.plant.mission(now(wanted), wanted)
+    mission = outlook.plant.mission(needed_now(wanted), wanted)
     hazard = outlook.increments(outlook.plant.everything, *steps)
     return _given(_transition(outlook, mission, hazard, ends))
 
 
-def following(outlook: Outlook, tasks: Sequence[Task]) -> list[Completion]:
-    """Of tasks one after the other, the exposure carried on: each given that those before it were completed.
+def consecutive_completions(outlook: Outlook, tasks: Sequence[Task]) -> list[Completion]:
+    """Return the completion of tasks in a row, exposure carried on: each given that those before it were completed.
 
     All functions that any of them needs work now, so that the product over the tasks is that all are completed.
     """
@@ -120,7 +120,7 @@ def following(outlook: Outlook, tasks: Sequence[Task]) -> list[Completion]:
 
 
 def planned(outlook: Outlook, task: Task) -> Steps:
-    """What the legs of a task will add: by stated stresses, else as in the recent past, nominal as designed."""
+    """Return the exposure that legs of a task will add: stresses as stated, else as of late; nominal as designed."""
     plant, legs = outlook.plant, task.legs
     if not legs:
         return Steps(*np.zeros((2, len(plant.robot.modes), 1)))
@@ -139,7 +139,8 @@ def planned(outlook: Outlook, task: Task) -> Steps:
 
 
 def plan_future(outlook: Outlook, plan: Plan) -> Future:
-    """A future of tasks begun anew again and again, the robot off between. DesignError where they take no time."""
+    """Make a future of tasks repeated for ever, the robot off in between. Raises DesignError where they take no
+    time."""
     legs = plan.joined
     takes = plan.every if plan.every is not None else legs.duration / outlook.plant.robot.usage.operating
     if not takes > 0:
@@ -152,7 +153,7 @@ def plan_future(outlook: Outlook, plan: Plan) -> Future:
 
 
 def repetitions(outlook: Outlook, tasks: Sequence[Task], count: int, gap: float = 0.0) -> Iterator[Array]:
-    """Prognostic analysis: a list of tasks again and again, the exposure carried on.
+    """Repeat a list of tasks again and again, the exposure carried on: the prognostic analysis.
 
     Yields (probability, failure) of the next repetitions, shape (2, some), given that all before succeeded, until
     ``count`` are done; whoever has seen enough stops asking. It ends before where it is too unlikely, e⁻⁶⁶⁷, that all
@@ -206,13 +207,13 @@ def repetitions(outlook: Outlook, tasks: Sequence[Task], count: int, gap: float 
         start += turn
 
 
-def deciding(outlook: Outlook, task: Task) -> list[Deciding]:
-    """The components that a task hangs on, the one that decides most first."""
+def deciding_components(outlook: Outlook, task: Task) -> list[DecidingComponent]:
+    """Return the components that a task hangs on, the one that decides most first."""
     if not task.legs:
         return []
     plant = outlook.plant
     wanted, ends = needs(task)
-    mission = plant.mission(now(wanted), wanted)
+    mission = plant.mission(needed_now(wanted), wanted)
     hazard = outlook.increments(plant.everything, *planned(outlook, task))
     whole = _given(_transition(outlook, mission, hazard, ends)).failure
     found = []
@@ -223,12 +224,12 @@ def deciding(outlook: Outlook, task: Task) -> list[Deciding]:
         failures, _ = _transition(outlook, mission, hazard, ends, without=some)
         for i, failure in zip(some, failures, strict=True):
             share = (whole - float(failure)) / whole if whole > 0 else 0.0
-            found.append(Deciding(plant.paths[i], float(failure), max(share, 0.0)))
+            found.append(DecidingComponent(plant.paths[i], float(failure), max(share, 0.0)))
     return sorted(found, key=lambda one: -one.share)
 
 
 def with_new_parts(outlook: Outlook, new: Outlook, task: Task, parts: npt.NDArray[np.intp]) -> tuple[Array, Array]:
-    """P(the task fails) and P(it is completed) if one component after the other were put in new; shape (components,).
+    """Return P(the task fails) and P(it is completed) with each component in turn put in new; shape (components,).
 
     ``parts`` are indices of components, none of which is in a group of dependent parts; ``new`` is the outlook of a
     robot whose parts are all new.
@@ -237,7 +238,7 @@ def with_new_parts(outlook: Outlook, new: Outlook, task: Task, parts: npt.NDArra
     if not task.legs:
         return np.zeros(len(parts)), np.ones(len(parts))
     wanted, ends = needs(task)
-    mission = plant.mission(now(wanted), wanted)
+    mission = plant.mission(needed_now(wanted), wanted)
     steps = planned(outlook, task)
     hazard, instead = (one.increments(plant.everything, *steps) for one in (outlook, new))
     found = np.empty((2, len(parts)))
@@ -248,8 +249,8 @@ def with_new_parts(outlook: Outlook, new: Outlook, task: Task, parts: npt.NDArra
     return found[0], found[1]
 
 
-def now(wanted: Sequence[Need]) -> tuple[Need, ...]:
-    """The same functions, at the start."""
+def needed_now(wanted: Sequence[Need]) -> tuple[Need, ...]:
+    """Return the same functions as needed at the start, in phase 0."""
     return tuple(sorted({(0, function) for _, function in wanted}))
 
 
@@ -306,7 +307,7 @@ def _factors(outlook: Outlook, task: Task) -> Array:
 def _stated_factor(
     mode: FailureMode, stated: Mapping[tuple[int, str], Sequence[float | None]], recent: Mapping[str, float]
 ) -> Array:
-    """ψ in every leg: of inputs that it states, and for the others of what was measured of late, or the design."""
+    """Stress factor ψ in every leg: from the inputs that it states, else those measured of late, else the design's."""
     product = np.ones(())
     for k, stress in enumerate(mode.stresses):
         own = {name: values for (of, name), values in stated.items() if of == k}

@@ -1,4 +1,4 @@
-"""From a ledger, or from ages alone, to outlooks: a robot as designed, and as lived."""
+"""Outlooks made from a ledger, or from ages alone: a robot as designed, and as lived."""
 
 from __future__ import annotations
 
@@ -19,14 +19,15 @@ from robophm.health.prognosis import Outlook
 Array = npt.NDArray[np.float64]
 View = Literal["nominal", "sensor_based"]
 FutureName = Literal["nominal", "last", "recent"]
-"""As designed; as under the present stress; as in the last ten minutes."""
+"""The future taken: as designed ("nominal"), under the present stress ("last"), as in the last ten minutes
+("recent")."""
 
 
 def outlooks(
     plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
     future: FutureName = "recent", knowledge: Knowledge | None = None,
 ) -> Mapping[View, Outlook]:  # fmt: skip
-    """Both views of a robot with a past: as designed, and as lived; on the same clocks.
+    """Return both views of a robot with a past, as designed and as lived, on the same clocks.
 
     ``future`` is the sensor-based one. Where nothing was observed it is the design's.
     """
@@ -46,7 +47,7 @@ def as_lived(
     plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
     future: FutureName = "recent", knowledge: Knowledge | None = None,
 ) -> Outlook:  # fmt: skip
-    """The sensor-based view alone."""
+    """Return the sensor-based view alone: the robot as lived."""
     initial = _initial(plant, ledger)
     effective = initial + np.where(plant.by_age, ledger.effective.value, ledger.age.value)
     gathered = np.where(plant.by_age, effective, initial)
@@ -79,25 +80,25 @@ def as_lived(
 
 
 def _initial(plant: Plant, ledger: Ledger) -> Array:
-    """What each mode had behind it when its part was put in."""
+    """Exposure that each mode's part had behind it when it was put in; shape (modes,)."""
     return np.where([mode in ledger.replaced for mode in ledger.modes], 0.0, plant.initial)
 
 
 def _seen(ledger: Ledger) -> tuple[npt.NDArray[np.bool_], Array]:
-    """Whether each mode was known to work, and its sums (age, effective, hazard) then; shapes (modes,), (modes, 3)."""
+    """Whether each mode was known to work, and its sums (age, effective, hazard) then; (modes,), (modes, 3)."""
     seen = [ledger.seen.get(mode) for mode in ledger.modes]
     known = np.array([one is not None for one in seen], dtype=bool)
     return known, np.array([(0.0, 0.0, 0.0) if one is None else one[1:] for one in seen]).reshape(-1, 3)
 
 
 def as_designed(plant: Plant, knowledge: Knowledge | None = None, *, after: float = 0.0) -> Outlook:
-    """A new robot, nominal; or one that has worked so many operating hours at its design's usage, unwatched."""
+    """Return the nominal view of a robot, new or after ``after`` operating hours as designed, unwatched."""
     worked = plant.pace * after / plant.robot.usage.operating if after else 0.0
     return nominal_outlook(plant, plant.initial + worked, knowledge)
 
 
 def nominal_outlook(plant: Plant, age: Array, knowledge: Knowledge | None = None) -> Outlook:
-    """A robot at these ages of its failure modes [unit of each clock], at design stress."""
+    """Return the view of a robot at these ages of its failure modes [unit of each clock], at design stress."""
     ones, zeros = np.ones(len(age)), np.zeros(len(age))
     hazard = _increment(plant, zeros, age)
     future = Future.steady("nominal", plant, ones, plant.usage, plant.robot.usage.operating)
@@ -108,5 +109,5 @@ def nominal_outlook(plant: Plant, age: Array, knowledge: Knowledge | None = None
 
 
 def _increment(plant: Plant, start: Array, end: Array) -> Array:
-    """H(end) − H(start) of every mode. From 0 on, a part is new, whatever mass its distribution has below."""
+    """H(end) − H(start) of every mode. From age 0 a part is new, whatever mass its distribution has below."""
     return plant.parts.lives.increment(start, np.maximum(end - start, 0.0))

@@ -1,4 +1,4 @@
-"""What of a robot does not change while it lives: its diagrams prepared, its failure modes side by side.
+"""A robot compiled for computation: its diagrams prepared and its failure modes in arrays, for a life unchanged.
 
 A *unit* is what a diagram draws. It is of a component, whose failure modes are in series; units that stand in
 series wherever they are drawn are merged, because their cumulative hazards add up. A group of parts that depend on each
@@ -22,8 +22,8 @@ from robophm.blocks.given_it_works import StructureGivenItWorks
 from robophm.blocks.merging import merge_series, single_points_of_failure
 from robophm.blocks.phases import Phases
 from robophm.blocks.reliability import Structure
+from robophm.core.argument_checks import instance
 from robophm.core.errors import StructureError, nearest
-from robophm.core.given import instance
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
 from robophm.health.dependent_group import DependentGroup, ModeOf
@@ -36,11 +36,11 @@ _MANY = 200
 """Failure modes from which on it pays to look for those that are alike."""
 
 Need = tuple[int, str]
-"""Until the end of which phase of a mission a function must work; "" is the whole robot."""
+"""A phase and a function: the function must work until the end of the phase; "" is the whole robot."""
 
 
 class Plant:
-    """A robot prepared."""
+    """A robot prepared for computation: all of it that does not change while it lives."""
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
@@ -48,26 +48,26 @@ class Plant:
         parts = tuple(unit for part in self.components for unit in part.units)
         groups = tuple(_groups(_diagrams(robot)))
         self.units = (*parts, *(group.name for group in groups))
-        """Of the components, then the groups."""
+        """Names of the units of the components, then those of the groups."""
         self.paths = (*(part.path for part in self.components), *(group.name for group in groups))
-        """Of the components, then the groups."""
+        """Paths of the components, then names of the groups."""
         self.component_of = np.repeat(
             np.arange(len(self.paths)), [*(len(part.units) for part in self.components), *(1 for _ in groups)]
         )
-        """Of each unit."""
+        """Index, into ``paths``, of the component or group of each unit."""
         self.place = {unit: i for i, unit in enumerate(self.units)}
         self.first_mode = np.cumsum([0, *(len(part.modes) for part in self.components), *(1 for _ in groups)])
-        """Where the failure modes of each component begin among the robot's, then the groups' own."""
+        """Index of the first failure mode of each component among the robot's, then of the groups' own."""
         self.multiplicity = np.array([*(part.multiplicity for part in self.components), *(1 for _ in groups)], float)
-        """Equal parts in series that a unit of each component stands for."""
+        """Number of equal parts in series that one unit of each component stands for."""
         self.monitored = np.array([*(part.monitored for part in self.components), *(False for _ in groups)])
         self.monitored = self.monitored[self.component_of]
-        """Of each unit."""
+        """Whether each unit is monitored."""
         unknown = np.array([*(part.unknown for part in self.components), *(False for _ in groups)], dtype=bool)
         self.unknown = unknown[self.component_of]
-        """Of each unit: whether a rate of it is not known."""
+        """Whether a rate of each unit is unknown."""
         self.share = np.array([mode.share for mode in robot.modes])
-        """Of each mode: of the hazard of its life."""
+        """Share of the hazard of its life that each mode has."""
         self.groups = tuple(
             DependentGroup(group, [list(self._modes_of(member, group.always)) for member in group.members])
             for group in groups
@@ -78,10 +78,10 @@ class Plant:
         self.clock = np.array([mode.clock for mode in robot.modes])
         self.calendar = self.clock == "calendar"
         self.pace = np.where(self.calendar, 1.0, robot.usage.operating * self.usage)
-        """How far the clock of each mode goes in an hour of calendar time, as designed."""
+        """Advance of each mode's clock in an hour of calendar time, as designed."""
         part_of = {mode.path: i for i, part in enumerate(self.components) for mode in part.modes}
         self.part = np.array([part_of[mode.origin] for mode in robot.modes])
-        """The component that each mode rests with: its own, or of a common cause's the member."""
+        """Index of the component that each mode belongs to: its own, or for a common cause's the member."""
         duty = np.array([part.duty for part in self.components])[self.part]
         self.duty = np.where(self.calendar, 1.0, duty)
         """Share at which each mode ages in a leg of a task that does not need its part."""
@@ -89,9 +89,9 @@ class Plant:
         self._needed: dict[frozenset[str], npt.NDArray[np.bool_]] = {}
         self._missions: dict[tuple[tuple[Need, ...], tuple[Need, ...]], Mission] = {}
         self.parts = Parts(self, [(unit,) for unit in parts])
-        """All parts, to ask each of them."""
+        """All parts, each as a group of its own."""
         self.everything = Parts(self, [(unit,) for unit in self.units]) if groups else self.parts
-        """The same, and the groups of parts that depend on each other."""
+        """All parts as in ``parts``, and the groups of parts that depend on each other."""
 
     def _modes_of(self, member: Sequence[str], always: frozenset[str]) -> Iterator[ModeOf]:
         """The failure modes of a member of a group: of all its units in series."""
@@ -102,7 +102,7 @@ class Plant:
 
     @cached_property
     def alone(self) -> tuple[Block, ...]:
-        """Each component as a diagram of its own."""
+        """Return each component as a diagram of its own."""
         return tuple(KOutOfN(max(part.required - part.quantity + len(part.units), 1), *part.units)
                      for part in self.components)  # fmt: skip
 
@@ -111,7 +111,7 @@ class Plant:
         return self.robot.diagram_of(function)
 
     def needed(self, functions: Sequence[str]) -> npt.NDArray[np.bool_]:
-        """Of each failure mode, whether its part is drawn in one of the functions; none named is the whole robot."""
+        """Return whether each failure mode's part is drawn in one of the functions; none named is the whole robot."""
         key = frozenset(functions or ("",))
         if key not in self._needed:
             drawn = np.zeros(len(self.paths), dtype=bool)
@@ -124,7 +124,8 @@ class Plant:
         return self._needed[key]
 
     def working(self, knowledge: Knowledge) -> npt.NDArray[np.bool_]:
-        """Whether each unit is known to work now: it is monitored, or said to; a cause, as one of its members works."""
+        """Return whether each unit is known to work now: monitored, or said to; a common cause, as one of its members
+        works."""
         works = self.monitored.copy()
         works[[self.place[unit] for unit in knowledge.working]] = True
         works[[self.place[unit] for unit in knowledge.failed]] = False
@@ -134,14 +135,14 @@ class Plant:
         return works
 
     def system(self, diagram: Block) -> System:
-        """A diagram prepared; once for each."""
+        """Return a diagram prepared for computation; each is prepared once."""
         instance(diagram, Block, "diagram", "a block of the robot's, such as its diagram", StructureError)
         if id(diagram) not in self._systems:  # by identity: to hash ten thousand blocks costs more than to fold them
             self._systems[id(diagram)] = diagram, System(self, diagram)
         return self._systems[id(diagram)][1]
 
     def mission(self, known: tuple[Need, ...], wanted: tuple[Need, ...]) -> Mission:
-        """What is known to have worked and what must work, prepared; once for each."""
+        """Return a mission prepared from the needs known to be met and those wanted; each is prepared once."""
         if (known, wanted) not in self._missions:
             if len(self._missions) > 1000:  # tasks of ever new kinds
                 self._missions.clear()
@@ -154,7 +155,7 @@ class Modes:
 
     def __init__(self, plant: Plant, modes: npt.NDArray[np.intp]) -> None:
         self.modes = modes
-        """Their indices among the robot's."""
+        """Indices of the modes among the robot's."""
         self.groups = np.empty(0, dtype=np.intp)
         """Indices of the robot's groups, whose own failure modes come after these."""
         self.by_age = plant.by_age[modes, None]
@@ -162,18 +163,18 @@ class Modes:
         self.all_by_age = bool(self.by_age.all())
         self._share = plant.share[modes]
         self.lives = Lives([plant.robot.modes[i].life for i in modes], self._share)
-        """Their life distributions, each with its share."""
+        """Life distributions of the modes, each with its share."""
 
 
 class Sums:
-    """Weighted sums of rows, by a sparse matrix."""
+    """Weighted sums of rows of an array, by a sparse matrix."""
 
     def __init__(self, weights: csr_array) -> None:
         self.weights = weights
         self._sum = np.repeat(np.arange(weights.shape[0]), np.diff(weights.indptr))  # that each entry belongs to
 
     def __call__(self, rows: Array) -> Array:
-        """From shape (rows, columns), shape (sums, columns)."""
+        """Return the sums of rows, from shape (rows, columns) to (sums, columns)."""
         if rows.shape[1] > 1:
             return np.asarray(self.weights @ rows)
         # Of one column the call of a sparse matrix costs more than its sums.
@@ -190,7 +191,7 @@ class Parts(Modes):
 
     def __init__(self, plant: Plant, groups: Sequence[Sequence[str]], *, by_life: bool = False) -> None:
         self.units = np.array([plant.place[unit] for group in groups for unit in group])
-        """Of all groups, one after the other: indices among the robot's."""
+        """Indices, among the robot's, of the units of all groups, one group after the other."""
         self._groups = np.cumsum([0, *(len(group) for group in groups[:-1])])
         drawn, self._component = np.unique(plant.component_of[self.units], return_inverse=True)
         first = plant.first_mode
@@ -208,14 +209,14 @@ class Parts(Modes):
         self._multiplicity = plant.multiplicity[drawn]
 
     def of_units(self, of_modes: Array) -> Array:
-        """Sums over the failure modes of each unit, times its equal parts; shape (units, ...)."""
+        """Return sums over the failure modes of each unit, times its equal parts; shape (units, ...)."""
         with np.errstate(over="ignore"):  # so far ahead that nothing works
             sums = np.add.reduceat(of_modes[self._at], self._starts, axis=0)
             result: Array = (column(self._multiplicity, sums.ndim) * sums)[self._component]
         return result
 
     def of_groups(self, of_units: Array) -> Array:
-        """Sums over the units of each group; shape (groups, ...)."""
+        """Return sums over the units of each group; shape (groups, ...)."""
         if len(self._groups) == len(self.units):
             return of_units
         with np.errstate(over="ignore"):
@@ -223,25 +224,25 @@ class Parts(Modes):
         return result
 
     def of_rows(self, of_modes: Array) -> Array:
-        """Sums over the failure modes of all units of each group; shape (groups, ...)."""
+        """Return sums over the failure modes of all units of each group; shape (groups, ...)."""
         found: Array = self.weights @ of_modes.reshape(len(of_modes), -1)
         return found.reshape(-1, *of_modes.shape[1:])
 
     def of_modes(self, of_units: Array) -> Array:
-        """Of each failure mode, the sum over the units of its component, times their equal parts; shape (modes,)."""
+        """Return, for each failure mode, the sum over its component's units times their equal parts; shape (modes,)."""
         sums = self._multiplicity * np.bincount(self._component, of_units, len(self._starts))
         result: Array = np.repeat(sums, np.diff(np.append(self._starts, len(self.rows))))[self._order]
         return result
 
     @property
     def group_of(self) -> npt.NDArray[np.intp]:
-        """Of each unit."""
+        """Return the index of the group that each unit belongs to; shape (units,)."""
         sizes = np.diff(np.append(self._groups, len(self.units)))
         return np.repeat(np.arange(len(sizes)), sizes)
 
     @cached_property
     def weights(self) -> csr_array:
-        """How often each failure mode counts in each group: ``of_groups(of_units(x))`` is weights @ x."""
+        """Return how often each failure mode counts in each group: ``of_groups(of_units(x))`` is weights @ x."""
         ends = np.append(self._starts[1:], len(self.rows))
         columns = [self._at[self._starts[i] : ends[i]] for i in self._component]
         group = np.repeat(np.arange(len(self._groups)), np.diff(np.append(self._groups, len(self.units))))
@@ -252,7 +253,7 @@ class Parts(Modes):
 
 
 class System(Parts):
-    """A diagram prepared."""
+    """A block diagram prepared for computation."""
 
     def __init__(self, plant: Plant, diagram: Block) -> None:
         for unit in units(diagram):
@@ -273,7 +274,7 @@ class System(Parts):
         self._alike: tuple[bytes, Structure, Modes, Sums] | None = None
 
     def given(self, known: Array) -> Callable[[Array], tuple[Array, Array]]:
-        """From what is added to its failure modes' hazard, P(it fails meanwhile) and P(it survives), as it works now.
+        """Return a function of added hazard: P(the system fails meanwhile) and P(it survives), given that it works now.
 
         ``known``: cumulative hazard of each group of units, less what is known not to have happened, shape
         (groups, 1) or that of what is asked.
@@ -284,15 +285,15 @@ class System(Parts):
         return lambda of_modes: ahead(self.of_rows(of_modes))
 
     def lived(self, of_modes: Array, hazard: Array | None = None) -> Array:
-        """P(it has failed), P(it works) and its density, as of Structure.lived, from its failure modes' hazards."""
+        """Return P(it has failed), P(it works) and the density, as ``Structure.lived``, from its modes' hazards."""
         return self.structure.lived(self._leaves(of_modes), None if hazard is None else finite(self._leaves(hazard)))
 
     def rate(self, known: Array, hazard: Array) -> Array:
-        """Its hazard rate now, given that it works, from what is known of each group of units, as of ``given``."""
+        """Return the hazard rate now, given that the system works and what is known of each group, as ``given``."""
         return infinite(self.conditional.rate(known, finite(self.of_rows(hazard))))
 
     def by_kind(self, *of_modes: Array) -> tuple[Structure, Modes, Sums]:
-        """The same with one failure mode and one unit of each kind; ``of_modes``, shape (modes,), tell them apart.
+        """Return the system with one mode and unit of each kind; ``of_modes``, shape (modes,), tell the kinds apart.
 
         The structure takes a row for each kind of unit, and the sums are over the failure modes of its leaves.
         Where hardly any are alike it is the system as it is.
@@ -320,7 +321,7 @@ class System(Parts):
 
 
 class Mission(Parts):
-    """What must work until when, prepared, given what is known to have worked."""
+    """A mission prepared: which functions must work until when, given which are known to have worked."""
 
     def __init__(self, plant: Plant, known: Sequence[Need], wanted: Sequence[Need]) -> None:
         diagrams, stands_for = merge_series(*(plant.diagram(function) for _, function in (*known, *wanted)))
@@ -343,7 +344,7 @@ def _diagrams(robot: Robot) -> Iterator[Block]:
 
 
 def _groups(diagrams: Iterable[Block]) -> list[Group]:
-    """The groups drawn, each once; no two have a name."""
+    """All groups drawn in the diagrams, each once; no two have the same name."""
     found: dict[str, Group] = {}
     seen: set[int] = set()
     todo = list(diagrams)[::-1]
@@ -360,7 +361,7 @@ def _groups(diagrams: Iterable[Block]) -> list[Group]:
 
 
 def column(values: npt.NDArray[_Number], ndim: int) -> npt.NDArray[_Number]:
-    """Values of modes or parts, ready to broadcast over ``ndim`` − 1 further axes."""
+    """Return values of modes or parts, ready to broadcast over ``ndim`` − 1 further axes."""
     return values.reshape(-1, *[1] * (ndim - 1))
 
 
@@ -368,10 +369,11 @@ _HUGE = 1e300  # stands for an infinite hazard, that of infant mortality at age 
 
 
 def finite(hazard: Array) -> Array:
-    """A hazard that may be multiplied: an infinite one is huge."""
+    """Return hazards that may be multiplied: an infinite one becomes huge."""
     return np.minimum(hazard, _HUGE)
 
 
 def infinite(density: Array) -> Array:
-    """Back again: what an infinite hazard reaches is infinite, what redundancy keeps it from is not."""
+    """Undo ``finite``: a density that an infinite hazard reaches is infinite, one that redundancy keeps from it is
+    not."""
     return np.where(density > 1e-30 * _HUGE, math.inf, density)

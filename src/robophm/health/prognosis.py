@@ -1,4 +1,4 @@
-"""From exposure to health: hazard rate now, survival since new, remaining life.
+"""Prognosis, from exposure to health: hazard rate now, survival since new, remaining life.
 
 An Outlook is one view of a robot: *nominal*, as designed, or *sensor-based*, as lived. Each knows the age of every
 failure mode and how it will go on; every figure follows from that and a block diagram: those of now in
@@ -33,23 +33,23 @@ class RemainingLife:
     mean: float
     median: float
     early: float
-    """5 % of robots in this state have failed by then."""
+    """Time by which 5 % of robots in this state have failed [h]."""
     late: float
-    """95 % have."""
+    """Time by which 95 % of robots in this state have failed [h]."""
     threshold: float | None = None
-    """When the chance to still work falls to the design's ``thresholds.survival``."""
+    """Time at which survival falls to the design's ``thresholds.survival`` [h]; None where it states none."""
 
 
 class Outlook(Ageing):
-    """One view of a robot now: where every failure mode stands, and how it goes on."""
+    """One view of a robot now: how far every failure mode has aged, and how it goes on."""
 
     @property
     def course(self) -> Future:
-        """What its remaining life follows."""
+        """Return the future that remaining life follows: the plan's where there is one."""
         return self.plan or self.future
 
     def ahead(self, diagram: Block, advance: Array, effective: Array) -> tuple[Array, Array]:
-        """P(the system fails) while every clock advances, and P(it survives that), given that it works now.
+        """Return P(the system fails) while every clock advances, and P(it survives that), given that it works now.
 
         Arguments as of ``gathered`` without steps.
         """
@@ -59,7 +59,7 @@ class Outlook(Ageing):
         return system.conditional.ahead(known, more)
 
     def curve(self, diagram: Block, future: Future | None = None) -> Curve:
-        """P(fails within so many hours | what is known now), and P(survives them), along its course or a future."""
+        """Return P(fails within so many hours | what is known now) and P(survives them), along a future."""
         system = self.plant.system(diagram)
         ahead = system.given(system.of_groups(self.known(system, system.needed))[:, None])
         hazard, groups = self.along(system, future or self.course), self.groups_along(system, future or self.course)
@@ -79,7 +79,7 @@ class Outlook(Ageing):
         return curve
 
     def remaining_life(self, diagram: Block, future: Future | None = None) -> RemainingLife:
-        """Of the system along its course, or a future."""
+        """Return the remaining life of the system along its course, or along another future."""
         future = future or self.course
         if self.log_works(diagram) == -math.inf:
             return RemainingLife(0.0, 0.0, 0.0, 0.0)
@@ -90,11 +90,11 @@ class Outlook(Ageing):
         return RemainingLife(mean_time(curve, drawn_out(future).hours), median, early, late, *threshold)
 
     def mean_remaining_life(self, diagram: Block) -> float:
-        """The mean alone [h]."""
+        """Return the mean remaining life alone [h]."""
         return mean_time(self.curve(diagram), drawn_out(self.course).hours)
 
     def reliability_curve(self, diagram: Block, hours: Array) -> tuple[Array, Array]:
-        """P(works) and P(has failed) since new, after so many more operating hours at the mean pace of the future.
+        """Return P(works) and P(has failed) since new, after more operating hours at the mean pace of the future.
 
         Shape of ``hours``. Parts that are alike in life, age and pace are asked once.
         """
@@ -118,20 +118,20 @@ class Outlook(Ageing):
         return found[1], found[0]
 
     def survival_curve(self, diagram: Block, hours: Array) -> State:
-        """Survival since new after so many more operating hours at the mean pace of the future; shape of ``hours``."""
+        """Return survival since new after more operating hours at the mean pace of the future; shape of ``hours``."""
         system, lived, hazard = self._since_new_then(diagram, hours)
         works = np.exp(-lived)
         state = system.structure.state(works, -np.expm1(-lived), hazard * works)
         return state._replace(density=infinite(state.density))
 
     def unit_survival(self, parts: Parts, hours: Array) -> tuple[Array, Array]:
-        """P(works) and P(has failed) of each unit alone, as ``survival_curve``; each of shape (units, hours)."""
+        """Return P(works) and P(has failed) of each unit alone, as ``survival_curve``; each of shape (units, hours)."""
         advance, effective = self.paced(hours)
         lived = self._lived(parts)[:, None] + parts.of_units(self._since_new_steps(parts, advance, effective))
         return np.exp(-lived), -np.expm1(-lived)
 
     def hazard_curve(self, diagram: Block, hours: Array) -> Array:
-        """The hazard rate then of those that still work, however few they are [1/h of operation]; as survival_curve."""
+        """Return the hazard rate of those that still work then [1/h of operation]; as ``survival_curve``."""
         system, lived, hazard = self._since_new_then(diagram, hours)
         return infinite(system.conditional.rate(lived, hazard))
 

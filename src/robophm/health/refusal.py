@@ -1,4 +1,4 @@
-"""Whether figures can be given for a robot at all: by asking for them, as every command does."""
+"""A check whether figures can be given for a robot at all, by asking for them as every command does."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from robophm.health.subject import figures
 
 
 def refusal(robot: Robot) -> str | None:
-    """Why none can be given for a robot that is a design in itself, in one line; None where they can."""
+    """Return why no figures can be given for a robot, in one line; None where they can."""
     try:
         ExposureIntegrator(robot)
         new = as_designed(Plant(robot))

@@ -1,4 +1,4 @@
-"""What to replace first: what each part, put in new now, would change in a task ahead and in the remaining life."""
+"""Gains of replacement: what each part, put in new now, would add to a task's completion and to remaining life."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from robophm.blocks.diagram import Block, Series, units
 from robophm.blocks.merging import independent
 from robophm.core.waiting_time import time_at, times_of_many
 from robophm.design.task import Knowledge, Task
-from robophm.health.mission import completion, needs, now, planned, with_new_parts
+from robophm.health.mission import completion, needed_now, needs, planned, with_new_parts
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
@@ -23,7 +23,7 @@ from robophm.health.what_if_replaced import WhatIfReplaced
 Array = npt.NDArray[np.float64]
 
 MOST = 100
-"""Parts of which the gain is worked out, unless said otherwise."""
+"""The number of parts whose gain is computed, unless said otherwise."""
 
 _AT_ONCE = 4_000_000  # numbers that one array may hold
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -39,19 +39,19 @@ class Replacement:
 
     path: str
     completion: float | None
-    """How much likelier the task would be completed."""
+    """Gain in the probability that the task is completed; None without a task."""
     median: float
-    """How much longer the median remaining life would be [h of calendar time]."""
+    """Gain in median remaining life [h of calendar time]."""
     mean: float
-    """The same of its mean."""
+    """Gain in mean remaining life [h of calendar time]."""
 
 
 @dataclass(frozen=True)
 class Replacements:
-    """What there is to gain, the most first."""
+    """The gain of replacing each component, the most first."""
 
     completion_failure: float | None
-    """Of the task, as it is."""
+    """Probability that the task fails with the parts as they are; None without a task."""
     median: float
     """Remaining life as it is [h of calendar time]."""
     mean: float
@@ -59,16 +59,17 @@ class Replacements:
     others: int
     """Components that were not looked at: to first order they change less than any of these."""
     unknown: PartsOfUnknownRate | None = None
-    """What parts of unknown rate make of it; what they themselves would gain is not known, and none of ``parts``."""
+    """The effect of parts of unknown rate, whose own gains are not known: none of them is among ``parts``."""
 
     @property
     def changing(self) -> tuple[Replacement, ...]:
-        """Those of which a new one would change anything; none where no part has aged and no redundancy is lost."""
+        """Return the parts whose replacement would change anything; none where nothing has aged or failed."""
         return tuple(one for one in self.parts if one.completion or one.median or one.mean)
 
     @property
     def losing(self) -> int:
-        """How many would lose by it in all figures: young parts of theirs fail more often than old ones."""
+        """Return how many parts would lose in all figures by replacement: when young they fail more often than when
+        old."""
         return sum(max(one.completion or 0.0, one.median, one.mean) < 0 for one in self.parts)
 
     def for_their_cost(self, costs: Mapping[str, float]) -> list[Worth]:
@@ -81,15 +82,15 @@ class Replacements:
 
 
 class Worth(NamedTuple):
-    """What a component put in new now would gain for what that costs."""
+    """The gain of putting a component in new now, weighed against its cost."""
 
     part: str
     cost: float
     mean_life: float
-    """[h of calendar time]"""
+    """Gain in mean remaining life [h of calendar time]."""
     mean_life_per_cost: float
     completion: float | None
-    """How much likelier the task would be completed."""
+    """Gain in the probability that the task is completed; None without a task."""
     completion_per_cost: float | None
 
     @classmethod
@@ -119,7 +120,7 @@ def _new(outlook: Outlook, modes: slice) -> Outlook:
 
 
 def replacements(outlook: Outlook, diagram: Block, task: Task | None, most: int = MOST) -> Replacements:
-    """What replacing each component that a diagram hangs on would gain, of a task and of the remaining life.
+    """Return the gain of replacing each component that a diagram hangs on, for a task and for the remaining life.
 
     Of more than ``most`` components, those that change most to first order. Common causes cannot be replaced.
     """
@@ -199,7 +200,7 @@ class _Ahead:
         self._parts: dict[int, _Part | None] = {}
 
     def _more(self, hours: Array) -> list[Array]:
-        """What is added to the hazard of each unit by then: as it is, and if it were new; shape (units, hours)."""
+        """Hazard added to each unit after hours ahead, as it is and if it were new; each of shape (units, hours)."""
         groups = self._groups(hours)
         return [self._system.of_units(np.concatenate((along(hours)[..., 0], groups))) for along in self._along]
 
@@ -228,7 +229,8 @@ class _Ahead:
         return fails, survives
 
     def _part(self, component: int) -> _Part | None:
-        """What a component that may have failed unseen shares parts with; None where it cannot work with the old."""
+        """The subsystem around a possibly failed component, with that put in new; None if it cannot work with the
+        old."""
         if component not in self._parts:
             names = self._outlook.plant.components[component].units
             together = [one for one in independent(self._diagram) if not set(names).isdisjoint(units(one))]
@@ -246,7 +248,7 @@ class _Ahead:
             diagram = plant.diagram(wanted[0][1])
             ahead = self if diagram is self._diagram else _Ahead(outlook, self._fresh, diagram)
             return ahead._failures([one.sum(axis=1) for one in hazards], which)
-        mission = plant.mission(now(wanted), wanted)
+        mission = plant.mission(needed_now(wanted), wanted)
         unsure = set(plant.component_of[mission.units[outlook.known(mission, mission.needed) > 0]].tolist())
         quick, _ = with_new_parts(outlook, self._fresh, task, np.array(which, dtype=np.intp))
         starts = [0, *(end + 1 for end in ends[:-1])]
@@ -262,7 +264,7 @@ class _Ahead:
         return found
 
     def _failures(self, hazards: Sequence[Array], which: Sequence[int]) -> list[float]:
-        """The same of what the whole time adds to the hazard of each mode."""
+        """P(the task fails) with each component new, from what the whole time adds to the hazard of each mode."""
         more = [self._system.of_units(one[self._system.rows])[:, None] for one in hazards]
         turn = max(1, _AT_ONCE // len(self._component))
         found: list[float] = []
@@ -356,13 +358,13 @@ class _Ahead:
 
 
 class _Part:
-    """What of a system shares parts with a component that may have failed unseen, the component put in new."""
+    """The subsystem around a component that may have failed unseen, with that component put in new."""
 
     def __init__(self, swapped: WhatIfReplaced, row: Mapping[int, int]) -> None:
         self._swapped = swapped
         self._rows = np.array([row[int(unit)] for unit in swapped.parts.units])
         self.rows = np.unique(self._rows)
-        """Its units' among the system's."""
+        """Rows of its units among the system's."""
         self.may_work = swapped.may_work
 
     def given(self, more: Array, instead: Array) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""One look at a robot's health: nominal and sensor-based side by side, with all that qualifies it."""
+"""A report of a robot's health: nominal and sensor-based figures side by side, with all that qualifies them."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from typing import Any, Literal, overload
 import numpy as np
 import numpy.typing as npt
 
-from robophm.core.given import numbers, one_of
-from robophm.design.asked import check_task
+from robophm.core.argument_checks import numbers, one_of
 from robophm.design.robot import Robot
 from robophm.design.task import Task
+from robophm.design.task_checks import check_task
 from robophm.health.failures_to_come import FailuresToCome, failures_to_come
 from robophm.health.mission import Completion, completion
 from robophm.health.outlooks import View
@@ -25,7 +25,7 @@ from robophm.health.uncertainty import LifeUncertainty
 from robophm.health.unknown_rates import marked, marks, named
 
 SCHEMA_VERSION = 1
-"""Of a report as JSON."""
+"""The version of a health report as JSON."""
 
 Array = npt.NDArray[np.float64]
 VIEWS: tuple[View, ...] = ("nominal", "sensor_based")
@@ -46,11 +46,12 @@ class ComponentHealth:
     remaining_life: RemainingLife | None = None
     """Sensor-based, of the component alone [h]; where it was asked for."""
     flags: tuple[str, ...] = ()
-    """As of a subject."""
+    """Flags that qualify the sensor-based figures, as in ``Subject.flags``."""
     silence: str = ""
-    """As of a subject."""
+    """The note that figures rest on silent sensors, as in ``Subject.silence``."""
     unknown: bool = False
-    """Whether it has a rate that is not known: its hazard rates are at least, its reliabilities at most, as stated."""
+    """Whether one of its rates is unknown: the stated hazard rates are then lower bounds, the reliabilities upper
+    bounds."""
 
 
 @dataclass(frozen=True)
@@ -62,18 +63,18 @@ class HealthReport:
     time: int | None
     """Nanoseconds since the epoch to which exposure has been integrated; None before the first sample."""
     clocks: Mapping[str, float]
-    """Since the start: operating and calendar [h], and what the robot's clocks measured (kilometres [km], …)."""
+    """Clocks since the start: operating and calendar hours, and the robot's own measured clocks, each in its unit."""
     subjects: tuple[Subject, ...]
     """The robot first, then its modules outer before inner, then its functions."""
     components: tuple[ComponentHealth, ...]
     task: Task | None
     notes: tuple[str, ...]
-    """What was not taken, and why."""
+    """Notes on samples that were not taken into the past, and why."""
     outlooks: Mapping[View, Outlook] = field(repr=False, compare=False)
     uncertainty: LifeUncertainty | None = None
-    """Of the robot's sensor-based remaining life; where it was asked for, and rates or load are uncertain."""
+    """Uncertainty of the robot's sensor-based remaining life; None unless asked for and rates or load are uncertain."""
     horizon: float | None = None
-    """How far ahead failures to come are looked for [h of calendar time]; None: to the median remaining life."""
+    """The time ahead in which failures to come are looked for [h of calendar time]; None: the median remaining life."""
 
     @property
     def design(self) -> Robot:
@@ -82,18 +83,18 @@ class HealthReport:
 
     @cached_property
     def failures_to_come(self) -> FailuresToCome:
-        """Which parts the robot's failures within the horizon will come from."""
+        """Return which parts the robot's failures within the horizon will come from."""
         life = self.system.sensor_based.remaining_life or self.remaining_life()
         return failures_to_come(self.outlooks, self.design.diagram, life.median, self.horizon)
 
     @property
     def breaches(self) -> tuple[str, ...]:
-        """Thresholds of the design that the sensor-based figures fail; a module's by its path."""
+        """Return the design's thresholds that the sensor-based figures fail; a module's by its path."""
         return self._told("breaches")
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """The same of thresholds of a warning."""
+        """Return the design's warning thresholds that the sensor-based figures fail."""
         return self._told("warnings")
 
     def _told(self, what: Literal["breaches", "warnings"]) -> tuple[str, ...]:
@@ -110,7 +111,7 @@ class HealthReport:
 
     @property
     def state(self) -> State:
-        """Of the robot and all that has thresholds in it, in one word."""
+        """Return the state of the robot and all that has thresholds in it, in one word."""
         if self.breaches:
             return "error"
         if self.system.state == "stale":
@@ -144,12 +145,12 @@ class HealthReport:
         return works if asked.ndim else float(works)
 
     def remaining_life(self, view: View = "sensor_based") -> RemainingLife:
-        """Of the robot [h]. Raises RobophmError where there is no such view."""
+        """Return the remaining life of the robot [h]. Raises RobophmError where there is no such view."""
         outlook = self._outlook(view)
         return outlook.remaining_life(outlook.plant.robot.diagram)
 
     def completion(self, task: Task, view: View = "sensor_based") -> Completion:
-        """Of a task by the robot as it is now.
+        """Return the probability that the robot, as it is now, completes a task.
 
         Raises RobophmError where the robot lacks a function or stress that the task names, or there is no such view.
         """
@@ -161,7 +162,7 @@ class HealthReport:
         return self.outlooks[one_of(view, VIEWS, "view")]
 
     def to_json(self) -> dict[str, Any]:
-        """As plain values, schema-versioned; an infinite time is the text "Infinity"."""
+        """Return the report as plain values, schema-versioned; an infinite time is the text "Infinity"."""
         names = ("robot", "design_hash", "time", "clocks")
         return {
             "schema_version": SCHEMA_VERSION,
@@ -183,7 +184,7 @@ class HealthReport:
         }
 
     def _repr_html_(self) -> str:
-        """A table, for a notebook."""
+        """Return the report as an HTML table, for a notebook."""
         from html import escape
 
         head = "".join(
@@ -211,12 +212,12 @@ class HealthReport:
 
 
 def task_to_json(task: Task) -> dict[str, Any]:
-    """As plain values."""
+    """Return a task as plain values for JSON."""
     return {"distance": task.distance, "duration": task.duration, **asdict(task)}
 
 
 def plain(value: Any) -> Any:
-    """Values that JSON can say: an infinite number is the text "Infinity" or "-Infinity", what is none is None."""
+    """Return values that JSON can hold: infinite numbers as the text "Infinity" or "-Infinity", NaN as None."""
     if isinstance(value, dict):
         return {key: plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):

@@ -1,4 +1,4 @@
-"""From a ledger to a report of a robot's health: quickly what is now, then what is to come, which takes longer."""
+"""Reports of a robot's health from a ledger: quickly the state now, then what is to come, which takes longer."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from typing import NamedTuple, get_args
 
 import numpy as np
 
-from robophm.core.given import number, one_of
+from robophm.core.argument_checks import number, one_of
 from robophm.core.signal import REORDERED
-from robophm.design.asked import check_knowledge, check_plan, check_task
 from robophm.design.robot import FailureMode
 from robophm.design.task import Knowledge, Plan, Task
-from robophm.health.draws import affordable
+from robophm.design.task_checks import check_knowledge, check_plan, check_task
+from robophm.health.draws import check_draws
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.failures_to_come import LONGEST
 from robophm.health.ledger import Ledger
 from robophm.health.mission import plan_future
-from robophm.health.not_taken import not_taken
 from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
+from robophm.health.rejected_samples import rejected_samples
 from robophm.health.report import VIEWS, ComponentHealth, HealthReport
 from robophm.health.subject import (
     STALE,
@@ -44,7 +44,7 @@ def health_report(
     future: FutureName = "recent", plan: Plan | None = None, knowledge: Knowledge | None = None,
     draws: int = 0, parts: bool = False, horizon: float | None = None,
 ) -> HealthReport:  # fmt: skip
-    """The health that a ledger tells of; ``task`` is the design's unless given. Remaining life is the slow part.
+    """Return the health that a ledger tells of; ``task`` is the design's unless given. Remaining life is the slow part.
 
     Under a ``plan`` the robot does its tasks again and again for the rest of its life. ``draws`` of uncertain rates and
     loads tell how far the remaining life may lie; ``parts``: state that of every component too. ``horizon`` [h]: how
@@ -52,7 +52,7 @@ def health_report(
     Raises RobophmError where the robot lacks what a task, plan or knowledge names, or ``draws`` are no number
     of them, or too many.
     """
-    draws = affordable(draws, plant.robot)
+    draws = check_draws(draws, plant.robot)
     if horizon is not None:
         horizon = number(horizon, "horizon [h]", above=True, high=LONGEST)
     now = health_now(plant, exposure, ledger, task=task, future=future, plan=plan, knowledge=knowledge)
@@ -68,7 +68,7 @@ def health_now(
     task: Task | None = None, future: FutureName = "recent",
     plan: Plan | None = None, knowledge: Knowledge | None = None,
 ) -> HealthReport:  # fmt: skip
-    """Hazard rates and reliabilities alone, quickly; ``look_ahead`` of it gives the rest."""
+    """Return hazard rates and reliabilities alone, quickly; ``look_ahead`` adds the rest."""
     robot = plant.robot
     one_of(future, get_args(FutureName), "future")
     if task is not None:
@@ -120,7 +120,7 @@ def health_now(
             for marks in (_marks(component.modes, ledger, silent),)
         ),
         task or robot.task,
-        not_taken(ledger),
+        rejected_samples(ledger),
         views,
     )
 
@@ -128,7 +128,7 @@ def health_now(
 def look_ahead(
     now: HealthReport, *, remaining_life: bool = True, parts: bool = False, pause: Callable[[], None] = lambda: None
 ) -> HealthReport:
-    """A report with what is to come: completion of the task, and remaining lives, which are the slow part.
+    """Add what is to come to a report: completion of the task, and remaining lives, which are the slow part.
 
     ``pause`` is called after each subject and component.
     """
@@ -151,8 +151,8 @@ def look_ahead(
     return replace(now, subjects=tuple(subjects), components=tuple(components))
 
 
-def beside(now: HealthReport, earlier: HealthReport) -> HealthReport:
-    """A report with the remaining lives and completions of an earlier look, which takes longer to have."""
+def with_earlier_look(now: HealthReport, earlier: HealthReport) -> HealthReport:
+    """Return the report of now, its remaining lives and completions taken from an earlier, complete report."""
     found = replace(
         now,
         subjects=tuple(
@@ -175,7 +175,7 @@ class _Marks(NamedTuple):
     unknown: PartsOfUnknownRate | None = None
 
     def with_unknown(self, left_out: PartsOfUnknownRate | None) -> _Marks:
-        """And what parts of unknown rate make of the figures."""
+        """Return the marks with the effect of parts of unknown rate on the figures."""
         return _Marks((*self.flags, left_out.words), self.silence, left_out) if left_out else self
 
 
@@ -187,7 +187,7 @@ def _subject(system: System, marked: Subject | _Marks, of: Mapping[View, Figures
 
 
 def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None, draws: int) -> LifeUncertainty | None:
-    """None where nothing is uncertain: rates as stated, and a plan or too short a past."""
+    """Uncertainty of remaining life; None where rates are exact and the load is planned or the past too short."""
     loads = draw_loads(plant, ledger, SCENARIOS, seed=0) if draws and not plan else []
     if not draws or not (loads or any(mode.uncertainty for mode in plant.robot.modes)):
         return None
@@ -195,7 +195,7 @@ def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None
 
 
 def _marks(modes: Iterable[FailureMode], ledger: Ledger, silent: Mapping[str, int | None], *signals: str) -> _Marks:
-    """What of the past qualifies failure modes: the silent signals that they hang on, models outside their range."""
+    """Marks on figures of failure modes: the silent signals that they hang on, and models outside their range."""
     mixed = {key.removeprefix(REORDERED) for key in ledger.counts if key.startswith(REORDERED)}
     if not silent and not mixed and not any(ledger.extrapolated.values()):
         return _Marks()

@@ -25,7 +25,7 @@ _NEVER = np.iinfo(np.int64).min
 
 
 def ascending(times: Times) -> Times:
-    """Each time once, ascending. Runs that ascend are merged: np.unique() would look up every one in a table."""
+    """Return each time once, ascending. Runs that ascend are merged: np.unique() would look up every one in a table."""
     if len(times) < 2:
         return times
     ordered = np.sort(times, kind="stable")
@@ -37,25 +37,25 @@ def ascending(times: Times) -> Times:
 
 
 class SignalSamples(NamedTuple):
-    """What one signal said, ascending in time."""
+    """The samples of one signal, ascending in time."""
 
     times: Times
     values: Array
     again: bool
-    """Whether two samples have one time."""
+    """Whether two samples have the same time."""
     longest: int
-    """Time between two samples [ns]."""
+    """The longest time between two samples [ns]."""
 
     @classmethod
     def of(cls, times: Times, values: Array) -> SignalSamples:
-        """What these samples say."""
+        """Make the record of one signal's samples, which are ascending in time."""
         if len(times) < 2:
             return cls(times, values, False, 0)
         between = times[1:] - times[:-1]
         return cls(times, values, bool(between.min() == 0), int(between.max()))
 
     def after(self, time: int, value: float) -> SignalSamples:
-        """With a sample before it."""
+        """Return the samples with one more put before them."""
         if not len(self.times):
             return SignalSamples.of(np.array([time]), np.array([value]))
         since = int(self.times[0]) - time
@@ -71,16 +71,16 @@ _NOTHING = SignalSamples.of(np.empty(0, dtype=np.int64), np.empty(0))
 
 
 class HeldValues(NamedTuple):
-    """What one signal said: each time once, with its last value; each value holds for ``max_age``."""
+    """The values of one signal: each time once, with its last value; each value holds for ``max_age``."""
 
     times: Times
     values: Array
     longest: int
-    """Time between two samples [ns], at most."""
+    """An upper bound of the time between two samples [ns]."""
     max_age: int
 
     def at(self, times: Times) -> Observed:
-        """What was the last at each of these times."""
+        """Return the last value at each of these times, and whether it still held."""
         if not len(self.times):
             return Observed(np.full(len(times), np.nan), np.zeros(len(times), dtype=bool))
         index = self.times.searchsorted(times, side="right") - 1
@@ -89,7 +89,7 @@ class HeldValues(NamedTuple):
 
 
 class Observed(NamedTuple):
-    """What one signal said last: NaN before it spoke, and whether that still held; None where always."""
+    """The last values of one signal: NaN before it spoke; ``fresh`` says whether they still held, None: always."""
 
     values: Array
     fresh: Flags | None
@@ -98,42 +98,42 @@ class Observed(NamedTuple):
 class Grid:
     """A stretch cut wherever what is asked about changes, and between periods."""
 
-    def __init__(self, part: Part, edges: Times, observed: Mapping[str, Observed]) -> None:
+    def __init__(self, part: SignalSubset, edges: Times, observed: Mapping[str, Observed]) -> None:
         self.part = part
         self.stretch = part.stretch
         self.edges = edges
         self.observed = observed
-        """By key, over the interval that each edge but the last begins."""
+        """Values by key, over the interval that each edge but the last begins."""
 
     @cached_property
     def operating(self) -> Array:
-        """Nanoseconds that the robot was on in each interval."""
+        """Return the nanoseconds that the robot was on in each interval."""
         return self.on.astype(float)
 
     @cached_property
     def on(self) -> Times:
-        """The same, whole: sums of many are exact."""
+        """Return the nanoseconds of ``operating`` as whole numbers, so that sums of many are exact."""
         return self.stretch.operating.between(self.edges)
 
     @cached_property
     def first(self) -> npt.NDArray[np.intp]:
-        """The first interval of each period."""
+        """Return the index of the first interval of each period."""
         return self.edges.searchsorted(self.stretch.bounds[:-1])
 
     @cached_property
     def counts(self) -> npt.NDArray[np.intp]:
-        """How many intervals each period has."""
+        """Return the number of intervals of each period."""
         return np.diff(np.append(self.first, len(self.edges) - 1))
 
     def sums(self, values: Array) -> Array:
-        """By period, of a value of each interval."""
+        """Return the sum over each period of a value of each interval."""
         if not len(values):
             return np.zeros(len(self.first))
         sums: Array = np.add.reduceat(values, self.first)
         return sums
 
     def running(self, values: Array) -> Array:
-        """Of a value of each interval, what has come together in its period before it."""
+        """Return, for a value of each interval, the sum over the earlier intervals of its period."""
         running = np.zeros(len(values))
         for begin, count in zip(self.first.tolist(), self.counts.tolist(), strict=True):
             np.cumsum(values[begin : begin + count - 1], out=running[begin + 1 : begin + count])
@@ -141,7 +141,7 @@ class Grid:
 
 
 class SampleStretch:
-    """What a robot's signals said in a stretch that begins where the ledger stands."""
+    """The samples of a robot in a stretch of time that begins where the ledger stands."""
 
     def __init__(self, ledger: Ledger, columns: Columns, ends: Sequence[int], robot: Robot) -> None:
         self.ledger = ledger
@@ -149,22 +149,23 @@ class SampleStretch:
         self.start = ledger.integrated_to if ledger.integrated_to is not None else ends[-1]
         self.end = ends[-1]
         self.bounds: Times = np.array([self.start, *ends], dtype=np.int64)
-        """The start, and where each period ends."""
+        """The start of the stretch, and the end of each period."""
         self.raw = {
             signal: SignalSamples.of(*own) for signal, own in columns.items() if len(own[0]) and signal != CLOCK
         }
         self._powered: dict[str, tuple[int, tuple[float, ...]]] = {}
         self.operating = self._operating()
         self.off = _NEVER if ledger.off is None else ledger.off
-        """When it was off last before this stretch."""
+        """Time when the robot was last off before this stretch [ns]."""
 
     @cached_property
     def edges(self) -> Times:
-        """The bounds, each once."""
+        """Return the bounds, each once."""
         return ascending(self.bounds)
 
     def _operating(self) -> Operating:
-        """When the robot was on: as its powered signal says, or else heard within max_gap."""
+        """The times when the robot was on: as its powered signal says, or else while something was heard within
+        max_gap."""
         gap = self.robot.max_gap
         heard = [(said.times, said.longest) for said in self.raw.values()]
         if self.ledger.heard is not None:
@@ -178,7 +179,7 @@ class SampleStretch:
         name = self.robot.powered
         power = HeldValues(_NOTHING.times, _NOTHING.values, 0, 0)
         if name:
-            part = Part(self)
+            part = SignalSubset(self)
             power, self._powered = part.signal(name, name, 0), part.last
         if self.start == self.end:
             return Operating(self.bounds[:1], np.zeros(1, dtype=np.int64))
@@ -200,12 +201,12 @@ class SampleStretch:
         return Operating(np.append(at[change], self.end), on[change].astype(np.int64))
 
     def _next(self, time: int) -> int:
-        """The first sample after a time; the end of the stretch where there is none."""
+        """The time of the first sample after a time; the end of the stretch where there is none."""
         rows = ((said.times, said.times.searchsorted(time, side="right")) for said in self.raw.values())
         return min((int(times[row]) for times, row in rows if row < len(times)), default=self.end)
 
-    def close(self, parts: Iterable[Part]) -> None:
-        """Leave in the ledger what the next stretch starts from, and what was noticed on the way."""
+    def close(self, parts: Iterable[SignalSubset]) -> None:
+        """Write to the ledger what the next stretch starts from, and what was noticed on the way."""
         ledger = self.ledger
         ledger.last |= self._powered
         for part in parts:
@@ -221,15 +222,15 @@ class SampleStretch:
         ledger.integrated_to = self.end
 
 
-class Part:
+class SignalSubset:
     """Some of the signals of a stretch: what they said, how that cuts the time, and what was noticed."""
 
     def __init__(self, stretch: SampleStretch) -> None:
         self.stretch = stretch
         self.last: dict[str, tuple[int, tuple[float, ...]]] = {}
-        """By key, for the next stretch."""
+        """Last time and value by key, for the next stretch."""
         self.rejected: dict[str, Flags] = {}
-        """Of each signal's samples, which a channel did not take."""
+        """Flags of each signal's samples that a channel did not take."""
         self.stale: Counter[str] = Counter()
         """Nanoseconds of operation without a valid value, by key."""
         self.extrapolated: Counter[str] = Counter()
@@ -238,11 +239,11 @@ class Part:
         self._grids: dict[tuple[str, ...], Grid] = {}
 
     def signal(self, name: str, key: str, max_age: int) -> HeldValues:
-        """Hold all that a signal said, as it is."""
+        """Hold all values of a signal, unchanged."""
         return self._hold(key, self.stretch.raw.get(name, _NOTHING), max_age)
 
     def channel(self, key: str, channel: Channel) -> None:
-        """Hold what a channel takes of its signal, in the model's unit."""
+        """Hold the values that a channel takes of its signal, in the model's unit."""
         said = self.stretch.raw.get(channel.signal, _NOTHING)
         if len(said.times):
             extremes = channel.scale * np.array([said.values.min(), said.values.max()]) + channel.offset
@@ -256,7 +257,7 @@ class Part:
             self._held[key] = held._replace(values=channel.scale * held.values + channel.offset)
 
     def _hold(self, key: str, said: SignalSamples, max_age: int) -> HeldValues:
-        """With what was said last before; kept under a key, also for the next stretch."""
+        """Hold values, with the last one before them, under a key; also for the next stretch."""
         if key in self.stretch.ledger.last:
             time, (value,) = self.stretch.ledger.last[key]
             said = said.after(time, value)
@@ -270,11 +271,11 @@ class Part:
         return self._held[key]
 
     def held(self, key: str) -> HeldValues:
-        """What is held under a key."""
+        """Return the values that are held under a key."""
         return self._held[key]
 
     def let_go(self) -> None:
-        """Of all that is held: grids know their part, and would stay until Python looks for cycles."""
+        """Drop all held values: grids refer to their part, and would stay until Python looks for cycles."""
         self._held.clear()
         self._grids.clear()
 
@@ -301,7 +302,7 @@ class Part:
         return Grid(self, edges, observed)
 
     def _of_one(self, key: str) -> Grid:
-        """Its times are many and in order: the few other edges are put in between."""
+        """The grid for one key: its times are many and in order, so the few other edges are put in between."""
         times, values, longest, max_age = held = self._held[key]
         start, end = self.stretch.start, self.stretch.end
         gone = times[-1:] + max_age
@@ -336,7 +337,7 @@ class Part:
 
 
 class Operating:
-    """How long the robot was on since the stretch began [ns]: whole, so that differences are exact."""
+    """Operating time since the stretch began [ns]: whole numbers, so that differences are exact."""
 
     def __init__(self, edges: Times, on: Times) -> None:
         self.edges = edges
@@ -344,7 +345,7 @@ class Operating:
         self._total = np.append(0, np.cumsum(np.diff(edges) * on)) if len(edges) > 1 else np.zeros(1, dtype=np.int64)
 
     def __call__(self, at: Times) -> Times:
-        """Until each of these times."""
+        """Return the operating time until each of these times [ns]."""
         piece: Any = 0
         if len(self.on) > 1:
             piece = np.clip(np.searchsorted(self.edges, at, side="right") - 1, 0, len(self.on) - 1)
@@ -352,6 +353,6 @@ class Operating:
         return until
 
     def between(self, edges: Times) -> Times:
-        """From each of these times to the next."""
+        """Return the operating time from each of these times to the next [ns]."""
         until = edges if self.on.all() else self(edges)
         return until[1:] - until[:-1]

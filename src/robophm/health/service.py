@@ -12,16 +12,16 @@ from robophm.health.ledger import Ledger, Service
 
 @dataclass(frozen=True)
 class ServiceInterval:
-    """What a failure mode went through from one service to the next, or till now; ages with the initial exposure."""
+    """The exposure of a failure mode from one service to the next, or till now; ages include the initial exposure."""
 
     mode: FailureMode
     parts: int
-    """Equal parts that went through it."""
+    """Number of equal parts that went through it."""
     start: float
     """Effective age of its part when the stretch began [unit of its clock]."""
     end: float
     hours: float
-    """How far its clock went [its unit]."""
+    """Advance of the mode's clock [its unit]."""
     hazard: float
     """Cumulative hazard of one of the parts in it, at the stated rate."""
     failed: bool
@@ -49,7 +49,7 @@ def find(robot: Robot, path: str) -> tuple[Component, tuple[FailureMode, ...]]:
 
 
 def services_of(robot: Robot, ledger: Ledger, path: str) -> list[Service]:
-    """What was done so far to a component, or to one of its failure modes, by its path. Raises RobophmError."""
+    """Return the services so far of a component, or of one of its failure modes, by its path. Raises RobophmError."""
     keys = {mode.key for mode in find(robot, path)[1]}
     return [service for service in ledger.services if service.mode in keys]
 
@@ -88,7 +88,7 @@ def _failed(part: Component, modes: tuple[FailureMode, ...], failed: bool) -> tu
 
 
 def service_intervals(robot: Robot, ledger: Ledger) -> Iterator[ServiceInterval]:
-    """What every failure mode went through, service by service, and since the last one."""
+    """Return the exposure of every failure mode, service by service, and since the last one."""
     of: dict[str, list[Service]] = {}
     for service in ledger.services:
         of.setdefault(service.mode, []).append(service)

@@ -1,4 +1,4 @@
-"""What measured stress does to failure modes: those that share clock and stresses, and the signals that drive them."""
+"""Measured stress of failure modes, in groups that share clock and stresses, and the signals that drive them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from robophm.health.window import Array
 class StressGroups:
     """Groups, and the channels and measured clocks that drive them."""
 
-    groups: tuple[Group, ...]
+    groups: tuple[StressGroup, ...]
     channels: Mapping[str, Channel]
     clocks: tuple[Clock, ...]
 
@@ -34,7 +34,8 @@ class StressGroups:
     def factors(
         self, observed: Sequence[Mapping[str, Observed]], on: Sequence[Flags]
     ) -> list[tuple[Array | None, Flags, list[Array]]]:
-        """Of each group ψ in each interval, None where nothing is measured; where a model's range is left; its inputs.
+        """Return for each group: ψ in each interval (None where nothing is measured), where its range is left, its
+        inputs.
 
         ``on``: whether the robot was on then. Groups whose stresses differ in nothing but their sensors are asked about
         together.
@@ -45,7 +46,7 @@ class StressGroups:
             asked = [(i, own) for i, own in lines if len(own[0].values)]  # no model is asked about no time at all
             if not asked:
                 continue
-            together = [Line.joined(column) for column in zip(*(own for _, own in asked), strict=True)]
+            together = [InputValues.joined(column) for column in zip(*(own for _, own in asked), strict=True)]
             factor, outside, values = self.groups[alike[0]].worst(together)
             begin = 0
             for i, own in asked:
@@ -54,12 +55,12 @@ class StressGroups:
         return found
 
     def apart(self) -> Iterator[StressGroups]:
-        """Bundles that have no signal in common."""
+        """Return bundles of groups that have no signal in common."""
         of_groups, of_clocks = [group.signals for group in self.groups], [clock.signals for clock in self.clocks]
         place = _joined([*of_groups, *of_clocks])
-        some: dict[int, tuple[list[Group], dict[str, Channel], list[Clock]]] = {}
+        some: dict[int, tuple[list[StressGroup], dict[str, Channel], list[Clock]]] = {}
 
-        def at(own: Iterable[str]) -> tuple[list[Group], dict[str, Channel], list[Clock]]:
+        def at(own: Iterable[str]) -> tuple[list[StressGroup], dict[str, Channel], list[Clock]]:
             return some.setdefault(next((place[signal] for signal in own), -1), ([], {}, []))
 
         for group, own in zip(self.groups, of_groups, strict=True):
@@ -73,7 +74,7 @@ class StressGroups:
 
 
 def _joined(sets: Iterable[set[str]]) -> dict[str, int]:
-    """A number for each that is in a set, equal where sets that share something join them."""
+    """A number for each member of the sets, equal where sets that share something join them."""
     found: dict[str, set[str]] = {}
     for one in sets:
         together = one.union(*(found[each] for each in one if each in found))
@@ -81,16 +82,17 @@ def _joined(sets: Iterable[set[str]]) -> dict[str, int]:
     return {each: id(together) for each, together in found.items()}
 
 
-class Line(NamedTuple):
+class InputValues(NamedTuple):
     """The value of one input in each interval."""
 
     values: Array
     other: Array | None = None
-    """What may be assumed instead, where that ages faster; the value itself where nothing has to be assumed."""
+    """The value that may be assumed instead where that ages a part faster, else the value itself; None: nothing is
+    assumed."""
 
     @classmethod
-    def joined(cls, lines: Sequence[Line]) -> Line:
-        """One behind the other."""
+    def joined(cls, lines: Sequence[InputValues]) -> InputValues:
+        """Join lines one behind the other."""
         if len(lines) == 1:
             return lines[0]
         other = None
@@ -101,7 +103,7 @@ class Line(NamedTuple):
 
 @dataclass(frozen=True)
 class Input:
-    """One measured input of one stress: the value without a sensor, and the one that ages fastest."""
+    """One measured input of one stress, with its nominal value and the value that ages a part fastest."""
 
     name: str
     key: str
@@ -111,29 +113,29 @@ class Input:
 
     @classmethod
     def of(cls, stress: Stress, name: str, channel: Channel) -> Input:
-        """An input of a stress."""
+        """Make the input of a stress that a channel measures."""
         worst = nominal = float(stress.design[name])
         if channel.stale == "worst":
             candidates = np.linspace(channel.low, channel.high, 257)
             worst = float(candidates[np.argmax(stress.factor({name: candidates}).value)])
         return cls(name, channel_key(channel), channel.stale, nominal, worst)
 
-    def line(self, observed: Observed, on: Flags) -> Line:
-        """Its value in each interval, also where none is known."""
+    def line(self, observed: Observed, on: Flags) -> InputValues:
+        """Return the input's value in each interval, also where none is known."""
         values, fresh = observed
         if fresh is None:
-            return Line(values)
+            return InputValues(values)
         heard = ~np.isnan(values)
         if self.stale == "conservative":  # of a robot that is off, nobody expects a word: that is no dead sensor
             silent = ~fresh & heard & on
             held = np.where(fresh | silent, values, self.nominal)
-            return Line(held, np.where(silent, self.nominal, held) if silent.any() else None)
+            return InputValues(held, np.where(silent, self.nominal, held) if silent.any() else None)
         kept = heard if self.stale == "hold" else fresh
-        return Line(np.where(kept, values, self.worst if self.stale == "worst" else self.nominal))
+        return InputValues(np.where(kept, values, self.worst if self.stale == "worst" else self.nominal))
 
 
 @dataclass
-class Group:
+class StressGroup:
     """Failure modes that share clock and stresses: their factor is evaluated once."""
 
     clock: Clock
@@ -141,8 +143,8 @@ class Group:
     members: list[int]
 
     @classmethod
-    def of(cls, clock: Clock, stresses: Iterable[Stress]) -> Group:
-        """No failure modes yet."""
+    def of(cls, clock: Clock, stresses: Iterable[Stress]) -> StressGroup:
+        """Make a group that has no failure modes yet."""
         inputs = (
             (stress, tuple(Input.of(stress, name, channel) for name, channel in stress.channels.items()))
             for stress in stresses
@@ -151,31 +153,31 @@ class Group:
 
     @property
     def signals(self) -> set[str]:
-        """That drive it."""
+        """Return the names of the signals that drive the group."""
         channels = {channel.signal for stress, _ in self.stresses for channel in stress.channels.values()}
         return channels | self.clock.signals
 
     @cached_property
     def channel_keys(self) -> tuple[str, ...]:
-        """Of all its inputs."""
+        """Return the keys of the channels of all its inputs."""
         return tuple(one.key for one in self.inputs)
 
     @cached_property
     def inputs(self) -> tuple[Input, ...]:
-        """All that are measured."""
+        """Return all measured inputs of the group."""
         return tuple(one for _, inputs in self.stresses for one in inputs)
 
     @cached_property
     def law(self) -> tuple[object, ...]:
-        """Equal where two groups have the same factor for the same inputs."""
+        """A key that two groups share if they have the same factor for the same inputs."""
         return tuple((stress.law, *(one.name for one in inputs)) for stress, inputs in self.stresses)
 
-    def lines(self, observed: Mapping[str, Observed], on: Flags) -> list[Line]:
-        """Every measured input of each interval."""
+    def lines(self, observed: Mapping[str, Observed], on: Flags) -> list[InputValues]:
+        """Return every measured input in each interval."""
         return [one.line(observed[one.key], on) for one in self.inputs]
 
     def factor(self, values: Sequence[Array]) -> tuple[Array, Flags]:
-        """ψ for measured inputs, and where a model's range is left."""
+        """Return ψ for measured inputs, and where a model's range is left."""
         some = iter(values)
         (product, outside), *others = [
             stress.factor({one.name: next(some) for one in inputs}) for stress, inputs in self.stresses
@@ -184,8 +186,8 @@ class Group:
             product, outside = product * value, outside | beyond
         return product, outside
 
-    def worst(self, lines: Sequence[Line]) -> tuple[Array, Flags, list[Array]]:
-        """The same, each input that may be assumed otherwise as it ages fastest; and the inputs as they were taken.
+    def worst(self, lines: Sequence[InputValues]) -> tuple[Array, Flags, list[Array]]:
+        """Return ψ as of ``factor``, each assumed input as it ages fastest; and the inputs as they were taken.
 
         One after the other, from the last values on: the greatest factor that there is wherever an input makes it grow,
         or fall, whatever the others are; and never less than that of the last values.
@@ -206,10 +208,10 @@ class Group:
         return factor, outside, values
 
     def named(self, values: Sequence[Array]) -> dict[str, Array]:
-        """Every measured input by its name."""
+        """Return every measured input by its name."""
         return dict(zip((one.name for one in self.inputs), values, strict=True))
 
 
 def channel_key(channel: Channel) -> str:
-    """What a channel's last value is kept under: a signal, and what of it is valid."""
+    """Return the key of a channel's last value: a signal, its scale and offset, and the range that is valid."""
     return f"{channel.signal} {channel.scale!r} {channel.offset!r} {channel.low!r} {channel.high!r}"

@@ -18,24 +18,24 @@ from robophm.health.unknown_rates import PartsOfUnknownRate
 State = Literal["ok", "warn", "error", "stale"]
 
 STALE = "stale "
-"""How the flag of a silent signal begins."""
+"""The beginning of the flag of a silent signal."""
 
 MOST_NAMED = 4
-"""Silent signals of one time, and times, that are named."""
+"""The most silent signals of one time, and the most times, that a note names."""
 
 
 class System(NamedTuple):
-    """What a robot's figures are given for, in its design."""
+    """A system of a design that figures are given for: the robot, a module or a function."""
 
     kind: str
-    """robot, module or function."""
+    """Kind of system: robot, module or function."""
     path: str
     diagram: Block
     thresholds: Thresholds
 
 
 def systems(robot: Robot) -> list[System]:
-    """The robot first, then its modules outer before inner, then its functions."""
+    """Return the robot first, then its modules outer before inner, then its functions."""
     return [
         System("robot", robot.name, robot.diagram, robot.thresholds),
         *(System("module", module.path, module.diagram, module.thresholds) for module in robot.all_modules()),
@@ -48,22 +48,22 @@ class Figures:
     """The health of a robot, module or function in one view."""
 
     hazard_rate: float
-    """Now, given what is known now [1/h of operation]."""
+    """Hazard rate now, given what is known now [1/h of operation]."""
     reliability: float
     """Probability of having survived since new."""
     unreliability: float
-    """Its complement, with its own digits."""
+    """Complement of the reliability, with its own digits."""
     remaining_life: RemainingLife | None = None
     completion: Completion | None = None
-    """Of the task; of a module or function, that it does its share throughout."""
+    """Completion of the task; for a module or function, that it does its share throughout."""
 
     def beside(self, earlier: Figures) -> Figures:
-        """Hazard rate and reliability of now, with an earlier look ahead."""
+        """Return the hazard rate and reliability of now, with the look ahead of earlier figures."""
         return replace(self, remaining_life=earlier.remaining_life, completion=earlier.completion)
 
 
 def figures_now(outlook: Outlook, diagram: Block) -> Figures:
-    """Hazard rate and reliability of one system."""
+    """Return the hazard rate and reliability of one system."""
     state = outlook.survival(diagram)
     return Figures(outlook.hazard_rate(diagram), float(state.works), float(state.failed))
 
@@ -71,7 +71,7 @@ def figures_now(outlook: Outlook, diagram: Block) -> Figures:
 def figures(
     outlook: Outlook, diagram: Block, task: Task | None, *, remaining_life: bool = True, whole: bool = True
 ) -> Figures:
-    """All figures of one system; it is ``whole`` where the task is its own."""
+    """Return all figures of one system; it is ``whole`` where the task is its own."""
     now = figures_now(outlook, diagram)
     return looking_ahead(now, outlook, diagram, task, remaining_life=remaining_life, whole=whole)
 
@@ -79,7 +79,7 @@ def figures(
 def looking_ahead(
     now: Figures, outlook: Outlook, diagram: Block, task: Task | None, *, remaining_life: bool, whole: bool
 ) -> Figures:
-    """The figures with what is to come beside them."""
+    """Return the figures with remaining life and completion added."""
     return replace(
         now,
         remaining_life=outlook.remaining_life(diagram) if remaining_life else None,
@@ -89,38 +89,38 @@ def looking_ahead(
 
 @dataclass(frozen=True)
 class Subject:
-    """What figures are given for: the robot, a module or a function."""
+    """The robot, a module or a function, with its figures in both views."""
 
     kind: str
-    """robot, module or function."""
+    """Kind of subject: robot, module or function."""
     path: str
     nominal: Figures
     sensor_based: Figures
     flags: tuple[str, ...] = ()
-    """What qualifies the sensor-based figures: 'stale /topic.field', 'extrapolated', '3 parts of unknown rate'."""
+    """Marks that qualify the sensor-based figures: 'stale /topic.field', 'extrapolated', '3 parts of unknown rate'."""
     breaches: tuple[str, ...] = ()
     """Thresholds of the design that the sensor-based figures fail."""
     warnings: tuple[str, ...] = ()
-    """Thresholds of a warning that they fail."""
+    """Warning thresholds that they fail."""
     silence: str = ""
-    """Where figures rest on what silent sensors may say: since when, and of which signals, in words."""
+    """A note, where figures rest on what silent sensors may say: since when, and of which signals."""
     unknown: PartsOfUnknownRate | None = None
-    """What parts of unknown rate in it make of the figures."""
+    """The effect of its parts of unknown rate on the figures."""
 
     @property
     def marks(self) -> tuple[str, ...]:
-        """All that qualifies the figures, in words, for every face that shows them."""
+        """Return all that qualifies the figures, in words, for every face that shows them."""
         return (*self.flags, self.silence) if self.silence else self.flags
 
     @property
     def stale(self) -> tuple[str, ...]:
-        """The silent signals that it hangs on."""
+        """Return the silent signals that it hangs on."""
         return tuple(flag.removeprefix(STALE) for flag in self.flags if flag.startswith(STALE))
 
     @property
     def state(self) -> State:
-        """In one word: stale is one that is not in error, as far as is known, and has a sensor that is silent; what
-        leaves parts of unknown rate out is never plainly ok."""
+        """Return the state in one word. It is stale where a sensor is silent and no threshold is known to be broken,
+        and never plainly ok where parts of unknown rate are left out."""
         if self.breaches:
             return "error"
         if self.stale:
@@ -129,7 +129,7 @@ class Subject:
 
 
 def silence(last: Mapping[str, int | None]) -> str:
-    """In words, that figures rest on silence: of each silent signal its last time [ns], None where it never spoke."""
+    """Say that figures rest on silence; ``last`` is each silent signal's last time [ns], None where it never spoke."""
     since: dict[str, list[str]] = {}
     for signal, time in sorted(last.items(), key=lambda item: (item[1] or 0, item[0])):
         since.setdefault(_moment(time), []).append(signal)
@@ -149,7 +149,7 @@ def _some(words: Sequence[str]) -> str:
 
 
 def breached(limits: Limits, figures: Figures) -> Iterator[str]:
-    """In words, each limit that figures fail; what is not known fails none."""
+    """Yield in words each limit that figures fail; a figure that is not known fails none."""
     if limits.hazard_rate is not None and not figures.hazard_rate <= limits.hazard_rate:
         yield f"hazard rate {figures.hazard_rate:.4g} /h is above {limits.hazard_rate:.4g} /h"
     if limits.reliability is not None and not figures.reliability >= limits.reliability:

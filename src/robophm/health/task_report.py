@@ -7,10 +7,16 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from robophm.design.task import Plan, Task
-from robophm.health.draws import affordable
+from robophm.health.draws import check_draws
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
-from robophm.health.mission import Completion, Deciding, completion, deciding, following
+from robophm.health.mission import (
+    Completion,
+    DecidingComponent,
+    completion,
+    consecutive_completions,
+    deciding_components,
+)
 from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
@@ -19,12 +25,12 @@ from robophm.health.uncertainty import DRAWS, SCENARIOS, CompletionUncertainty, 
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 
 SCHEMA_VERSION = 1
-"""Of a task report as JSON."""
+"""The version of a task report as JSON."""
 
 
 @dataclass(frozen=True)
 class TaskFigures:
-    """One task, given that those before it in the list were completed."""
+    """The completion of one task, given that those before it in the list were completed."""
 
     task: Task
     nominal: Completion
@@ -33,20 +39,20 @@ class TaskFigures:
 
 @dataclass(frozen=True)
 class TaskReport:
-    """All tasks of a list."""
+    """The answer for all tasks of a list."""
 
     robot: str
     tasks: tuple[TaskFigures, ...]
     together: Mapping[View, Completion]
-    """That all of them are completed."""
+    """Probability, in each view, that all of the tasks are completed."""
     uncertainty: CompletionUncertainty | None
-    """Of all together, sensor-based; None where rates are taken as exact and there is no past to draw a load from."""
-    deciding: tuple[Deciding, ...]
+    """Uncertainty of all tasks together, sensor-based; None where rates are exact and no past tells of the load."""
+    deciding: tuple[DecidingComponent, ...]
     """The components that all together hang on, sensor-based, the one that decides most first."""
     threshold: float | None
-    """What the design wants."""
+    """The least probability of completion that the design wants."""
     unknown: PartsOfUnknownRate | None = None
-    """What parts of unknown rate in the functions that are needed make of the probabilities."""
+    """The effect of parts of unknown rate in the needed functions on the probabilities."""
 
     @property
     def breached(self) -> bool:
@@ -54,7 +60,7 @@ class TaskReport:
         return self.threshold is not None and any(one.sensor_based.probability < self.threshold for one in self.tasks)
 
     def to_json(self) -> dict[str, Any]:
-        """As plain values, schema-versioned."""
+        """Return the report as plain values, schema-versioned."""
         return {
             "schema_version": SCHEMA_VERSION,
             "robot": self.robot,
@@ -74,10 +80,10 @@ def task_report(
     plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, plan: Plan, *,
     future: FutureName = "recent", draws: int = DRAWS, seed: int = 0,
 ) -> TaskReport:  # fmt: skip
-    """What a list of tasks asks of a robot with this past. Raises RobophmError for ``draws`` that are too many."""
-    draws = affordable(draws, plant.robot)
+    """Answer whether a robot with this past can do a list of tasks. Raises RobophmError for too many ``draws``."""
+    draws = check_draws(draws, plant.robot)
     views = outlooks(plant, exposure, ledger, future=future, knowledge=plan.knowledge)
-    each = {view: following(views[view], plan.tasks) for view in VIEWS}
+    each = {view: consecutive_completions(views[view], plan.tasks) for view in VIEWS}
     joined = plan.joined
     lived = views["sensor_based"]
     loads = draw_loads(plant, ledger, SCENARIOS, seed)
@@ -87,19 +93,19 @@ def task_report(
         tuple(map(TaskFigures, plan.tasks, each["nominal"], each["sensor_based"])),
         {view: completion(views[view], joined) for view in VIEWS},
         completion_uncertainty(lived, joined, loads=loads, draws=draws, seed=seed) if unsure and draws else None,
-        tuple(deciding(lived, joined)),
+        tuple(deciding_components(lived, joined)),
         plant.robot.thresholds.completion,
         unknown_in(lived, joined),
     )
 
 
 def unknown_in(outlook: Outlook, task: Task) -> PartsOfUnknownRate | None:
-    """What parts of unknown rate make of the completion of a task; None where those that it needs are all known."""
+    """Return the effect of parts of unknown rate on the completion of a task; None where all it needs are known."""
     return unknown(outlook, *(outlook.plant.diagram(name) for name in sorted(needed(task))))
 
 
 def needed(task: Task) -> set[str]:
-    """The functions that must work in a task; "" is the whole robot."""
+    """Return the functions that must work in a task; "" is the whole robot."""
     return {name for leg in task.legs for name in (leg.functions or ("",))}
 
 

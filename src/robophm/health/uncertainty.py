@@ -1,4 +1,4 @@
-"""How sure a prognosis is. Three sources, told apart: chance itself, rates, and the load to come.
+"""The uncertainty of a prognosis, its three sources told apart: chance itself, rates, and the load to come.
 
 An uncertain rate speeds up the ageing of its failure mode: H(θ·u), one θ for all equal parts. Draws count by the
 probability of what is known under them, survival to now above all. The load to come is drawn from the robot's own
@@ -25,20 +25,20 @@ from robophm.design.robot import Uncertainty
 from robophm.design.task import Task
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger, Step
-from robophm.health.mission import Completion, needs, now, planned
+from robophm.health.mission import Completion, needed_now, needs, planned
 from robophm.health.plant import Modes, Parts, Plant
 from robophm.health.prognosis import Outlook
 
 Array = npt.NDArray[np.float64]
 
 DRAWS = 2000
-"""Of all rates together."""
+"""Draws of all rates together, unless said otherwise."""
 
 SCENARIOS = 50
-"""Of the load to come."""
+"""Scenarios of the load to come that are drawn."""
 
 FEWEST_STEPS = 8
-"""Of the past, below which the load to come is not drawn from it."""
+"""The fewest steps of the past from which the load to come is drawn."""
 
 _AT_ONCE = 2_000_000  # numbers that one array may hold: more draws take turns
 _IN_CACHE = 200_000  # numbers that work goes fast with
@@ -50,7 +50,7 @@ _STEPS_AHEAD = 64  # of a drawn load, which then begins anew
 
 
 class Interval(NamedTuple):
-    """Where 90 % lie: 5 %, 50 % and 95 % quantile."""
+    """A 90 % interval: the 5 %, 50 % and 95 % quantiles."""
 
     low: float
     median: float
@@ -62,47 +62,47 @@ class LifeUncertainty:
     """Remaining life [h of calendar time] with all that is not known, and with less of it."""
 
     all_sources: Interval
-    """Rates, load and chance."""
+    """Interval where rates, load and chance are all uncertain."""
     rates_known: Interval
     load_known: Interval
     chance_alone: Interval
-    """Both known: what no knowledge of rates and load could narrow."""
+    """Interval with rates and load both known: what no knowledge of them could narrow."""
 
     @property
     def of_rates(self) -> bool:
-        """Whether rates are uncertain, so that knowing them would change it."""
+        """Whether rates are uncertain, so that knowing them would change the interval."""
         return self.rates_known != self.all_sources
 
     @property
     def of_load(self) -> bool:
-        """The same of the load to come."""
+        """Whether the load to come is uncertain, so that knowing it would change the interval."""
         return self.load_known != self.all_sources
 
 
 @dataclass(frozen=True)
 class CompletionUncertainty:
-    """The probability that a task fails or is completed, and within which it may lie."""
+    """The probability that a task fails or is completed, and the interval in which it may lie."""
 
     mean: Completion
-    """Over all that is not known."""
+    """Mean over all that is not known."""
     failure: Interval
-    """Of the probability of failure, over rates and load."""
+    """Interval of the probability of failure, over rates and load."""
     failure_if_rates_known: Interval
     failure_if_load_known: Interval
 
     @property
     def of_rates(self) -> bool:
-        """Whether rates are uncertain, so that knowing them would change it."""
+        """Whether rates are uncertain, so that knowing them would change the interval."""
         return self.failure_if_rates_known != self.failure
 
     @property
     def of_load(self) -> bool:
-        """The same of the load to come."""
+        """Whether the load to come is uncertain, so that knowing it would change the interval."""
         return self.failure_if_load_known != self.failure
 
 
 def draw_rates(plant: Plant, count: int, seed: int) -> Array:
-    """Ratio of each mode's rate to the stated one in so many draws; shape (modes, count), each row of mean 1.
+    """Draw the ratio of each mode's rate to the stated one; shape (modes, count), each row of mean 1.
 
     Each is drawn evenly from its distribution (McKay, Beckman and Conover 1979) and on its own: another part in the
     design changes nothing. What a common cause takes from a part has that part's rate.
@@ -116,7 +116,7 @@ def draw_rates(plant: Plant, count: int, seed: int) -> Array:
 
 
 def _ratio(uncertainty: Uncertainty, level: Array) -> Array:
-    """The quantiles at these levels."""
+    """The quantiles of a rate's ratio at these levels."""
     if uncertainty.error_factor is not None:
         deviation = math.log(uncertainty.error_factor) / ndtri(0.95)
         result: Array = np.exp(deviation * ndtri(level) - deviation**2 / 2)
@@ -129,7 +129,7 @@ def _ratio(uncertainty: Uncertainty, level: Array) -> Array:
 
 
 def draw_loads(plant: Plant, ledger: Ledger, count: int, seed: int) -> list[Future]:
-    """Loads to come, drawn in blocks from the robot's own past; none where that is too short.
+    """Draw loads to come in blocks from the robot's own past; none where that is too short.
 
     Blocks of √n steps keep what belongs together, such as day and night (Künsch 1989).
     """
@@ -155,7 +155,7 @@ def _load(steps: Sequence[Step], block: int, random: np.random.Generator) -> Fut
 def life_uncertainty(
     outlook: Outlook, diagram: Block, *, loads: Sequence[Future] = (), draws: int = DRAWS, seed: int = 0
 ) -> LifeUncertainty:
-    """Remaining life of a system whose rates, and load to come, are not exactly known.
+    """Return the remaining life of a system whose rates, and load to come, are not exactly known.
 
     ``loads``: equally likely futures; none: the outlook's own course is certain.
     """
@@ -171,7 +171,7 @@ def life_uncertainty(
 def completion_uncertainty(
     outlook: Outlook, task: Task, *, loads: Sequence[Future] = (), draws: int = DRAWS, seed: int = 0
 ) -> CompletionUncertainty:
-    """Completion of a task by a robot whose rates, and load where the task does not state it, are not exactly known."""
+    """Return the completion of a task where rates, and load that the task does not state, are not exactly known."""
     if not task.legs:
         return CompletionUncertainty(Completion(1.0, 0.0), *[Interval(0.0, 0.0, 0.0)] * 3)
     ratios = draw_rates(outlook.plant, draws, seed)
@@ -209,7 +209,7 @@ def _mean_of_first(operating: float, load: Future) -> Future:
 
 
 def completion_at_rates(outlook: Outlook, task: Task, ratio: float) -> Completion:
-    """Of a task by a robot whose rates are all so many times the stated ones, its past too."""
+    """Return the completion of a task by a robot whose rates, its past too, are all ``ratio`` times the stated ones."""
     if not task.legs:
         return Completion(1.0, 0.0)
     (failure, probability), _ = _completions(outlook, task, np.full((len(outlook.age), 1), ratio), [outlook.future])
@@ -217,9 +217,9 @@ def completion_at_rates(outlook: Outlook, task: Task, ratio: float) -> Completio
 
 
 def _completions(outlook: Outlook, task: Task, ratios: Array, futures: Sequence[Future]) -> tuple[Array, Array]:
-    """Of each draw: (failure, probability), shape (2, draws), and how much it counts; each has one of the futures."""
+    """Pairs (failure, probability) of draws, shape (2, draws), and the draws' weights; each draw has one future."""
     wanted, ends = needs(task)
-    mission = outlook.plant.mission(now(wanted), wanted)
+    mission = outlook.plant.mission(needed_now(wanted), wanted)
 
     def log_works(known: Array) -> Array:
         return mission.phases.log_known(known, np.zeros((len(ends), *known.shape)))
@@ -240,7 +240,7 @@ def _completions(outlook: Outlook, task: Task, ratios: Array, futures: Sequence[
 
 
 def predictive_life(outlook: Outlook, diagram: Block, ratios: Array, futures: Sequence[Future]) -> Interval:
-    """Quantiles of the remaining life [h] over draws of all rates (``draw_rates``), each with one of the futures."""
+    """Return quantiles of the remaining life [h] over draws of all rates (``draw_rates``), each with one future."""
     system = outlook.plant.system(diagram)
 
     def curve_of(ratios: Array) -> Curve:
@@ -279,7 +279,7 @@ def predictive_life(outlook: Outlook, diagram: Block, ratios: Array, futures: Se
 
 
 def _refined(curve: Curve, survives: Array, guess: Array) -> Array:
-    """The times at which a curve comes down to these, by secants on the logarithm of its cumulative hazard.
+    """The times at which a curve falls to these levels, by secants on the logarithm of its cumulative hazard.
 
     Where a secant leaves what the curve has shown, or the last came no nearer, as at a kink, the middle of it.
     """
@@ -316,7 +316,7 @@ def _refined(curve: Curve, survives: Array, guess: Array) -> Array:
 
 
 def _interval(values: Array, weight: Array) -> Interval:
-    """Weighted quantiles."""
+    """The weighted quantiles of an Interval."""
     order = np.argsort(values)
     level = np.cumsum(weight[order]) - weight[order] / 2
     return Interval(*(float(one) for one in np.interp([0.05, 0.5, 0.95], level, values[order])))
@@ -370,7 +370,7 @@ class _Drawn:
         lived, unseen = (parts.of_units(np.vstack((one, exact))) for one in (lived, unseen))
         known = outlook.known(parts, needed, unseen)
         self.known = parts.of_groups(known)
-        """Shape (groups, draws)."""
+        """Cumulative hazard of each group, less what is known not to have happened; shape (groups, draws)."""
         with np.errstate(divide="ignore", invalid="ignore"):
             total = alone + log_works(self.known)
             if failed.any():  # since it was last seen to work
@@ -378,14 +378,14 @@ class _Drawn:
         top = np.max(total)
         weight = np.exp(total - top) if np.isfinite(top) else np.ones(len(total))
         self.weight: Array = weight / weight.sum()
-        """Of each draw: its probability, given what is known; shape (draws,)."""
+        """Probability of each draw, given what is known; shape (draws,)."""
         # The first draws have the first future, the next have the next, and so on.
         self._scale = np.array_split(scale.reshape(-1, len(weight)), futures, axis=1)
         self.ratios = np.array_split(ratios[~self._is_power], futures, axis=1)
-        """Of the other modes in the draws of each future."""
+        """Ratios of the other modes in the draws of each future."""
 
     def gathered(self, stated: Sequence[Array], others: Sequence[Array], dependent: Sequence[Array]) -> Array:
-        """What steps add to the hazard of each group; shape (groups, steps, draws).
+        """Return the cumulative hazard that steps add to each group; shape (groups, steps, draws).
 
         For each future: to the modes that scale, at ``stated`` rates, shape (modes, steps); and to the ``others``
         under its draws, shape (modes, steps, draws); and to groups of ``dependent`` parts, shape (groups, steps).
@@ -409,14 +409,16 @@ class _Drawn:
 
 
 def _effective(evidence: Array) -> float:
-    """How many equally likely draws are worth as much (Kish), from the logarithms of their probabilities."""
+    """Kish's effective number of equally likely draws, from the logarithms of their probabilities."""
     top = np.max(evidence)
     weight = np.exp(evidence - top) if np.isfinite(top) else np.ones(len(evidence))
     return float(weight.sum() ** 2 / np.sum(weight**2))
 
 
 def _resampled(evidence: Array) -> npt.NDArray[np.intp]:
-    """Draws, as often as their evidence [ln of a probability] is worth (systematic resampling, Kitagawa 1996)."""
+    """Indices of draws, each as often as its evidence [ln of a probability] is worth: systematic resampling.
+
+    Source: Kitagawa (1996)."""
     top, count = np.max(evidence), len(evidence)
     if not np.isfinite(top):
         return np.arange(count)

@@ -1,4 +1,4 @@
-"""Parts of unknown rate: how many there are in what is asked about, and what they make of its figures.
+"""Parts of unknown rate: how many there are in a system, and how they make its figures bounds.
 
 Such a part is carried as if it never failed. In a coherent structure that bounds survival since new from above. Hazard
 rate, remaining life and task completion are of a system that works now: which of its redundant parts that leaves alive
@@ -20,52 +20,52 @@ from robophm.health.prognosis import Outlook
 
 IF_NEVER: Literal["if they never fail"] = "if they never fail"
 Bound = Literal["at least", "at most", "if they never fail"]
-"""How a stated figure stands to the truth."""
+"""The relation of a stated figure to the true one."""
 
 
 @dataclass(frozen=True)
 class PartsOfUnknownRate:
-    """What parts of unknown rate make of the figures of a system that they are in."""
+    """The effect of parts of unknown rate on the figures of a system that they are in."""
 
     parts: int
     hazard_rate: Literal["at least", "if they never fail"]
-    """What the stated hazard rate is."""
+    """Relation of the stated hazard rate to the true one."""
     reliability: Literal["at most"]
-    """What survival since new is."""
+    """Relation of the stated survival since new to the true one."""
     ahead: Literal["at most", "if they never fail"]
-    """What remaining life and task completion are."""
+    """Relation of the stated remaining life and task completion to the true ones."""
 
     @property
     def failing(self) -> Literal["at least", "if they never fail"]:
-        """What the probability of failing ahead is."""
+        """Return the relation of the stated probability of failing ahead to the true one."""
         return "at least" if self.ahead == "at most" else IF_NEVER
 
     @property
     def words(self) -> str:
-        """How many there are: "3 parts of unknown rate"."""
+        """Return how many there are, in words: "3 parts of unknown rate"."""
         return f"{self.parts:,} part{'s' * (self.parts != 1)} of {UNKNOWN} rate"
 
     @property
     def if_never(self) -> str:
-        """Of what holds only then: "if they never fail"."""
+        """Return the condition of figures that hold only then: "if they never fail"."""
         return "if it never fails" if self.parts == 1 else IF_NEVER
 
     def said(self, bound: Bound, text: str) -> str:
-        """A figure in words: "at least …", "at most …", or "…, if they never fail"."""
+        """Return a figure in words: "at least …", "at most …", or "…, if they never fail"."""
         return f"{text}, {self.if_never}" if bound == IF_NEVER else f"{bound} {text}"
 
     def said_ahead(self, text: str) -> str:
-        """A remaining life or probability of completion in words."""
+        """Return a remaining life or probability of completion in words."""
         return self.said(self.ahead, text)
 
     @property
     def left_out(self) -> str:
-        """How every sentence of them begins."""
+        """Return the beginning of every sentence about them."""
         return f"{self.words} {'is' if self.parts == 1 else 'are'} left out of the totals"
 
     @property
     def sentence(self) -> str:
-        """What they make of the figures of health."""
+        """Return the sentence on the figures of health."""
         bounded = "R, remaining life and PoTC are" if self.ahead == "at most" else "R is"
         if self.hazard_rate == "at least":
             return f"{self.left_out}: λ is at least, {bounded} at most what is stated"
@@ -74,28 +74,28 @@ class PartsOfUnknownRate:
 
     @property
     def of_tasks(self) -> str:
-        """What they make of the probabilities that tasks are completed."""
+        """Return the sentence on the probabilities that tasks are completed."""
         return f"{self.left_out}: every PoTC is {self._free if self.ahead == IF_NEVER else 'at most what is stated'}"
 
     @property
     def of_sets(self) -> str:
-        """What they make of minimal cut sets and path sets since new."""
+        """Return the sentence on minimal cut sets and path sets since new."""
         bounds = "a probability of failing is at least, one of working at most what is stated"
         return f"{self.left_out}: {bounds}; a share is {self._free}"
 
     @property
     def of_costs(self) -> str:
-        """What they make of a life cycle."""
+        """Return the sentence on a life cycle's costs and availability."""
         return f"{self.left_out}: costs and failures are at least, availability is at most what is stated"
 
     @property
     def of_shares(self) -> str:
-        """What they make of the failures to come."""
+        """Return the sentence on the failures to come."""
         return f"{self.left_out}: shares are of the failures of parts whose rate is known"
 
     @property
     def aside(self) -> str:
-        """What they make of figures of which only some are bounds, and say so: importances, gains, suspects."""
+        """Return the sentence on figures of which only some are bounds, and say so: importances, gains, suspects."""
         return f"{self.left_out}: what is not said to be at least or at most is {self._free}"
 
     @property
@@ -106,7 +106,7 @@ class PartsOfUnknownRate:
 def unknown(
     outlook: Outlook, *diagrams: Block, later: bool = False, seen: Collection[str] = ()
 ) -> PartsOfUnknownRate | None:
-    """Of one system, or of several that must work together; None where every rate in it is known.
+    """Return the effect of unknown rates on one system, or on several that must all work; None where all are known.
 
     ``later``: the hazard rate is of survivors at another time than now. ``seen``: failure modes, by path, of which
     something else than a rate says when they come, such as their wear.
@@ -127,35 +127,36 @@ def unknown(
     return PartsOfUnknownRate(count, rate, "at most", "at most" if working else IF_NEVER)
 
 
-def alone(parts: Iterable[Component]) -> PartsOfUnknownRate | None:
-    """Of parts whatever they are wired to: of figures that are made of them nothing is a bound; None where all rates
-    are known."""
+def unknown_in_parts(parts: Iterable[Component]) -> PartsOfUnknownRate | None:
+    """Return the effect on figures made of parts whatever their wiring: nothing is a bound. None where all rates are
+    known."""
     count = sum(part.quantity for part in parts if part.unknown)
     return PartsOfUnknownRate(count, IF_NEVER, "at most", IF_NEVER) if count else None
 
 
 def named(robot: Robot) -> str:
-    """The components of unknown rate, the first few by name."""
+    """Return the components of unknown rate, the first few by name."""
     return few([part.path for part in robot.all_components() if part.unknown])
 
 
 def few(names: Sequence[str], most: int = 5) -> str:
-    """The first few of many names."""
+    """Return the first few of many names, in words."""
     return ", ".join(names[:most]) + (f" and {len(names) - most:,} more" if len(names) > most else "")
 
 
 def marked(mark: str, text: str) -> str:
-    """A figure behind its mark; "unknown" where that would say nothing: at least 0, at most for ever."""
+    """Return a figure behind its mark; "unknown" where it would say nothing: at least 0, at most for ever."""
     number = text.partition(" ")[0].partition("/")[0]
     return UNKNOWN if mark and number in ("∞", "0") else mark + text
 
 
 def marks(left_out: PartsOfUnknownRate | None) -> tuple[str, str, str]:
-    """What stands before a hazard rate, a survival, and what lies ahead: "≥ ", "≤ ", or "? " if they never fail."""
+    """Return the marks before a hazard rate, a survival, and what lies ahead: "≥ ", "≤ ", or "? " if they never
+    fail."""
     if left_out is None:
         return "", "", ""
     return MARKS[left_out.hazard_rate], MARKS[left_out.reliability], MARKS[left_out.ahead]
 
 
 MARKS: dict[Bound, str] = {"at least": "≥ ", "at most": "≤ ", IF_NEVER: "? "}
-"""What stands before a figure."""
+"""The sign before a figure, for each relation to the truth."""

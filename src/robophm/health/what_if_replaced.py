@@ -37,7 +37,7 @@ class WhatIfReplaced:
         self._phases = Phases([(0, block) for block in diagrams[: len(known)]], needed)
         groups = [stands_for[name] for name in self._phases.names]
         self.parts = Parts(outlook.plant, [[name.removesuffix(_NEW) for name in group] for group in groups])
-        """Old units and new ones."""
+        """Parts of the plant, old units and new ones."""
         drawn = [name for group in groups for name in group]
         self._new = np.array([name.endswith(_NEW) for name in drawn])
         fatal = single_points_of_failure(*known)
@@ -45,7 +45,7 @@ class WhatIfReplaced:
         self._known[self._new] = 0.0
         nothing = np.zeros((max(phase for phase, _ in wanted), len(groups)))
         self.may_work = bool(self._phases.log_known(self.parts.of_groups(self._known), nothing) > -np.inf)
-        """Whether the diagrams can work now."""
+        """Whether the diagrams can work now, by what is known."""
 
     def given(self, more: Array, instead: Array) -> tuple[Array, Array]:
         """P(they fail) and P(they work until then), given that they work now; 1 and 0 where they cannot. Shape (...).

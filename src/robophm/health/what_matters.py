@@ -1,4 +1,4 @@
-"""What matters most to a system and what to replace first, in each view of a robot."""
+"""The units that matter most to a system and the parts to replace first, in each view of a robot."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from robophm.blocks.diagram import Block
-from robophm.core.given import number
+from robophm.core.argument_checks import number
 from robophm.design.task import Task
 from robophm.health.importance import LONGEST, Drawn, Importances, importances, usual_hours
 from robophm.health.outlooks import View
@@ -16,17 +16,17 @@ from robophm.health.replacement import Replacements, replacements
 
 @dataclass(frozen=True)
 class WhatMatters:
-    """How much each unit matters, and what there is to gain by putting each component in new."""
+    """The importance of each unit, and the gain of putting each component in new."""
 
     importances: Mapping[View, Importances]
-    """All within the same hours of operation."""
+    """Importances in each view, all within the same hours of operation."""
     replacements: Mapping[View, Replacements]
 
 
 def what_matters(
     views: Mapping[View, Outlook], diagram: Block, task: Task | None = None, hours: float | None = None
 ) -> WhatMatters:
-    """Of a system of one robot, in the views that are asked for, the sensor-based one among them.
+    """Return importances and gains for a system in the views given, the sensor-based one among them.
 
     ``task``: what completion of it would gain is stated too; ``hours`` of operation ahead that importances are within:
     unless given ``usual_hours`` of the sensor-based median remaining life. Raises RobophmError where these are none,

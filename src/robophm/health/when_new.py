@@ -1,4 +1,4 @@
-"""What a design promises when new, nominal, of the robot and of each module in it."""
+"""The nominal figures of a new design, for the robot and each module in it."""
 
 from __future__ import annotations
 
@@ -14,34 +14,34 @@ from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 
 
 @dataclass(frozen=True)
-class Promise:
-    """Nominal figures of a new robot or module after a number of operating hours; an infinite time is never."""
+class NominalFigures:
+    """Nominal figures of a new robot or module after a number of operating hours; an infinite time means never."""
 
     path: str
-    """Empty for the robot."""
+    """Path of the module; empty for the robot."""
     hazard_rate: float
-    """f/R then [1/h of operation]."""
+    """Hazard rate f/R then [1/h of operation]."""
     reliability: float
     unreliability: float
-    """Its complement, with its own digits."""
+    """Complement of the reliability, with its own digits."""
     mean_time_to_failure: float
-    """[h of calendar time]"""
+    """Mean time to failure of the new robot or module [h of calendar time]."""
     unknown: PartsOfUnknownRate | None = None
-    """What parts of unknown rate in it make of the figures."""
+    """The effect of its parts of unknown rate on the figures."""
 
 
-def promises(plant: Plant, hours: float) -> Iterator[Promise]:
-    """Of the robot, then of its modules, outer before inner, after so many hours of operation."""
+def nominal_figures(plant: Plant, hours: float) -> Iterator[NominalFigures]:
+    """Yield the figures of the robot, then of its modules, outer before inner, after so many hours of operation."""
     new, then = as_designed(plant), np.array([hours])
     for path, module in plant.robot.levels.items():
         works, failed, _ = (float(values[0]) for values in new.survival_curve(module.diagram, then))
         rate, left_out = new.hazard_curve(module.diagram, then), unknown(new, module.diagram, later=hours > 0)
         mean = new.remaining_life(module.diagram).mean
-        yield Promise(path, float(rate[0]), works, failed, mean, left_out)
+        yield NominalFigures(path, float(rate[0]), works, failed, mean, left_out)
 
 
 def hazard_rates(outlook: Outlook) -> dict[str, float]:
-    """Now [1/h of operation], of the robot, under an empty path, of each module and of each component by its path.
+    """Return hazard rates now [1/h of operation] by path: the robot's (empty path), each module's and component's.
 
     That of a component is of all its equal parts together.
     """

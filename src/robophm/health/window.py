@@ -13,7 +13,7 @@ from robophm.core.signal import Sample
 Array = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]
 Columns = Mapping[str, tuple[Times, Array]]
-"""Of each signal, times [ns since the epoch], ascending, and values."""
+"""Times [ns since the epoch], ascending, and values of each signal."""
 
 
 class Window:
@@ -27,7 +27,7 @@ class Window:
 
     @classmethod
     def of(cls, columns: Columns) -> Window:
-        """What columns hold."""
+        """Make a window that holds these columns."""
         window = cls()
         for signal, (times, values) in columns.items():
             if len(times):
@@ -36,7 +36,7 @@ class Window:
         return window
 
     def add(self, sample: Sample) -> None:
-        """One more."""
+        """Add one more sample."""
         time, signal, value = sample
         own = self._own.get(signal)
         if own is None:
@@ -49,11 +49,11 @@ class Window:
         return self._count
 
     def columns(self) -> Columns:
-        """What each signal said."""
+        """Return the samples of each signal, ascending in time."""
         return {signal: in_time(np.array(times), np.array(values)) for signal, (times, values) in self._own.items()}
 
     def samples(self) -> list[Sample]:
-        """All of it."""
+        """Return all samples, in order of time."""
         return sorted(
             Sample(time, signal, value)
             for signal, (times, values) in self._own.items()
@@ -61,14 +61,14 @@ class Window:
         )
 
     def take(self, until: int) -> Columns:
-        """Take out what is not later than a time [ns]."""
+        """Take out the samples that are not later than a time [ns]."""
         both = parted(self.columns(), until)
         rest = Window.of(both[1])
         self._own, self._count = rest._own, rest._count
         return both[0]
 
     def copy(self) -> Window:
-        """An independent copy."""
+        """Return an independent copy of the window."""
         copy = Window()
         copy._own = {signal: (times[:], values[:]) for signal, (times, values) in self._own.items()}
         copy._count = self._count
@@ -76,7 +76,7 @@ class Window:
 
 
 def parted(columns: Columns, time: int) -> tuple[Columns, Columns]:
-    """What is not later than a time [ns], and what is."""
+    """Split columns into the samples not later than a time [ns], and the later ones."""
     ready, rest = {}, {}
     for signal, (times, values) in columns.items():
         split = int(np.searchsorted(times, time, side="right"))
@@ -86,7 +86,7 @@ def parted(columns: Columns, time: int) -> tuple[Columns, Columns]:
 
 
 def in_time(times: Times, values: Array) -> tuple[Times, Array]:
-    """Samples ascending in time [ns], of equal times the greatest value last."""
+    """Sort samples by time [ns], of equal times the greatest value last."""
     if (times[1:] > times[:-1]).all():
         return times, values
     order = np.lexsort((values, times))

@@ -1,4 +1,4 @@
-"""A robot of which some failure modes are seen coming: their wear in the place of their hazard, all else as it is."""
+"""Wear beside hazard: a robot whose worn failure modes follow their wear, and all others their hazard rate."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from robophm.health.prognosis import Outlook, RemainingLife
 Array = npt.NDArray[np.float64]
 
 Worn = Mapping[int, Callable[[Array], Array]]
-"""By failure mode: its cumulative hazard after so many hours of calendar time, from 0 now."""
+"""The cumulative hazard of each worn failure mode after so many hours of calendar time, from 0 now."""
 
 
 def curve(outlook: Outlook, diagram: Block, worn: Worn) -> Curve:
-    """P(fails within so many hours | what is known now) and P(survives), as ``Outlook.curve``.
+    """Return P(fails within so many hours | what is known now) and P(survives), as ``Outlook.curve``.
 
     A mode whose wear is seen has not failed by now: the sensor says so. Raises RobophmError where its part is a member
     of a group of dependent parts, whose lives are not its own.
@@ -49,7 +49,7 @@ def curve(outlook: Outlook, diagram: Block, worn: Worn) -> Curve:
 
 
 def remaining_life(outlook: Outlook, diagram: Block, worn: Worn) -> RemainingLife:
-    """Of the system, hazard and wear together."""
+    """Return the remaining life of the system, from hazard and wear together."""
     both = curve(outlook, diagram, worn)
     if not both(np.zeros(1))[1][0] > 0:
         return RemainingLife(0.0, 0.0, 0.0, 0.0)

@@ -1,4 +1,4 @@
-"""What the field says: failures → rates, life data → distributions, wear → remaining life, costs → maintenance.
+"""Learning from the field: failures → rates, life data → distributions, wear → remaining life, costs → maintenance.
 
 ``rates/``: logs of failures → updated rates. ``life_data/``: lives and tests → life distributions. ``wear/``: readings
 of wear → remaining life. ``maintenance/``: costs → when to replace what. ``diagnosis/``: alarms → suspects. No room

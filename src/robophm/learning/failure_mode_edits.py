@@ -57,7 +57,7 @@ def _mode(design: EditedText, path: str) -> Any:
 
 
 def _elsewhere(node: Any) -> str:
-    """Where the failure modes of a part are, where they are not in the design."""
+    """The place of a part's failure modes, in words, where they are not in the design itself."""
     named = child(node, "part") if node.id == "mapping" else None
     return f": failure_modes copied from '{named[1].value}' of the library" if named else ""
 

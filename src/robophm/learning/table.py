@@ -23,25 +23,25 @@ _HEADING = re.compile(r"(?P<name>[^\[\]()]+?)\s*(?:[\[(](?P<unit>[^\[\]()]*)[\])
 
 @dataclass(frozen=True)
 class Row:
-    """One line of a table."""
+    """One line of a table, by column."""
 
     table: str
     line: int
     cells: Mapping[str, str]
-    """By column; an empty one is not there."""
+    """Texts of the cells by column; an empty cell is not there."""
     units: Mapping[str, str]
-    """That the headings of columns state."""
+    """Units that the headings of columns state."""
 
     def text(self, column: str, default: str = "") -> str:
-        """What is written in a column."""
+        """Return the text in a column."""
         return self.cells.get(column, default)
 
     def error(self, message: str, column: str = "") -> DataError:
-        """What is wrong with it."""
+        """Return an error at this line, to be raised."""
         return DataError(f"{self.table}:{self.line}: {f'{column}: ' if column else ''}{message}")
 
     def number(self, column: str, default: float | None = None) -> float:
-        """A plain number. Raises DataError where it is none, not finite, or missing without a default."""
+        """Return a plain number. Raises DataError where it is none, not finite, or missing without a default."""
         written = self.text(column)
         if not written:
             if default is None:
@@ -56,7 +56,7 @@ class Row:
         return value
 
     def quantity(self, column: str, unit: str, text: str | None = None) -> float:
-        """A quantity in a unit, which the cell or the heading of its column states. Raises DataError."""
+        """Return a quantity in a unit, which the cell or its column's heading states. Raises DataError."""
         written = self.text(column) if text is None else text
         stated = self.units.get(column, "")
         bare = re.fullmatch(r"[-+.\deE]+", written) is not None
@@ -67,7 +67,7 @@ class Row:
             raise self.error(f"{error}{hint}", column) from None
 
     def choice(self, column: str, options: Mapping[str, Sequence[str]], default: str) -> str:
-        """One of some options, in any of its spellings. Raises DataError."""
+        """Return one of some options, in any of its spellings. Raises DataError."""
         written = self.text(column).strip().casefold()
         if not written:
             return default
@@ -78,7 +78,7 @@ class Row:
 
 
 def date_of(row: Row, column: str) -> datetime:
-    """A date in ISO 8601; of no time zone it is UTC, wherever it is read. Raises DataError."""
+    """Return a date in ISO 8601; without a time zone it is UTC, wherever it is read. Raises DataError."""
     written = row.text(column)
     if not written:
         raise row.error("is empty; expected a date, e.g. 2024-03-18", column)
@@ -90,11 +90,11 @@ def date_of(row: Row, column: str) -> datetime:
 
 
 YES = {"yes": ("y", "true", "1", "x"), "no": ("n", "false", "0")}
-"""Spellings of the two."""
+"""Spellings of yes and no."""
 
 
 def read_table(path: Path, columns: Mapping[str, Sequence[str]], what: str, *, free: bool = False) -> list[Row]:
-    """The rows of a CSV file, or of a YAML file's list ``what``; at least one.
+    """Read the rows of a CSV file, or of a YAML file's list ``what``; at least one.
 
     ``columns``: their names and other spellings. Another column is refused unless tables are ``free`` to have more;
     one whose heading begins with # or is 'note' is left out. Raises DataError.

@@ -1,4 +1,4 @@
-"""How hazard depends on age. One file here is one life distribution; the file's name is its name in a design.
+"""Life distributions: how hazard depends on age. One file here is one distribution; its name is that in a design.
 
 A new distribution is one new file with one public class derived from ``LifeDistribution``, or such a module
 in somebody else's package under the entry-point group ``robophm.life``. Files are imported on first use.

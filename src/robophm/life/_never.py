@@ -1,4 +1,4 @@
-"""What stands for a life of which nothing is known: it never ends. No plug: a design cannot ask for it.  H = 0"""
+"""The life of a part of unknown rate, which never ends. No plug: a design cannot ask for it.  H = 0"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every life distribution offers. Symbols: H cumulative hazard, h hazard, S survival = exp(−H).
+"""The interface of every life distribution. Symbols: H cumulative hazard, h hazard, S survival = exp(−H).
 
 Ages and durations are in the unit of the clock on which a failure mode ages (h, km, cycles, starts), hazards
 per that unit. Every method takes scalars or arrays, broadcasts them, and returns what NumPy makes of them.
@@ -20,8 +20,8 @@ from typing import ClassVar, Self, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robophm.core.argument_checks import floats, number
 from robophm.core.errors import ModelError, nearest
-from robophm.core.given import floats, number
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -68,7 +68,7 @@ class LifeDistribution(ABC):
         return integral(self._hazard, x, d)
 
     def _hazards(self, x: Array) -> tuple[Array, Array]:
-        """H and h."""
+        """The cumulative hazard H and the hazard h."""
         return self._cumulative_hazard(x), self._hazard(x)
 
     def _increment(self, x: Array, d: Array) -> Array:
@@ -87,7 +87,7 @@ class LifeDistribution(ABC):
     # What follows.
 
     def __post_init__(self) -> None:
-        """Check the parameters: ModelError where one is not a finite number, or not positive."""
+        """Check the parameters; ModelError where one is not a finite number, or not positive."""
         for name in self.dimensions:
             value = getattr(self, name)
             number = isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
@@ -330,6 +330,6 @@ def part_beyond(origin: float | Array, age: Array, duration: Array) -> Array:
 
 
 def _plain(values: ArrayLike) -> Array:
-    """Scalars for scalars."""
+    """An array of values, or a scalar for scalars."""
     plain: Array = np.asarray(values)[()]
     return plain

@@ -30,7 +30,7 @@ class Lognormal(LifeDistribution):
     scale_parameter: ClassVar = "log_mean"
 
     def __post_init__(self) -> None:
-        """Check the parameters: ModelError also where the median is beyond a double."""
+        """Check the parameters; ModelError also where the median is beyond a double."""
         super().__post_init__()
         if abs(self.log_mean) > 700:
             raise ModelError(f"Lognormal: log_mean = {self.log_mean}, expected −700 … 700")

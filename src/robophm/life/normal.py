@@ -1,4 +1,4 @@
-"""The normal distribution.  H = −ln Φ(−z),  h = φ(z)/(σ·Φ(−z)),  z = (t − centre)/σ
+"""The normal distribution of lives.  H = −ln Φ(−z),  h = φ(z)/(σ·Φ(−z)),  z = (t − centre)/σ
 
 Φ(−z) = erfc(z/√2)/2 = exp(−z²/2)·erfcx(z/√2)/2, so that neither H nor h ever divides by what underflows.
 """

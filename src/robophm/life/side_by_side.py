@@ -23,9 +23,9 @@ def kind(life: LifeDistribution) -> object:
 class _Together(NamedTuple):
     rows: slice | NDArray[np.intp]
     life: LifeDistribution
-    """Its parameters are columns, or numbers where all are equal."""
+    """Distribution whose parameters are columns, or numbers where all are equal."""
     plain: bool
-    """Whether x is the age, and H and h may be asked of it as it is."""
+    """Whether x is the age, so that H and h may be asked of it directly."""
 
 
 class Lives:
@@ -102,7 +102,7 @@ class Lives:
         return hazard
 
     def _classes(self, ndim: int) -> list[_Together]:
-        """For arrays of so many axes."""
+        """The distributions by class, for arrays of so many axes."""
         if ndim not in self._of_axes:
             self._of_axes[ndim] = [self._together(members, ndim) for members in self._members]
         return self._of_axes[ndim]

@@ -68,7 +68,7 @@ class Weibull(LifeDistribution):
         return added
 
     def _new_at_pace(self, pace: Array) -> Callable[[Array], Array]:
-        """By ln H = β·ln(pace/η) + β·ln t, a thin matrix product, and one exp where there was a power."""
+        """The increments by ln H = β·ln(pace/η) + β·ln t: a thin matrix product, and one exp for each power."""
         log = np.asarray(self.shape * np.log(pace / self.scale))
         terms = np.stack((log, np.broadcast_to(self.shape, log.shape)), axis=-1).reshape(-1, 2)
 
@@ -95,7 +95,7 @@ class Weibull(LifeDistribution):
 
 
 _DOUBLED = math.log(2.0)
-"""Of ln H: beyond it the difference of two H is good to two bits."""
+"""Difference of ln H beyond which the difference of two H is good to two bits."""
 
 
 def _gamma(x: float) -> float:

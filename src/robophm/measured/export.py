@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 from robophm.core.errors import RobophmError
 from robophm.core.files import replacing
 from robophm.core.signal import SECOND
-from robophm.measured.held import Floats, Ints, Samples, in_order
+from robophm.measured.held_values import Floats, Ints, Samples, in_order
 from robophm.measured.recordings import Recorded, Signal
 
 ROWS = 1 << 16
-"""Of a group of a Parquet file."""
+"""Rows of a group of a Parquet file."""
 
 SUFFIXES = (".csv", ".parquet")
 
@@ -45,7 +45,8 @@ def export(
     path: Path,
     notes: Counter[str],
 ) -> int:
-    """Write all samples of the signals in order of time; how many rows. A file that was there is replaced at the end.
+    """Write all samples of the signals in order of time; return how many rows. A file that was there is replaced at the
+    end.
 
     Raises RobophmError where the suffix is neither .csv nor .parquet, pyarrow is missing, or nothing can be written.
     """
@@ -62,7 +63,7 @@ def export(
 
 @contextmanager
 def writing(path: Path, units: Mapping[str, str | None]) -> Iterator[Writer]:
-    """The writer of a table of these signals, chosen by the file's suffix."""
+    """Open the writer of a table of these signals, chosen by the file's suffix."""
     make = {".csv": _Csv, ".parquet": _parquet()} if path.suffix == ".parquet" else {".csv": _Csv}
     if path.suffix not in make:
         raise RobophmError(f"{path}: cannot be written; expected a name that ends in {' or '.join(SUFFIXES)}")
@@ -98,7 +99,7 @@ def _table(block: Mapping[str, Samples], names: Sequence[str]) -> tuple[Ints, Fl
 
 
 class _Csv(Writer):
-    """As the transport ``csv`` reads it: exact times and values."""
+    """Writes CSV as the transport ``csv`` reads it: exact times and values."""
 
     def __init__(self, stream: IO[bytes], units: Mapping[str, str | None]) -> None:
         self._stream = stream

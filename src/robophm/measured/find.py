@@ -1,4 +1,4 @@
-"""Where in recordings something holds for at least so long: above, below, between, changing fast, stuck, missing."""
+"""Search in recordings for where something holds long enough: above, below, between, changing fast, stuck, missing."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
-from robophm.measured.held import Floats, HeldValues, InOrder, Ints, Samples, finite, held
+from robophm.measured.held_values import Floats, HeldValues, Ints, Samples, SampleSorter, finite, held_values
 from robophm.measured.recordings import Recorded, Signal
 
 MOST_HITS = 10_000
@@ -21,19 +21,19 @@ MOST_HITS = 10_000
 
 @dataclass(frozen=True)
 class Condition:
-    """What is looked for, exactly one kind. Levels are in the signal's unit, ``faster`` per second."""
+    """The condition that is looked for, of exactly one kind. Levels are in the signal's unit, ``faster`` per second."""
 
     above: float | None = None
     below: float | None = None
-    """With ``above``: between the two."""
+    """Upper limit of the value; with ``above``: the value lies between the two."""
     faster: float | None = None
     """|change from one sample to the next| per second above this."""
     stuck: bool = False
-    """The very same value again and again."""
+    """Whether the very same value is looked for, again and again."""
     missing: bool = False
-    """No sample."""
+    """Whether stretches without a sample are looked for."""
     at_least: int = 0
-    """Nanoseconds without interruption."""
+    """Nanoseconds for which it must hold without interruption."""
 
     def __post_init__(self) -> None:
         kinds = [self.above is not None or self.below is not None, self.faster is not None, self.stuck, self.missing]
@@ -49,7 +49,7 @@ class Condition:
             raise RobophmError("stuck and missing are of some time; expected for how long at least")
 
     def holds(self, here: HeldValues) -> tuple[NDArray[np.bool_], Ints, Floats]:
-        """Whether the condition holds in each stretch, until when, and the value or change per second that shows it."""
+        """Return whether it holds in each stretch, until when, and the value or change per second that shows it."""
         if self.above is not None or self.below is not None:
             true = np.ones(len(here.times), np.bool_)
             if self.above is not None:
@@ -71,10 +71,10 @@ class Hit(NamedTuple):
 
     recording: str
     begin: int
-    """[ns since the epoch]"""
+    """Begin of the stretch [ns since the epoch]."""
     end: int
     lowest: float
-    """Value in it, or change per second; NaN where something is missing."""
+    """Lowest value in it, or change per second; NaN where something is missing."""
     highest: float
 
 
@@ -83,10 +83,10 @@ class Found:
     """The stretches that were found, and how many there were in all."""
 
     hits: list[Hit] = field(default_factory=list)
-    """The first MOST_HITS."""
+    """The first MOST_HITS stretches."""
     count: int = 0
     length: int = 0
-    """Of all of them [ns]."""
+    """Length of all stretches together [ns]."""
     without: list[str] = field(default_factory=list)
     """Recordings that do not have the signal."""
     notes: Counter[str] = field(default_factory=Counter)
@@ -106,7 +106,7 @@ def find(
     max_age: int,
     advance: Callable[[int, int], None] = lambda done, total: None,
 ) -> Found:
-    """All stretches in which the condition holds, recording by recording; ``max_age`` [ns] that a value holds."""
+    """Return all stretches in which the condition holds, recording by recording; values hold for ``max_age`` [ns]."""
     found = Found()
     for done, recorded in enumerate(found_in):
         advance(done, len(found_in))
@@ -125,7 +125,7 @@ def find(
 
 
 class Runs:
-    """Stretches that touch become one, across blocks."""
+    """Joins stretches that touch to one, across blocks."""
 
     def __init__(self, condition: Condition, name: str) -> None:
         self._condition = condition
@@ -133,7 +133,7 @@ class Runs:
         self._open: Hit | None = None
 
     def feed(self, here: HeldValues) -> Iterator[Hit]:
-        """The runs that are over, long enough."""
+        """Yield the runs that are over and long enough."""
         if not len(here.times):
             return
         true, ends, values = self._condition.holds(here)
@@ -163,7 +163,7 @@ class Runs:
             yield from self.rest()
 
     def rest(self) -> Iterator[Hit]:
-        """The run that is not over, if it is long enough."""
+        """Yield the run that is not over, if it is long enough."""
         if self._open and self._open.end - self._open.begin >= self._condition.at_least:
             yield self._open
         self._open = None
@@ -173,15 +173,15 @@ def _stretches(
     recorded: Recorded, signal: Signal, condition: Condition, max_age: int, notes: Counter[str]
 ) -> Iterator[Hit]:
     runs = Runs(condition, recorded.name)
-    for block in held(recorded, [signal], max_age, notes):
+    for block in held_values(recorded, [signal], max_age, notes):
         yield from runs.feed(block[signal.name])
     yield from runs.rest()
 
 
 def _missing(recorded: Recorded, signal: Signal, at_least: int, notes: Counter[str]) -> Iterator[Hit]:
-    """From one sample to the next, and from where the recording begins and until it ends, by receipt of any topic."""
+    """Stretches without a sample, between samples and at the recording's begin and end, by receipt of any topic."""
     present = [signal] if recorded.has(signal) else []
-    ordered = InOrder(recorded, present, notes)
+    ordered = SampleSorter(recorded, present, notes)
     columns = recorded.columns(present, recorded.topics)
     heard: list[int] = []
     """When it was heard last; at first, when the recording begins."""

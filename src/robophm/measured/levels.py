@@ -1,4 +1,4 @@
-"""Time at level: how long a signal was in each of equally wide steps of its value; of several at once, in each cell.
+"""Time at level: how long a signal was in each of equally wide steps of its value; for several, in each cell.
 
 The width of a step is a power of two, and each step begins at a multiple of it. So two steps are exactly one of twice
 the width, and the levels can be widened as the values spread: what is counted depends on the samples alone, never on
@@ -32,27 +32,27 @@ Ints = NDArray[np.int64]
 
 
 class Levels:
-    """How much of something there was in each cell of levels; of each signal at most ``wanted`` steps."""
+    """Sums of something in each cell of levels; each signal has at most ``wanted`` steps."""
 
     def __init__(self, signals: int, sums: int, wanted: int) -> None:
-        """``sums`` are kept of each cell; the first is the time, or whatever levels are weighted by."""
+        """Begin empty; ``sums`` are kept of each cell, the first of time, or of whatever levels are weighted by."""
         if not 2 <= wanted <= MOST_STEPS:  # no one step holds values on both sides of zero
             raise RobophmError(f"{wanted} levels; expected 2 to {MOST_STEPS}")
         self._most = max(2, math.floor(MOST_CELLS ** (1 / signals) + 1e-9))
         self._wanted = min(wanted, self._most)
         self._exponent = np.full(signals, _NOUGHT)
         self.keys: Ints = np.empty((0, signals), np.int64)
-        """Of each cell, which step of each signal, ascending; times the width it is where the step begins."""
+        """Steps of each signal for each cell, ascending; times the width, a step is where it begins."""
         self.sums: Floats = np.empty((0, sums))
-        """Of each cell; shape (cells, sums)."""
+        """Sums of each cell; shape (cells, sums)."""
         self.least: Floats = np.empty((0, signals + 1))
-        """Of each cell the values, and before them the rank, of what has the lowest rank in it."""
+        """Values, and before them the rank, of what has the lowest rank in each cell."""
         self.greatest: Floats = np.empty((0, signals + 1))
-        """The same of the highest rank."""
+        """Values, and before them the rank, of what has the highest rank in each cell."""
 
     @property
     def widths(self) -> Floats:
-        """The widths of the steps of each signal."""
+        """Return the widths of the steps of each signal."""
         widths: Floats = np.ldexp(1.0, self._exponent)
         return widths
 
@@ -114,13 +114,13 @@ class Levels:
 
 
 def _first_of(cell: Ints, ranked: Floats, first: Ints) -> Floats:
-    """Of each cell the row that comes first by rank and then by its values."""
+    """The row of each cell that comes first by rank and then by its values."""
     found: Floats = ranked[np.lexsort((*ranked.T[::-1], cell))][first]
     return found
 
 
 def marginal(levels: Levels, signal: int) -> tuple[Floats, Floats]:
-    """The levels of one signal: where each step begins, first to last without a gap, and its part of the first sum."""
+    """Return where each step of one signal begins, first to last without a gap, and its part of the first sum."""
     if not len(levels.keys):
         return np.empty(0), np.empty(0)
     keys = levels.keys[:, signal]
@@ -131,6 +131,6 @@ def marginal(levels: Levels, signal: int) -> tuple[Floats, Floats]:
 
 
 def shares(sums: Sequence[float] | Floats) -> Floats:
-    """Sums as parts of all of them; zeros where there is nothing."""
+    """Return sums as parts of all of them; zeros where there is nothing."""
     whole = float(np.sum(sums))
     return np.asarray(sums, dtype=float) / whole if whole else np.zeros(len(sums))

@@ -1,4 +1,4 @@
-"""What recordings hold: topics, their fields and units, when they were heard, and when they were not."""
+"""An overview of recordings: topics, their fields and units, when they were heard, and when they were not."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
-from robophm.measured.held import Ints
+from robophm.measured.held_values import Ints
 from robophm.measured.recordings import Recorded
 from robophm.transports.recordings.recording import Recording
 from robophm.transports.signals.message_units import field_unit
@@ -35,7 +35,7 @@ class Topic:
     fields: Mapping[str, str | None]
     """Numeric fields, ``[]`` for the index of an element, and their units where the type states one."""
     names: Mapping[str, list[str]] = field(default_factory=dict)
-    """Of fields, the names by which the first message tells their elements."""
+    """Names by which the first message tells the elements of fields, by field."""
     messages: int = 0
     first: int | None = None
     last: int | None = None
@@ -45,16 +45,16 @@ class Topic:
     """Begin and length [ns] of the longest, in order of time."""
     gap_count: int = 0
     gap_length: int = 0
-    """Of all of them [ns]."""
+    """Length of all gaps together [ns]."""
 
     @property
     def span(self) -> tuple[int, int] | None:
-        """The first and the last message; None where there is none."""
+        """Return the times of the first and the last message; None where there is none."""
         return None if self.first is None or self.last is None else (self.first, self.last)
 
     @property
     def longest_gap(self) -> tuple[int, int] | None:
-        """Its begin and length [ns], the first of several; None where there is none."""
+        """Return the begin and length [ns] of the longest gap, the first of several; None where there is none."""
         return max(self.gaps, key=lambda gap: gap[1], default=None)
 
 
@@ -68,13 +68,13 @@ class Overview:
 
     @property
     def span(self) -> tuple[int, int] | None:
-        """The first and the last message of any topic; None where there is none."""
+        """Return the times of the first and the last message of any topic; None where there is none."""
         spans = [topic.span for topic in self.topics if topic.span]
         return (min(first for first, _ in spans), max(last for _, last in spans)) if spans else None
 
 
 def overview(recorded: Recorded, gap: int | None = None) -> Overview:
-    """An overview of a recording; a ``gap`` [ns] without a message counts, or GAP times the topic's median interval."""
+    """Return an overview of a recording; silence of a ``gap`` [ns], or GAP times the median interval, counts as one."""
     names: dict[str, dict[str, list[str]]] = {}
     with suppress(SourceError), Recording(*recorded.paths) as recording:  # what is damaged is said below
         names = recording.names()
@@ -138,7 +138,7 @@ class _Heard:
 
 
 def per_second(topic: Topic) -> float | None:
-    """Messages a second while the topic was heard without a gap; None where there are too few to tell."""
+    """Return messages a second while the topic was heard without a gap; None where there are too few to tell."""
     if topic.first is None or topic.last is None or topic.messages < 2:
         return None
     heard = topic.last - topic.first - topic.gap_length

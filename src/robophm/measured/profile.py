@@ -21,16 +21,16 @@ from robophm.core.signal import split_signal
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
-from robophm.measured.held import Floats
+from robophm.measured.held_values import Floats
 from robophm.measured.levels import Levels, shares
 from robophm.measured.recordings import Recorded, Signal
-from robophm.monitoring.by_block import BlockMonitor
+from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.recording_sessions import bound
+from robophm.monitoring.recording_sessions import bound_signals
 from robophm.transports.recordings.columns.topic_columns import by_signal
 
 MOST_LEGS = 10_000
-"""Of a task, as the design file has it."""
+"""The most legs of a task, as the design file has it."""
 
 _SAME = 1e-12
 """Rounding, as a part of what is stated: two parts that are warmer by other rises state the same of what is around."""
@@ -45,7 +45,7 @@ class Input:
 
     name: str
     unit: str
-    """Of the model."""
+    """Unit of the input, as the model takes it."""
     signal: str
     stress: str
     """The name under which a leg states it."""
@@ -53,7 +53,7 @@ class Input:
     """The least and the most that all models which take it allow, as a sensor reads it."""
     high: float
     shift: float
-    """How much more the parts have than their sensor reads."""
+    """Difference of the parts' input from what their sensor reads."""
     designed: float
 
 
@@ -65,79 +65,82 @@ class Profile:
     """Paths of the failure modes."""
     clock: str
     unit: str
-    """Of what is counted at each level: hours of operation, km, cycles or starts."""
+    """Unit of what is counted at each level: hours of operation, km, cycles or starts."""
     inputs: tuple[Input, ...]
     levels: Levels
-    """By cell: how far the clock went, and the same times the stress factor."""
+    """Advance of the clock in each cell, and the same times the stress factor."""
     typical: Floats
-    """Of each cell, the inputs that stand for it; shape (cells, inputs)."""
+    """Inputs that stand for each cell; shape (cells, inputs)."""
     error: float
-    """How much more the typical values age the parts than what they stand for, as a part of that: 0 but for rounding
-    where the model has no steps and is within its range."""
+    """Relative excess of the parts' ageing at the typical values: 0 but for rounding, where the model has no steps and
+    is within its range.
+    """
 
     @property
     def share(self) -> Floats:
-        """The share of each cell in all that the clock advanced."""
+        """Return the share of each cell in all that the clock advanced."""
         return shares(self.levels.sums[:, 0])
 
     @property
     def gone(self) -> float:
-        """How far the clock advanced over all levels together."""
+        """Return how far the clock advanced over all levels together."""
         return float(self.levels.sums[:, 0].sum())
 
     @property
     def factors(self) -> Floats:
-        """The mean stress factor in each cell; shape (cells,)."""
+        """Return the mean stress factor in each cell; shape (cells,)."""
         found: Floats = self.levels.sums[:, 1] / self.levels.sums[:, 0]
         return found
 
     @property
     def factor(self) -> float:
-        """The mean stress factor over the profile."""
+        """Return the mean stress factor over the profile."""
         whole = self.gone
         return float(self.levels.sums[:, 1].sum()) / whole if whole else 1.0
 
 
 @dataclass(frozen=True)
-class Lived:
+class StressProfiles:
     """The levels at which a robot's parts worked in some recordings."""
 
     robot: Robot
     profiles: tuple[Profile, ...]
     ledger: Ledger
-    """As a replay has it."""
+    """The ledger as a replay has it."""
     notes: Counter[str]
 
     @property
     def operating(self) -> float:
-        """The operating time [h]."""
+        """Return the operating time [h]."""
         return float(self.ledger.clocks.value[0])
 
     @property
     def calendar(self) -> float:
-        """The calendar time [h]."""
+        """Return the calendar time [h]."""
         return float(self.ledger.clocks.value[1])
 
     def counted(self, clock: str) -> float:
-        """How far a clock advanced: the robot's own, or of the first part that ages on it; 0 where there is none."""
+        """Return the advance of a clock: the robot's own, or that of the first part that ages on it; 0 where there is
+        none.
+        """
         if clock in self.ledger.odometers:
             return float(self.ledger.clocks.value[2 + self.ledger.odometers.index(clock)])
         ages = zip(self.robot.modes, self.ledger.age.value.tolist(), strict=True)
         return next((age for mode, age in ages if mode.clock == clock), 0.0)
 
 
-def lived(
+def stress_profiles(
     robot: Robot,
     recorded: Recorded,
     steps: int,
     *,
     skip_missing: bool = False,
-) -> Lived:
-    """The levels at which a robot worked in one or several recordings, at most ``steps`` levels of each input.
+) -> StressProfiles:
+    """Return the levels at which a robot worked in recordings, at most ``steps`` levels of each input.
 
     Raises SourceError where a bound signal is missing or measures something else, or nothing that ages is measured.
     """
-    names = bound(robot, recorded.topics, skip_missing=skip_missing)
+    names = bound_signals(robot, recorded.topics, skip_missing=skip_missing)
     signals = [Signal(name, *split_signal(name), None) for name in names]
     if not any(mode.measured for mode in robot.modes):
         raise SourceError(f"no part of {robot.name} has a measured input; expected `signals` in its design")
@@ -166,7 +169,7 @@ def lived(
     profiles = [_profile(robot, members, levels, notes) for members, levels in counted.items() if len(levels.keys)]
     for reason, count in ledger.counts.items():
         notes[reason] += count
-    return Lived(robot, tuple(profiles), ledger, notes)
+    return StressProfiles(robot, tuple(profiles), ledger, notes)
 
 
 def _profile(robot: Robot, members: Sequence[int], levels: Levels, notes: Counter[str]) -> Profile:
@@ -226,11 +229,11 @@ class Legs:
 
     shares: Floats
     stresses: Mapping[str, tuple[str, Floats]]
-    """By the key that a leg states: the unit, and the value in each leg."""
+    """Stresses by the key that a leg states: the unit, and the value in each leg."""
 
 
-def legs_of(found: Lived) -> Legs:
-    """The levels of all parts side by side, rising together: cut wherever the level of any part changes.
+def legs_of(found: StressProfiles) -> Legs:
+    """Return the levels of all parts side by side, rising together: cut wherever the level of any part changes.
 
     Raises RobophmError where there would be more legs than MOST_LEGS.
     """
@@ -239,7 +242,7 @@ def legs_of(found: Lived) -> Legs:
     every = every[(every > _FAINT) & (every < 1 - _FAINT)]
     cuts = every[np.append(True, np.diff(every) > _FAINT)] if len(every) else every
     if len(cuts) >= MOST_LEGS:
-        raise RobophmError(f"{len(cuts) + 1:,} legs; expected at most {MOST_LEGS:,}, as with fewer levels (--bins)")
+        raise RobophmError(f"{len(cuts) + 1:,} legs; expected at most {MOST_LEGS:,}, as with fewer levels")
     edges = np.concatenate(([0.0], cuts, [1.0]))
     middle = (edges[:-1] + edges[1:]) / 2
     stated: dict[tuple[str, str], tuple[str, Floats]] = {}
@@ -256,7 +259,7 @@ def _origin(robot: Robot, path: str) -> str:
 
 
 def _gathered(robot: Robot, stated: Mapping[tuple[str, str], tuple[str, Floats]]) -> dict[str, tuple[str, Floats]]:
-    """What is stated of each part, said once of a module where it is the same for all in it that take it."""
+    """The stresses stated of parts, said once of a module where they are the same for all in it that take them."""
     found: dict[str, tuple[str, Floats]] = {}
     for name in dict.fromkeys(name for _, name in stated):
         takers = list(dict.fromkeys(
@@ -280,8 +283,10 @@ def _gathered(robot: Robot, stated: Mapping[tuple[str, str], tuple[str, Floats]]
     return found
 
 
-def task_text(found: Lived, name: str, source: str) -> str:
-    """The load to come as a task file: what the recordings had, over and over. Raises RobophmError as ``legs_of``."""
+def task_text(found: StressProfiles, name: str, source: str) -> str:
+    """Return the load to come as a task file: what the recordings had, over and over. Raises RobophmError as
+    ``legs_of``.
+    """
     legs = legs_of(found)
     distance = 1000 * found.counted("kilometres")
     counts = {clock: found.counted(clock) for clock in ("cycles", "starts")}

@@ -1,4 +1,4 @@
-"""Which recordings are looked at, and what of them: signals and their units."""
+"""Recordings that are looked at, with their signals and units."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Recorded:
     name: str
     paths: tuple[Path, ...]
     topics: Mapping[str, tuple[str, tuple[str, ...]]]
-    """By topic: type of its messages, and numeric fields, ``[]`` for the index of an element."""
+    """Type of messages and numeric fields of each topic, ``[]`` for the index of an element."""
     lost: tuple[str, ...] = ()
     """Files beside it of which nothing can be read, and why."""
 
@@ -33,29 +33,29 @@ class Recorded:
         return any_element(signal.field) in fields or (named(signal.field) and bool(fields))
 
     def columns(self, signals: Iterable[Signal], topics: Iterable[str] = ()) -> Columns:
-        """The samples of these signals, and when messages of these topics were received."""
+        """Return the samples of these signals, and when messages of these topics were received."""
         columns = read_columns(self.paths, [signal.name for signal in signals], topics=topics)
         columns.notes.update(f"lost: {what}" for what in self.lost)
         return columns
 
     def spans(self) -> list[tuple[int, int]]:
-        """When each recording in it began and ended [ns], by its messages on all topics."""
+        """Return when each recording in it began and ended [ns], by its messages on all topics."""
         with open_source(*self.paths) as source:
             return source.spans()
 
 
 @dataclass(frozen=True)
 class Signal:
-    """A signal: a field of a topic, with its unit."""
+    """A signal of a recording: a field of a topic, with its unit."""
 
     name: str
     topic: str
     field: str
     unit: str | None
-    """That its message type states; "" is a ratio, None is not known."""
+    """Unit that its message type states; "" is a ratio, None is not known."""
 
     def level(self, text: str, per: str = "") -> float:
-        """A written value in the signal's unit, or the change of it ``per`` a unit of time. Raises UnitError."""
+        """Return a written value in the signal's unit, or the change of it ``per`` a unit of time. Raises UnitError."""
         try:
             bare: float | None = float(text)
         except ValueError:
@@ -70,12 +70,12 @@ class Signal:
 
     @property
     def label(self) -> str:
-        """The signal with its unit, for people."""
+        """Return the signal with its unit, for people."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
 def recordings(paths: Sequence[Path], *, together: bool = False) -> list[Recorded]:
-    """The recordings at these places, each for itself; ``together`` they are one drive.
+    """Return the recordings at these places, each for itself; ``together`` they are one drive.
 
     A folder with metadata.yaml is one recording, any other has one in each file and each such folder in it.
 
@@ -108,7 +108,7 @@ def recordings(paths: Sequence[Path], *, together: bool = False) -> list[Recorde
 
 
 def signal_of(name: str, found: Sequence[Recorded]) -> Signal:
-    """A signal by its name, ``/topic.field[2]``. Raises SourceError, with the nearest, where no recording has it."""
+    """Return a signal by its name, ``/topic.field[2]``. Raises SourceError, with the nearest, where there is none."""
     topics = {topic: kind for one in found for topic, kind in one.topics.items()}
     topic, field = _split(name, topics)
     if topic not in topics:
@@ -134,6 +134,6 @@ def _split(name: str, topics: Mapping[str, tuple[str, tuple[str, ...]]]) -> tupl
 
 
 def said(notes: Counter[str], recording: str = "") -> list[str]:
-    """Notes of a reading as lines for people, each with the recording's name where one is given."""
+    """Return notes of a reading as lines for people, each with the recording's name where one is given."""
     of = f"{recording}: " if recording else ""
     return [f"{of}{what} ({count:,} times)" if count > 1 else of + what for what, count in sorted(notes.items())]

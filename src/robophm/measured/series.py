@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.measured.held import Floats, HeldValues, Ints
+from robophm.measured.held_values import Floats, HeldValues, Ints
 
 MOST_COLUMNS = 2048
 """Stretches that are kept apart; when there are more, each two become one."""
@@ -49,16 +49,16 @@ class Series:
 
     @property
     def columns(self) -> tuple[Ints, Floats, Floats]:
-        """When each stretch begins [ns since the epoch], and the lowest and highest value in it."""
+        """Return when each stretch begins [ns since the epoch], and the lowest and highest value in it."""
         return self._numbers << self._shift, self._lowest, self._highest
 
     @property
     def width(self) -> int:
-        """The width of one stretch of the series [ns]."""
+        """Return the width of one stretch of the series [ns]."""
         return 1 << self._shift
 
     def means(self, count: int) -> list[float]:
-        """The middle between lowest and highest in ``count`` equal parts of the time; NaN where nothing is known."""
+        """Return the middle between lowest and highest in ``count`` equal parts of the time; NaN for the unknown."""
         if not len(self._numbers):
             return []
         every = self._numbers - self._numbers[0]

@@ -11,7 +11,7 @@ import numpy as np
 
 from robophm.core.errors import RobophmError
 from robophm.core.signal import HOUR, SECOND
-from robophm.measured.held import Floats, HeldValues, Ints, held
+from robophm.measured.held_values import Floats, HeldValues, Ints, held_values
 from robophm.measured.levels import Levels
 from robophm.measured.recordings import Recorded, Signal, said
 from robophm.measured.series import Series
@@ -28,14 +28,14 @@ class Window:
     """The statistics of one signal in one stretch of time, in the signal's unit."""
 
     begin: int
-    """[ns since the epoch]; without a length of windows, the first sample."""
+    """Begin of the stretch [ns since the epoch]; without a length of windows, the first sample."""
     samples: int
     held: int
     """Nanoseconds in which its value was known."""
     lowest: float
     highest: float
     mean: float
-    """Over the time in which it was known; NaN where that is none."""
+    """Mean over the time in which it was known; NaN where that is none."""
     deviation: float
     """Standard deviation over that time."""
 
@@ -50,7 +50,7 @@ class Windows:
         self._sums: Floats = np.empty((0, 6))
 
     def feed(self, here: HeldValues) -> list[Window]:
-        """Windows that are over with these stretches. Raises RobophmError where there are too many."""
+        """Return the windows that are over with these stretches. Raises RobophmError where there are too many."""
         begins, ends, values = here.times, here.ends, here.values
         if not len(begins):
             return []
@@ -85,7 +85,7 @@ class Windows:
 
     @property
     def so_far(self) -> list[Window]:
-        """The window that is not over, if there is one: the last, when nothing more comes."""
+        """Return the window that is not over, if there is one: the last, when nothing more comes."""
         return [self._window(*one) for one in zip(self._numbers.tolist(), self._sums, strict=True)]
 
     def _cut(self, begins: Ints, ends: Ints) -> tuple[Ints, Ints]:
@@ -122,7 +122,7 @@ def _joined(one: Floats, other: Floats) -> Floats:
 
 @dataclass
 class Look:
-    """All that is gathered of one signal: its statistics, its course to be drawn, and its time at each level [h]."""
+    """Everything gathered of one signal: its statistics, its curve, and its time at each level [h]."""
 
     whole: Windows
     series: Series
@@ -130,7 +130,7 @@ class Look:
 
     @classmethod
     def new(cls, levels: int) -> Look:
-        """Nothing yet; at most so many levels."""
+        """Make an empty look, with at most so many levels."""
         return cls(Windows(None), Series(), Levels(1, 1, levels))
 
     def add(self, here: HeldValues) -> None:
@@ -148,14 +148,14 @@ def statistics(
     notes: Counter[str],
     looks: Mapping[str, Look] | None = None,
 ) -> Iterator[tuple[Signal, Window]]:
-    """The windows of every signal that a recording has, each as it is over; ``every`` and ``max_age`` in ns.
+    """Yield the windows of every signal that a recording has, each as it is over; ``every`` and ``max_age`` in ns.
 
     Where ``looks`` are given, by signal, they are filled on the way.
 
     Raises RobophmError where there would be more windows than MOST_WINDOWS.
     """
     windows = {signal.name: Windows(every) for signal in signals}
-    for block in held(recorded, signals, max_age, notes):
+    for block in held_values(recorded, signals, max_age, notes):
         for signal in signals:
             if signal.name in block:
                 here = block[signal.name]
@@ -170,7 +170,7 @@ def statistics(
 
 @dataclass(frozen=True)
 class Seen:
-    """One signal of one recording, all of it together."""
+    """The figures of one signal of one recording, all of it together."""
 
     recording: str
     signal: Signal
@@ -178,7 +178,7 @@ class Seen:
 
     @property
     def whole(self) -> Window:
-        """The figures of the signal over all of the recording."""
+        """Return the figures of the signal over all of the recording."""
         (window,) = self.look.whole.so_far
         return window
 
@@ -192,9 +192,9 @@ class Statistics:
     windows: list[tuple[str, Signal, Window]] = field(default_factory=list)
     """The first MOST_KEPT, each with the name of its recording."""
     count: int = 0
-    """Of all windows."""
+    """Number of all windows."""
     notes: list[str] = field(default_factory=list)
-    """In words, with the recording's name where there are several."""
+    """Notes in words, with the recording's name where there are several."""
 
 
 def statistics_of(
@@ -207,7 +207,7 @@ def statistics_of(
     on_window: Callable[[str, Signal, Window], None] | None = None,
     advance: Callable[[int, int], None] = lambda done, total: None,
 ) -> Statistics:
-    """Take the figures, the course, the time at so many levels and the windows of each signal in each recording.
+    """Take the figures, the curve, the time at so many levels and the windows of each signal in each recording.
 
     ``on_window`` is told of each window as it is over, ``advance`` how many recordings of how many are done.
     Raises RobophmError where there would be more windows than MOST_WINDOWS.

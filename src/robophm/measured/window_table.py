@@ -18,7 +18,7 @@ _COLUMNS = b"recording,signal,unit,begin,samples,known,lowest,mean,highest,devia
 
 @contextmanager
 def writing_windows(path: Path) -> Iterator[Callable[[str, Signal, Window], None]]:
-    """What writes a window of a recording's signal as a row; a file that was there is replaced at the end.
+    """Open a table; return what writes a window as a row. A file that was there is replaced at the end.
 
     Times are seconds, ``begin`` since the epoch. Raises RobophmError where it cannot be written.
     """

@@ -1,6 +1,6 @@
-"""From samples to health, recorded or live.
+"""Monitoring: from samples, recorded or live, to health.
 
-``monitor.py`` takes samples one by one, ``by_block.py`` many at a time, both to the same ledger.
+``monitor.py`` takes samples one by one, ``block_monitor.py`` many at a time, both to the same ledger.
 ``recording_sessions.py`` says what there is to replay and ``replay.py`` replays it; ``live_loop.py`` watches a robot
 that runs, with ``live_tasks.py``, ``look_ahead.py`` and ``clock_steps.py``. ``stored_past.py`` finds the past in a
 store. ``task_history.py`` and ``wear_history.py`` say what recordings tell of tasks and of wear, ``rate_history.py``

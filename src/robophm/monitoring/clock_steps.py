@@ -1,4 +1,4 @@
-"""What is said at once of a clock that jumps while a robot is watched: else nothing would seem to happen any more."""
+"""Warnings about a clock that jumps while a robot is watched: else nothing would seem to happen any more."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ BACK = 60 * SECOND
 
 
 class ClockSteps:
-    """Tells a step of the clock once, and once that it is over."""
+    """Warns once of each step of the clock, and says once that it is over."""
 
     def __init__(self) -> None:
         self._now = ""
 
     def hear(self, time: int, ledger: Ledger) -> str:
-        """The warning that a sample of this time [ns] calls for, which comes next; empty as a rule."""
+        """Return the warning that a sample of this time [ns], which comes next, calls for; empty as a rule."""
         step, words = "", ""
         if ledger.integrated_to is not None and time < ledger.integrated_to - BACK:
             hours = (ledger.integrated_to - time) / HOUR

@@ -34,7 +34,7 @@ def watch(
     on_start: Callable[[Monitor], None] | None = None, on_tick: Callable[[Monitor], None] | None = None,
     on_task: Callable[[JudgedTask], None] | None = None, on_clock: Callable[[str], None] | None = None,
 ) -> Monitor:  # fmt: skip
-    """Listen until the source is closed, from where the store's ledger stands; the monitor as it is then.
+    """Listen until the source is closed, from where the store's ledger stands; return the monitor as it is then.
 
     ``period`` [s] is the step of integration and between two reports: a journal replayed with the same gives the same
     ledger, bit for bit. Reports go to ``sinks`` with the remaining lives and completions last seen ahead; so do the
@@ -55,7 +55,7 @@ def watch(
 
 @dataclass(kw_only=True)
 class _Watch:
-    """One run of the loop; what it is made of, and of what it tells, as ``watch`` says."""
+    """One run of the loop, with the arguments of ``watch``."""
 
     robot: Robot
     source: SignalSource

@@ -19,7 +19,7 @@ from robophm.transports.signals.source import WholeMessage
 from robophm.transports.tasks import DoneTask, PlannedTask, TaskTopics
 
 FINENESS = 50
-"""What is remembered of a time so long ago is at most a fiftieth of that off."""
+"""Inverse of the share by which a remembered time may be off: a fiftieth of how long ago it is."""
 
 LONGEST = 24 * HOUR
 """Nanoseconds that the past is remembered for: of a task that began before, it is not known what it took."""
@@ -40,7 +40,7 @@ class LiveTasks:
         self._past: list[tuple[int, Ledger]] = []
 
     def remember(self) -> None:
-        """After each tick: where the ledger stands, since a task is known to have begun when it is done."""
+        """Remember the ledger after a tick, since the beginning of a task is known only when it is done."""
         ledger = self._monitor.ledger
         now = ledger.integrated_to
         if now is None:
@@ -56,7 +56,7 @@ class LiveTasks:
         self._past = kept
 
     def hear(self, told: WholeMessage) -> JudgedTask | None:
-        """The task that a message completes, judged by the ledger up to the newest sample."""
+        """Return the task that a message completes, judged by the ledger up to the newest sample."""
         task = self._topics.hear(*told)
         if isinstance(task, PlannedTask):
             return self._planned(task)
@@ -65,7 +65,7 @@ class LiveTasks:
     def _planned(self, told: PlannedTask) -> JudgedTask | None:
         task = task_as_planned(told, self._speed, self._functions)
         if task is None:
-            self.notes[f"{told.topic}: a task that states no speed; expected one, e.g. --speed 0.3"] += 1
+            self.notes[f"{told.topic}: a task that states no speed; expected one, or the robot's usual speed"] += 1
             return None
         monitor = self._monitor
         views = outlooks(monitor.plant, monitor.exposure, monitor.exposure.settled(monitor.ledger))

@@ -6,25 +6,25 @@ import threading
 import time
 
 from robophm.health.report import HealthReport
-from robophm.health.reporting import beside, look_ahead
+from robophm.health.reporting import look_ahead, with_earlier_look
 
 EVERY = 2.0
 """Seconds between two looks, at least."""
 
 SHARE = 0.1
-"""Of the time at most that looking ahead takes, at any time: what is heard meanwhile must not wait for it."""
+"""The largest share of time that looking ahead takes: what is heard meanwhile must not wait for it."""
 
 
 class LookAhead(threading.Thread):
     """Looks ahead from the newest report that it was given, in a thread of its own; a context manager."""
 
     def __init__(self, *, parts: bool = True) -> None:
-        """``parts``: at every component too."""
+        """Prepare the thread; ``parts``: look ahead at every component too."""
         super().__init__(name="robophm look ahead", daemon=True)
         self.latest: HealthReport | None = None
         """The newest look ahead."""
         self.fault: Exception | None = None
-        """Why it ended before its time."""
+        """Error by which the thread ended before its time; None where it did not."""
         self._parts = parts
         self._given: HealthReport | None = None
         self._woken = threading.Event()
@@ -32,15 +32,15 @@ class LookAhead(threading.Thread):
         self._begun = 0.0
 
     def beside(self, now: HealthReport) -> HealthReport:
-        """The report with what was last seen ahead, and have it looked at too. Raises what looking ahead raised."""
+        """Return the report with the newest look ahead, and ask for another. Raises what looking ahead raised."""
         if self.fault:
             raise self.fault
         self._given = now
         self._woken.set()
-        return beside(now, self.latest) if self.latest else now
+        return with_earlier_look(now, self.latest) if self.latest else now
 
     def run(self) -> None:
-        """Compute until ``close``."""
+        """Compute looks ahead until ``close``."""
         while not self._closed.is_set():
             self._woken.wait()
             self._woken.clear()
@@ -60,7 +60,7 @@ class LookAhead(threading.Thread):
             self._closed.wait(EVERY)
 
     def _pause(self) -> None:
-        """As many times longer than was worked as makes it a small share."""
+        """Pause so much longer than was worked that the work is a small share."""
         if self._closed.wait((time.thread_time() - self._begun) * (1 / SHARE - 1)):
             raise _ClosedError
         self._begun = time.thread_time()

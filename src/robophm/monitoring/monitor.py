@@ -12,8 +12,8 @@ from typing import TypedDict, Unpack
 
 import numpy as np
 
+from robophm.core.argument_checks import instance, number, shown
 from robophm.core.errors import DesignError, RobophmError, SourceError
-from robophm.core.given import instance, number, shown
 from robophm.core.signal import CLOCK, NOT_FINITE, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Plan, Task
@@ -38,7 +38,7 @@ MOST_PENDING = 500_000
 
 
 class ReportOptions(TypedDict, total=False):
-    """What ``health_report`` takes besides."""
+    """Options of a report, as ``health_report`` takes them."""
 
     task: Task | None
     remaining_life: bool
@@ -70,7 +70,7 @@ class Monitor:
             instance(ledger, Ledger, "ledger", "a Ledger", RobophmError)
         seconds = number(period, "period", low=1 / SECOND, high=LONGEST_PERIOD)
         self.marks: list[tuple[int, Callable[[Ledger], None]]] = []
-        """Times [ns], ascending, and what is to be done with the ledger of each; taken away as they are reached."""
+        """Times [ns], ascending, and what is to be done with the ledger of each; removed as they are reached."""
         self.robot = robot
         self.plant = Plant(robot)
         self.exposure = ExposureIntegrator(robot)
@@ -106,7 +106,7 @@ class Monitor:
             ledger.ends = [end for end in ledger.ends if end < ledger.ended]
 
     def observe(self, sample: Sample) -> None:
-        """Take one sample. What is not finite, or older than what has been integrated, is counted and dropped.
+        """Take in one sample. What is not finite, or older than what has been integrated, is counted and dropped.
 
         What is far ahead of all others is set aside until others confirm that it is so late, or that the clock jumped.
 

@@ -1,4 +1,4 @@
-"""What a robot's ledger tells of its rates: every life of every part, ended or not."""
+"""The experience with rates that a robot's ledger holds: every life of every part, ended or not."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from robophm.learning.rates.life_scale import Lived
 
 
 def rate_history(robot: Robot, ledger: Ledger, name: str) -> list[Seen]:
-    """By failure mode, as a log of failures would tell it; ``name`` is of the robot among those of its design.
+    """Return the experience of each failure mode, as from a log of failures; ``name`` is the robot's in its fleet.
 
     Raises DataError where rates cannot be learned from it: of a life whose hazard is no power of age, stress that
     scales the hazard leaves a sum into which no other rate can be put.

@@ -1,4 +1,4 @@
-"""What there is to replay: sessions of recording in order of time, each with what a design listens to in it."""
+"""Sessions of recording that can be replayed, in order of time, each with what a design listens to in it."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from robophm.core.argument_checks import instance
+from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import DesignError, SourceError, UnitError, nearest
-from robophm.core.given import instance
-from robophm.core.given import path as given_path
 from robophm.core.signal import any_element, named, split_signal
 from robophm.core.units import conversion
 from robophm.design.robot import Robot
@@ -23,7 +23,7 @@ from robophm.transports.signals.message_units import field_unit
 from robophm.transports.signals.source import SignalSource, TopicInfo
 
 Kind = tuple[str, tuple[str, ...]]
-"""Of a topic, the type of its messages and its numeric fields."""
+"""A topic's type of messages and numeric fields."""
 
 Opening = Callable[[], AbstractContextManager[SignalSource]]
 Recorded = SignalSource | str | os.PathLike[str]
@@ -35,11 +35,11 @@ class RecordingSession:
 
     name: str
     key: str
-    """What the progress of its replay is kept under: what is in it, as the design listens to it."""
+    """Key of the progress of its replay: what is in it, as the design listens to it."""
     signals: tuple[str, ...]
     """The bound signals that it has."""
     first: int | None
-    """When its first message was received [ns], where that is known."""
+    """Time when its first message was received [ns], where that is known."""
     last: int | None
     open: Opening
     lost: tuple[str, ...] = ()
@@ -49,7 +49,7 @@ class RecordingSession:
 def sessions_of(
     robot: Robot, recorded: Recorded | Sequence[Recorded], *, skip_missing: bool = False
 ) -> list[RecordingSession]:
-    """The sessions in a source, or in files and folders, that have a bound signal, in the order of their time.
+    """Return the sessions of sources, files and folders that have a bound signal, in the order of their time.
 
     ``skip_missing``: signals that all of them lack stay silent instead of being an error.
 
@@ -68,7 +68,7 @@ def sessions_of(
             fingerprint = source.fingerprint
         here = {info.topic: (info.type, info.fields) for info in infos}
         topics |= here
-        words = lacking(robot, here)
+        words = missing_signals(robot, here)
         signals = tuple(signal for signal in robot.signals if signal not in words)
         missing = {signal: words[signal] for signal in missing if signal in words}
         key = hashlib.sha256("\n".join((fingerprint, *sorted(signals))).encode()).hexdigest()
@@ -80,7 +80,7 @@ def sessions_of(
 
 @contextmanager
 def living(monitor: Monitor, session: RecordingSession, *, anew: bool = True) -> Iterator[SignalSource]:
-    """The source of a session that a monitor lives through, and knows when its recordings begin and end.
+    """Open the source of a session for a monitor, which is told when its recordings begin and end.
 
     ``anew`` is false where it goes on in the middle of the session.
     """
@@ -94,11 +94,11 @@ def living(monitor: Monitor, session: RecordingSession, *, anew: bool = True) ->
             monitor.end(session.last)
 
 
-def bound(robot: Robot, topics: Mapping[str, Kind], *, skip_missing: bool) -> list[str]:
-    """The bound signals of a design that a source has. Raises SourceError as ``sessions_of``."""
+def bound_signals(robot: Robot, topics: Mapping[str, Kind], *, skip_missing: bool) -> list[str]:
+    """Return the bound signals of a design that a source has. Raises SourceError as ``sessions_of``."""
     if not robot.signals:
         raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
-    missing = lacking(robot, topics)
+    missing = missing_signals(robot, topics)
     _refuse(robot, missing, topics, skip_missing=skip_missing)
     return [signal for signal in robot.signals if signal not in missing]
 
@@ -111,8 +111,8 @@ def _refuse(robot: Robot, missing: Mapping[str, str], topics: Mapping[str, Kind]
         raise SourceError(f"the recording has none of the design's topics{hint}")
 
 
-def lacking(robot: Robot, topics: Mapping[str, Kind]) -> dict[str, str]:
-    """Why a source lacks bound signals, by signal. Raises SourceError where its messages measure something else."""
+def missing_signals(robot: Robot, topics: Mapping[str, Kind]) -> dict[str, str]:
+    """Return why a source lacks bound signals, by signal. Raises SourceError where messages measure something else."""
     missing = {}
     for signal, unit in robot.signals.items():
         topic, field = split_signal(signal)

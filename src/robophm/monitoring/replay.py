@@ -10,13 +10,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from robophm.core.argument_checks import instance, number
 from robophm.core.errors import SourceError, StoreError
-from robophm.core.given import instance, number
 from robophm.core.signal import REORDERED, SECOND
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport
-from robophm.monitoring.by_block import BlockMonitor
+from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.monitor import LONGEST_PERIOD, Monitor
 from robophm.monitoring.recording_sessions import Recorded, RecordingSession, living, sessions_of
 from robophm.stores.store import Progress, Store
@@ -35,7 +35,7 @@ REPAIR = "where its clock had jumped ahead, robophm store repair takes that out"
 
 
 _ENDED = "end of the recording that was heard last"
-"""What its time is kept under in a store, with the newest sample that it is of."""
+"""Key in a store of the end of the recording heard last, with the newest sample that it is of."""
 
 
 class ReportHistory:
@@ -44,7 +44,7 @@ class ReportHistory:
     def __init__(self, step: int, ledger: Ledger | None) -> None:
         """``step`` [ns]; a ledger that is gone on from has its report."""
         self.reports: list[dict[str, Any]] = []
-        """Not yet saved."""
+        """Reports that are not yet saved."""
         self._step = step
         self._reported = ledger.integrated_to if ledger else None
 
@@ -66,7 +66,7 @@ def replay(
     report_every: float | None = None,
     on_tick: Callable[[Monitor], None] | None = None,
 ) -> HealthReport:
-    """A robot's health after recordings, from new or from where the store's ledger stands.
+    """Return a robot's health after recordings, from new or from where the store's ledger stands.
 
     Files and folders of them are gone through in the order of their time; those that overlap are one session. A source
     that has columns is gone through by the column, with the ledger that its samples give one by one, bit for bit.
@@ -88,7 +88,7 @@ def replay(
 
 
 def kept_ledger(robot: Robot, store: Store) -> Ledger | None:
-    """A robot's ledger in a store, to go on from; it knows whether a recording was heard last, and when that ended."""
+    """Return a robot's ledger in a store, to go on from; it knows whether a recording was heard last, and its end."""
     kept = store.ledger(robot.name)
     if kept is None:
         return None
@@ -107,7 +107,7 @@ def replay_sessions(
     report_every: float | None = None,
     on_tick: Callable[[Monitor], None] | None = None,
 ) -> HealthReport:
-    """A robot's health after these sessions, as ``replay``. Raises SourceError as ``replay``."""
+    """Return a robot's health after these sessions, as ``replay``. Raises SourceError as ``replay``."""
     ledger = kept_ledger(robot, store) if store else None
     step = round(report_every * SECOND) if report_every else _report_step(sessions) if store else REPORT_STEP
     decided: Counter[str] = Counter()
@@ -187,7 +187,7 @@ def _report_step(sessions: Sequence[RecordingSession]) -> int:
 
 
 def _not_before(session: RecordingSession, integrated_to: int) -> None:
-    """Raises SourceError where a session ends before the ledger does: all of it would be too late to count."""
+    """Raise SourceError where a session ends before the ledger does: all of it would be too late to count."""
     if session.last is not None and session.last <= integrated_to:
         early = (integrated_to - session.last) / SECOND
         raise SourceError(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from robophm.core.errors import StoreError
 from robophm.design.robot import Robot
-from robophm.health.clock_jump_removal import Repaired, take_out_jump
+from robophm.health.clock_jump_removal import RemovedJump, take_out_jump
 from robophm.health.ledger import Ledger
 from robophm.monitoring.replay import kept_ledger
 
@@ -16,16 +16,16 @@ if TYPE_CHECKING:
 
 
 def existing_store(path: Path) -> SqliteStore:
-    """A store that is there, opened. Raises StoreError where it is not, or is none."""
+    """Open a store that is there. Raises StoreError where it is not, or is none."""
     from robophm.stores.sqlite import SqliteStore
 
     if not path.exists():
-        raise StoreError(f"{path}: no such store; `robophm replay --store` makes it")
+        raise StoreError(f"{path}: no such store")
     return SqliteStore(path)
 
 
 def past_in(store: SqliteStore, robot: Robot) -> Ledger:
-    """The robot's ledger in this store. Raises StoreError where it knows no such robot."""
+    """Return the robot's ledger in this store. Raises StoreError where it knows no such robot."""
     ledger = kept_ledger(robot, store)
     if ledger is None:
         raise StoreError(f"{store.path}: knows no robot '{robot.name}'")
@@ -33,9 +33,9 @@ def past_in(store: SqliteStore, robot: Robot) -> Ledger:
 
 
 class RepairedPast(NamedTuple):
-    """What was taken out of a robot's past, and where that is as it was before."""
+    """The stretch taken out of a robot's past, and the copy of the store as it was before."""
 
-    done: Repaired
+    done: RemovedJump
     copy: Path
 
 

@@ -18,7 +18,7 @@ from robophm.transports.tasks import DoneTask, PlannedTask
 
 
 def task_as_planned(plan: PlannedTask, speed: float | None, functions: Sequence[str]) -> Task | None:
-    """The task of a plan; None where a leg states no speed, and none is given [m/s]."""
+    """Return the task of a plan; None where a leg states no speed, and none is given [m/s]."""
     legs = []
     for leg in plan.legs:
         at = leg.speed or speed
@@ -29,14 +29,14 @@ def task_as_planned(plan: PlannedTask, speed: float | None, functions: Sequence[
 
 
 def task_as_done(done: DoneTask, functions: Sequence[str]) -> Task:
-    """The task that was done, with the distances and times that it took."""
+    """Return the task that was done, with the distances and times that it took."""
     return _task(((leg.duration, leg.distance) for leg in done.legs), functions)
 
 
 def completion_as_done(
     plant: Plant, views: Mapping[View, Outlook], task: Task, begun: Ledger, ended: Ledger
 ) -> dict[View, Completion]:
-    """PoTC of a task that is done, as seen from its beginning, with the exposure that sensors say it added."""
+    """Return the PoTC of a done task as seen from its beginning, with the exposure that sensors say it added."""
     gone, aged = ended.age.value - begun.age.value, ended.effective.value - begun.effective.value
     # All legs need the same functions, so that they count as one.
     whole = replace(task, legs=(replace(task.legs[0], duration=task.duration, distance=task.distance),))

@@ -1,4 +1,4 @@
-"""What was predicted of a robot's tasks when they came, and what is known of them now that they are done.
+"""Predictions of a robot's tasks when they came, beside what is known of them now that they are done.
 
 *Predicted*: when the task arrived, for the legs that were planned. *Actual*: from the ledger at the task's start, with
 the distance, time and stresses that were then observed. Both nominal and sensor-based.
@@ -39,25 +39,25 @@ class TaskRecord:
     """A task that was planned, or done, or both; times in nanoseconds since the epoch."""
 
     arrived: int | None
-    """None where it was never planned."""
+    """Time of its arrival; None where it was never planned."""
     start: int | None
     end: int | None
-    """Both None where it is not known to be done."""
+    """Time of its end; None, as its start, where it is not known to be done."""
     planned: Task | None
     predicted: Mapping[View, Completion] | None
-    """None where nothing says how long it would take."""
+    """Completion predicted, in each view; None where nothing says how long it would take."""
     done: Task | None
     actual: Mapping[View, Completion] | None
     unknown: PartsOfUnknownRate | None = None
-    """What parts of unknown rate make of both."""
+    """The effect of parts of unknown rate on both completions."""
 
     @property
     def time(self) -> int | None:
-        """When it arrived, or where it was never planned, began."""
+        """Return when it arrived or, where it was never planned, began."""
         return self.arrived if self.arrived is not None else self.start
 
     def legacy(self, robot: Robot, begin: int) -> dict[UnitMode, LegacyTask]:
-        """What the 2020 tool says of it, its window opened at ``begin`` [ns]; nothing of one of unknown duration."""
+        """Return the 2020 tool's figures of it, its window opened at ``begin`` [ns]; none for an unknown duration."""
         planned = self.planned or self.done
         uptime = max((self.time or begin) - begin, 0) / HOUR
         return legacy_tasks(robot, planned, uptime, driven=self.done) if planned else {}
@@ -75,7 +75,7 @@ def judge_tasks(
     speed: float | None = None, functions: Sequence[str] = (), knowledge: Knowledge | None = None,
     ledger: Ledger | None = None, skip_missing: bool = False, on_tick: Callable[[Monitor], None] | None = None,
 ) -> tuple[list[TaskRecord], Monitor]:  # fmt: skip
-    """The tasks of a recording as its robot's design judges them, and the monitor at the recording's end.
+    """Judge the tasks of a recording by its robot's design; return them, and the monitor at the recording's end.
 
     ``speed`` [m/s] is of planned legs that state none; ``functions`` are what the tasks need. A task done without a
     plan is predicted at its start with the distance and time that it took. Raises SourceError as ``replay``, and where
@@ -109,14 +109,14 @@ def judge_on_the_way(
     monitor: Monitor, told: Sequence[PlannedTask | DoneTask], *,
     speed: float | None = None, functions: Sequence[str] = (), knowledge: Knowledge | None = None,
 ) -> Callable[[], list[TaskRecord]]:  # fmt: skip
-    """Have a monitor judge tasks as it comes to their times; what is called tells what is known of them so far."""
+    """Have a monitor judge tasks as it reaches them; return a function that gives the records so far."""
     drafts = [_Draft(monitor, plan, done, speed, functions, knowledge) for plan, done in _pairs(told)]
     monitor.marks = sorted((mark for draft in drafts for mark in draft.marks()), key=itemgetter(0))
     return lambda: [draft.record() for draft in drafts]
 
 
 class _Draft:
-    """One task while its recording is lived through; a ledger is kept only while its task is under way."""
+    """A task while its recording is lived through; a ledger is kept only while the task is under way."""
 
     def __init__(
         self, monitor: Monitor, plan: PlannedTask | None, done: DoneTask | None,
@@ -131,7 +131,7 @@ class _Draft:
         self.begun: tuple[Mapping[View, Outlook], Ledger] | None = None
 
     def marks(self) -> Iterator[tuple[int, Callable[[Ledger], None]]]:
-        """When something is to be done with the robot's ledger, and what."""
+        """Yield when something is to be done with the robot's ledger, and what."""
         if self.plan:
             yield self.plan.time, self._predict
         if self.done:
@@ -158,7 +158,7 @@ class _Draft:
             self.begun = None
 
     def record(self) -> TaskRecord:
-        """What became of it."""
+        """Return the record of what became of the task."""
         begin, end = (self.done.start, self.done.end) if self.done else (None, None)
         arrived = self.plan.time if self.plan else None
         return TaskRecord(arrived, begin, end, self.planned, self.predicted, self.driven, self.actual,

@@ -1,4 +1,4 @@
-"""What recordings say of the wear of a robot's parts: a reading for each stretch of time, on the part's own clock.
+"""Readings of wear from a robot's recordings, one for each stretch of time, on the part's own clock.
 
 The recordings become exposure as in a replay, which says how far each part's clock had gone when a reading was taken.
 """
@@ -20,7 +20,7 @@ from robophm.health.window import in_time
 from robophm.learning.wear.readings_table import Readings
 from robophm.learning.wear.signal_to_readings import Array, Reducer, Times, on_a_clock
 from robophm.learning.wear.worn_mode import WearOptions, WornMode, worn_mode
-from robophm.monitoring.by_block import BlockMonitor
+from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.recording_sessions import Recorded, RecordingSession, living, sessions_of
 from robophm.transports.signals.source import STAMP_LIMIT, SignalColumns, SignalSource
@@ -36,15 +36,15 @@ class WearHistory:
     """Wear readings of a robot's recordings, and the monitor that its robot has lived through them with."""
 
     readings: Mapping[str, Readings]
-    """By path of the failure mode that a signal shows; none of one of which the recordings say nothing."""
+    """Readings by path of the failure mode that a signal shows; those that recordings say nothing of are missing."""
     monitor: Monitor
-    """At the end of the recordings, which its robot has lived through."""
+    """The robot's monitor at the end of the recordings, which it has lived through."""
     notes: Counter[str]
-    """What had to be decided, and how often."""
+    """Remarks on what had to be decided, and how often."""
 
 
 def worn_modes(robot: Robot, part: str | None = None) -> list[FailureMode]:
-    """The failure modes that a signal shows; of one part, or one mode, by its path. Raises DesignError for none."""
+    """Return the failure modes that a signal shows; of one part, or mode, by its path. Raises DesignError for none."""
     found = [mode for mode in robot.modes if mode.wear]
     if not found:
         raise DesignError(
@@ -66,7 +66,7 @@ def worn_modes(robot: Robot, part: str | None = None) -> list[FailureMode]:
 def worn_in(
     history: WearHistory, modes: Sequence[FailureMode], options: WearOptions
 ) -> tuple[list[WornMode], list[DataError]]:
-    """The wear of each failure mode, and why there is none of those of which the history says too little.
+    """Return the wear of each failure mode, and why there is none for those of which the history says too little.
 
     Raises DataError, the first of these, where there is none of any.
     """
@@ -99,7 +99,7 @@ def wear_history(
     robot: Robot, recorded: Recorded | Sequence[Recorded], modes: Sequence[FailureMode], *, skip_missing: bool = False,
     advance: Callable[[int, int], None] = lambda done, total: None,
 ) -> WearHistory:  # fmt: skip
-    """The readings of failure modes (``worn_modes``) in recordings, in the order of their time.
+    """Return the readings of failure modes (``worn_modes``) in recordings, in the order of their time.
 
     ``advance`` is told how many sessions of how many are done.
 
@@ -185,7 +185,7 @@ class _InOrder:
         self._waiting: dict[str, list[tuple[Times, Array]]] = {signal: [] for signal in signals}
 
     def feed(self, block: Mapping[str, SignalColumns]) -> Iterator[dict[str, tuple[Times, Array]]]:
-        """What is complete with a block; with an empty one all that is left."""
+        """Yield what is complete with a block; with an empty one all that is left."""
         newest = max((int(heard.arrived[-1]) for heard in block.values() if len(heard.arrived)), default=None)
         if block and newest is None:
             return

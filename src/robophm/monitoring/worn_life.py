@@ -1,4 +1,4 @@
-"""What remains of a robot of which some parts are seen to wear: their wear beside the hazards of all else."""
+"""Remaining life of a robot whose wear is measured in some parts: their wear beside the hazards of all else."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ Array = npt.NDArray[np.float64]
 
 
 class Life(NamedTuple):
-    """A remaining life, and what parts of unknown rate make of it."""
+    """A remaining life, and the effect of parts of unknown rate on it."""
 
     life: RemainingLife
     unknown: PartsOfUnknownRate | None
 
 
 class WornLife(NamedTuple):
-    """What remains of a failure mode that wears, or of the robot."""
+    """The remaining life of a failure mode that wears, or of the robot."""
 
     by_hazard: Life
-    """By hazard rates alone."""
+    """Life by hazard rates alone."""
     with_wear: Life
-    """With the wear in the place of the hazards of the failure modes that it is of."""
+    """Life with the wear in the place of the hazards of the failure modes that it is of."""
     holds: bool
     """Whether models follow that wear so far; else the life with wear is not to be believed."""
 
 
 def worn_lives(outlook: Outlook, found: Sequence[WornMode]) -> dict[str, WornLife]:
-    """Of the part of each failure mode alone, under the mode's path, then of the robot under its name, all together.
+    """Return the lives of each worn mode's part, under the mode's path, and of the robot, under its name.
 
     Readings without dates are on the clock of their part, which goes on as the outlook's future does. Raises
     RobophmError where that clock stands, or a part is a member of a group of dependent parts.
@@ -66,7 +66,7 @@ def _index(outlook: Outlook, one: WornMode) -> int:
 
 
 def _hazard(outlook: Outlook, one: WornMode) -> Callable[[Array], Array]:
-    """Its cumulative hazard by its wear, after hours of calendar time from now."""
+    """The cumulative hazard of a mode by its wear, as a function of hours of calendar time from now."""
     future, i = outlook.future, _index(outlook, one)
     pace = 1.0 if one.readings.dated else float(future.advance[i, -1] / future.hours[-1])
     if not pace > 0:

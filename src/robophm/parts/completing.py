@@ -8,11 +8,11 @@ from typing import Any
 from robophm.parts.entries import FIGURES, Entry, part
 
 _OF_THE_FIGURE = {*FIGURES, "hazard", "failure_modes", "uncertainty", "source"}
-"""What a figure of one's own replaces; how the part ages, its clock and what stress does to it stay."""
+"""Keys that a part's own figure replaces; how the part ages, its clock and what stress does to it stay."""
 
 
 def completed(component: Mapping[str, Any]) -> dict[str, Any]:
-    """A component as a design has it that says ``part: name``, with what the entry of that name says beside it.
+    """Return a component of a design that says ``part: name``, completed by what the entry of that name says.
 
     A ``rate`` (``mtbf`` …) of its own takes the place of the entry's with its uncertainty and source; a ``hazard``,
     ``failure_modes`` or the rate ``unknown`` that of all that the entry says; any other key that of this key. The

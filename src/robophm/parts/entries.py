@@ -15,14 +15,14 @@ from robophm.core.registry import entry_points
 from robophm.core.yaml_values import Lines, located, values
 
 FIGURES = ("rate", "mtbf", "mttf", "l10", "b10")
-"""How a design states how often a part fails: a failure mode has one of them, or a hazard model, or a life."""
+"""Keys by which a design states how often a part fails; a mode has one of them, or a hazard model, or a life."""
 
 GRADES: Mapping[str, str] = {
     "A": "a maker's statement about a part of this kind",
     "B": "a handbook or a standard",
     "C": "an estimate, with its reasoning",
 }
-"""How good the source of an entry is."""
+"""The grades of an entry's source, from best to worst."""
 
 _OF_A_MODE = (*FIGURES, "hazard", "life", "clock", "scaling", "acceleration", "uncertainty", "source")
 _KEYS = ("title", "words", "grade", "statement", "source", "reasoning", "part")
@@ -36,38 +36,38 @@ Place = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Entry:
-    """One kind of part, as its file has it."""
+    """One kind of part in the library, as its file has it."""
 
     name: str
     kind: str
     """The name of its file: bearings, lidars …"""
     title: str
     words: tuple[str, ...]
-    """What people type who look for it; the first are closest."""
+    """Words that people type who look for it; the first are closest."""
     grade: str
     """A, B or C: see ``GRADES``."""
     statement: str
     """The figure as its source has it, with unit and condition."""
     source: str
     reasoning: str
-    """How the figures follow from the statement; "" where they are what it says."""
+    """Reasoning by which the figures follow from the statement; "" where they are what it says."""
     part: Mapping[str, Any]
     """A component as a design file has it, ready for its schema; its environment is where the robot states none."""
 
     @property
     def origin(self) -> str:
-        """What a design that takes it says of its rate."""
+        """Return the source of its rate as a design that takes the entry states it."""
         return f"{_ORIGIN}{self.name}, grade {self.grade}: {self.source}"
 
 
 def graded(source: str) -> str:
-    """Of the source of a rate its entry and grade, "lidar_2d, grade A"; "" where it is not of the library."""
+    """Return the entry and grade of a rate's source, "lidar_2d, grade A"; "" where it is not of the library."""
     return source.removeprefix(_ORIGIN).partition(": ")[0] if source.startswith(_ORIGIN) else ""
 
 
 @cache
 def library() -> Mapping[str, Entry]:
-    """All entries by name, kinds and then names in the order of the alphabet.
+    """Return all entries by name, kinds and then names in the order of the alphabet.
 
     Raises DesignError with file and line for what is wrong in one, PlugError where somebody's package cannot be had.
     """
@@ -85,14 +85,14 @@ def library() -> Mapping[str, Entry]:
 
 
 def part(name: str) -> Entry:
-    """One entry. Raises PlugError with the nearest names where there is none of that name."""
+    """Return one entry by its name. Raises PlugError with the nearest names where there is none."""
     if isinstance(name, str) and name in library():
         return library()[name]
     raise PlugError(f"no part '{name!s:.60}' in the library{nearest(str(name), library())}")
 
 
 def _folders() -> Iterator[Traversable]:
-    """Where files of entries are: our own folder, then those of other packages."""
+    """The folders of files of entries: our own, then those of other packages."""
     yield files("robophm.parts") / "library"
     for point in entry_points(group=_GROUP):
         try:
@@ -102,7 +102,7 @@ def _folders() -> Iterator[Traversable]:
 
 
 def read_entries(text: str, file: str, kind: str) -> Iterator[Entry]:
-    """The entries of one file, checked key by key. Raises DesignError with the line of the first fault."""
+    """Yield the entries of one file, checked key by key. Raises DesignError with the line of the first fault."""
     data, lines = values(text, file)
     reader = _Reader(file, lines)
     for name, said in reader.mapping((), data).items():

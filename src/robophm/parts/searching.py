@@ -17,22 +17,24 @@ from robophm.core.errors import slips
 from robophm.parts.entries import Entry, library
 
 ENOUGH = 0.6
-"""Of Dice's coefficient: two words of three, or one where two are asked for; one of two each is too little."""
+"""Least coefficient of Dice that fits: two words of three, or one where two are asked for; one of two each is too
+little.
+"""
 
 _STRANGE = 0.5
-"""What a word counts that no entry has: it may be a maker's name, or the very thing that is not there."""
+"""Weight of a word that no entry has: it may be a maker's name, or the very thing that is not there."""
 
 _SLIPPED = 0.6
-"""What a word counts in which a letter was put right, for an entry that has no other: it may have meant another."""
+"""Weight of a word with a letter put right, for an entry that has no other: it may have meant another."""
 
 _LATER = 0.01
-"""Less for each place further back in an entry's list of words."""
+"""Deduction for each place further back in an entry's list of words."""
 
 _KIND = 0.05
-"""More where the last word fits: a wheel encoder is an encoder."""
+"""Bonus where the last word fits: a wheel encoder is an encoder."""
 
 _ASIDE = 0.8
-"""Of what is asked for without what it is: raspberry, for a raspberry pi."""
+"""Weight of a query's words that do not say what the thing is: raspberry, for a raspberry pi."""
 
 _OFTEN = 3
 """Phrases of an entry with a word that then names it by itself: raspberry, but of a bearing not wheel."""
@@ -45,13 +47,13 @@ _TRIED = 8
 
 _SMALL = frozenset(["a", "an", "and", "by", "for", "from", "in", "my", "of", "on", "or", "the", "to", "with"])
 _BEHIND = re.compile(r"\b(?:with|for|of|in|on|from)\b|[,(]")
-"""Where what a thing is ends and what is said of it begins."""
+"""Words behind which a name ends, and what is said of the thing begins."""
 
 
 class _Phrase(NamedTuple):
     words: frozenset[str]
     head: str
-    """What the thing is: of a wheel bearing, a bearing."""
+    """Word that says what the thing is: bearing, for a wheel bearing."""
     trust: float
 
 
@@ -64,7 +66,7 @@ class _Indexed(NamedTuple):
 
 
 def search(words: str) -> list[Entry]:
-    """The entries that fit what somebody calls a part, the best first; none where nothing fits.
+    """Return the entries that fit what somebody calls a part, the best first; none where nothing fits.
 
     >>> [entry.name for entry in search("Ball-Bearings")][:1]
     ['ball_bearing']

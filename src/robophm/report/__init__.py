@@ -1,1 +1,1 @@
-"""What people see: block diagrams, curves, number texts and the page that holds them. SVG, HTML, terminal."""
+"""Reports for people: block diagrams, curves, number texts and the page that holds them. SVG, HTML, terminal."""

@@ -1,4 +1,4 @@
-"""What a report rests on: the sensors that are bound, and which design, data and programs it is made of."""
+"""The basis of a report: the sensors that are bound, and which design, data and programs it is made of."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PROGRAMS = ("robophm", "numpy", "scipy")
 
 
 def sensors(robot: Robot) -> Iterator[Html]:
-    """A table of every bound signal: what it drives, in which parts, which values count and for how long."""
+    """Yield a table of every bound signal: what it drives, in which parts, which values count and for how long."""
     bound: dict[tuple[str, str, str, str, str, str], list[str]] = {}
     for path, drives, signal, source in _bindings(robot):
         bound.setdefault((signal, drives, *_terms(source)), []).append(path)
@@ -63,7 +63,7 @@ def _terms(source: Channel | MeasuredClock | None) -> tuple[str, str, str, str]:
 
 
 def _whose(paths: Sequence[str], robot: str) -> str:
-    """Of few parts their paths, of many how many of which level."""
+    """The paths of few parts; for many, how many of which level."""
     unique = list(dict.fromkeys(paths))
     if len(unique) <= 2:
         return ", ".join(unique)

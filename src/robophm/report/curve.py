@@ -157,7 +157,7 @@ def log_ticks(low: float, high: float) -> tuple[Array, list[str]]:
 
 
 def _axis(span: tuple[float, float], about: int, *, log: bool = False) -> tuple[Array, list[str], str]:
-    """Where an axis has its ticks, their texts, and the power of ten taken out of them."""
+    """The ticks of an axis, their texts, and the power of ten taken out of them."""
     if log:
         return *log_ticks(*span), ""
     at = ticks(*span, max(2, about))

@@ -1,4 +1,4 @@
-"""What no diagram shows: what depends on what, and what may fail together, in words."""
+"""Dependences that no diagram shows: what depends on what, and what may fail together, in words."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which parts the failures to come will come from, in words, bars and a table."""
+"""The parts that failures to come will come from, in words, bars and a table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What life data say: one page with the distributions, the probability plots, and life at the stress of use."""
+"""The page on life data: distributions, probability plots, and life at the stress of use."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def span_text(one: Bounded) -> str:
 
 
 def parameters_text(parameters: Mapping[str, Bounded]) -> str:
-    """'scale 607 (432 … 851), shape 1.72 (1.06 … 2.78)'."""
+    """Return parameters as text: 'scale 607 (432 … 851), shape 1.72 (1.06 … 2.78)'."""
     return ", ".join(f"{name} {span_text(one)}" for name, one in parameters.items())
 
 

@@ -13,7 +13,7 @@ from robophm.report.svg import text
 Array = NDArray[np.float64]
 
 SIZE = 11.0
-"""Of the font."""
+"""Size of the font [px]."""
 WIDTH, HEIGHT = 460.0, 380.0
 
 Place = Callable[[Array | float], Array]

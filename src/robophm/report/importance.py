@@ -1,4 +1,4 @@
-"""What matters most and what to replace first, for a page: the twenty that matter most, whatever the robot's size."""
+"""The page section on what matters most and what to replace first: the twenty that matter most."""
 
 from __future__ import annotations
 

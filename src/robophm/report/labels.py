@@ -1,4 +1,4 @@
-"""What stands in the boxes of a robot's diagram: name, hazard rate, how many equal parts, silent sensors."""
+"""Labels of the boxes of a robot's diagram: name, hazard rate, how many equal parts, silent sensors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the boxes of a block diagram go: recursive, in rows that wrap. The same for pixels and characters.
+"""Layout of a block diagram's boxes: recursive, in rows that wrap. The same for pixels and characters.
 
 Series run left to right and wrap into rows joined by dashed wires; branches stand between two bars, with
 a gate "k/n" behind them. A piece is measured first (width, height, and where the wire enters and leaves),

@@ -1,4 +1,4 @@
-"""What was measured on one page: figures, courses, time at level; and the levels at which parts of a robot lived."""
+"""The page on measured data: figures, curves, time at level; and the levels at which parts of a robot lived."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from robophm.core.signal import HOUR, SECOND
 from robophm.measured.levels import Levels, marginal, shares
-from robophm.measured.profile import Lived, Profile
+from robophm.measured.profile import Profile, StressProfiles
 from robophm.measured.series import Series
 from robophm.measured.statistics import Look, Seen
 from robophm.report.bars import bars_svg
@@ -28,7 +28,7 @@ def statistics_page(seen: Sequence[Seen], max_age: int, notes: Sequence[str]) ->
     return page("Measured data", _statistics(seen, max_age, notes))
 
 
-def profile_page(lived: Lived, source: str, notes: Sequence[str]) -> Html:
+def profile_page(lived: StressProfiles, source: str, notes: Sequence[str]) -> Html:
     """The whole page as HTML: the levels at which the parts of a robot lived; ``source`` names the recordings."""
     return page(f"Stress profile of {lived.robot.name}", _profile(lived, source, notes))
 
@@ -58,7 +58,7 @@ def parts_text(profile: Profile) -> str:
 
 
 def aged_text(profile: Profile) -> str:
-    """How far the clock of a profile went, and how fast its parts aged on it."""
+    """Return in words how far the clock of a profile went, and how fast its parts aged on it."""
     gone = f"{number_text(profile.gone)} {profile.unit} on the {profile.clock} clock"
     return f"{gone}, mean stress factor {number_text(profile.factor)}"
 
@@ -106,7 +106,7 @@ def _at_level(look: Look, unit: str) -> Html:
     return figure(bars_svg({name: [share] for name, share in rows.items()}, ["time"], title="Time at level"))
 
 
-def _profile(lived: Lived, source: str, notes: Sequence[str]) -> Iterator[Html | str]:
+def _profile(lived: StressProfiles, source: str, notes: Sequence[str]) -> Iterator[Html | str]:
     on, whole = duration_text(lived.operating), duration_text(lived.calendar)
     yield f"{lived.robot.name} in {source}: on for {on} of {whole}."
     for profile in lived.profiles:

@@ -1,4 +1,4 @@
-"""What it takes to fail: single points of failure, and the minimal cut sets that are likeliest by now."""
+"""The page section on what it takes to fail: single points of failure, and the likeliest minimal cut sets."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from robophm.report.page import table_html
 from robophm.report.words import count_text, more_text, number_text
 
 STEPS = 100_000
-"""That a page may take for each module of a robot's diagram and its minimal cut sets: a second or two."""
+"""Steps that a page may take for each module of a robot's diagram and its minimal cut sets: a second or two."""
 
 MOST_PARTS = 20_000
-"""Of a robot whose sets a page lists."""
+"""The most parts of a robot whose sets a page lists."""
 
 _MOST_LISTED = 10
 

@@ -45,7 +45,7 @@ def _default(entry: Input) -> str:
 
 
 def _options(key: str, entry: Input) -> Iterator[str]:
-    """What many or annotated options mean, and what else they are called."""
+    """The meanings of many or annotated options, and what else they are called."""
     if not isinstance(entry, Choice):
         return
     notes = entry.options.notes if isinstance(entry.options, Table) else {}

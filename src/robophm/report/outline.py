@@ -1,4 +1,4 @@
-"""What of a diagram is drawn: its labels, and a bounded outline of it that any drawing can walk."""
+"""Outlines of diagrams for drawing: labels, and a bounded tree that any drawing can walk."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Fork:
     n: int
     nodes: tuple[Node, ...]
     kind: str = ""
-    """"standby" or "load" where they depend on each other."""
+    """Kind of dependence, "standby" or "load"; "" where the branches do not depend on each other."""
 
     @property
     def text(self) -> str:
@@ -129,7 +129,7 @@ class _Outliner:
         return Fork(k, len(group.members), tuple(drawn), kind)
 
     def network(self, network: Network, depth: int) -> Node:
-        """As its paths side by side where they are few, in which a part has several places, else as its blocks."""
+        """A network as its paths side by side where they are few, a part in several places; else as its blocks."""
         if paths := simple_paths(network, _MOST_PATHS):
             return self.node(Parallel(*(Series(*blocks) for blocks in paths)), depth)
         return Fork(0, len(network.blocks), self.nodes(network.blocks, depth + 1))

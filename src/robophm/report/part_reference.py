@@ -28,7 +28,7 @@ def reference() -> Iterator[str]:
 
 
 def figures(entry: Entry) -> str:
-    """How often a part fails, as its entry states it, on one line."""
+    """Return how often a part fails, as its entry states it, on one line."""
     modes = entry.part.get("failure_modes")
     if not modes:
         return _figure(entry.part)

@@ -18,7 +18,7 @@ class Printer:
     """WeasyPrint, as the printer of pages."""
 
     def __init__(self) -> None:
-        """Raises RobophmError where it, or the library of the system that it needs, is missing."""
+        """Raise RobophmError where WeasyPrint, or the library of the system that it needs, is missing."""
         try:
             with redirect_stdout(StringIO()):  # on which it talks where it lacks something
                 from weasyprint import HTML

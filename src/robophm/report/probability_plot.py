@@ -30,7 +30,7 @@ _WIDE, _HIGH = 64, 16
 
 
 class _Paper:
-    """Where times and shares lie on the paper of a fit."""
+    """The probability paper of a fit, which places times and shares."""
 
     def __init__(self, found: Fit) -> None:
         from robophm.learning.life_data.distribution_fitting import straight

@@ -19,7 +19,7 @@ def svg(
     scale: float = 1.0,
     standalone: bool = False,
 ) -> Html:
-    """One SVG element of class ``kind`` that shows ``view`` (x, y, width, height) at ``scale``."""
+    """Return one SVG element of class ``kind`` that shows ``view`` (x, y, width, height) at ``scale``."""
     x, y, width, height = view
     head = [
         element("title", title),

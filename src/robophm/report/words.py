@@ -74,7 +74,7 @@ def odds_text(failure: float) -> str:
 
 
 def failure_text(failure: float) -> str:
-    """How often something fails: "1 in 4,700"; in percent above a tenth and at zero."""
+    """Return how often something fails: "1 in 4,700"; in percent above a tenth and at zero."""
     return odds_text(failure).removeprefix("fails ") or percent_text(failure)
 
 

@@ -20,13 +20,13 @@ CLOCKS: Mapping[str, str] = {
     "cycles": "cycle",
     "starts": "start",
 }
-"""What parts age on, and the unit in which it counts."""
+"""Clocks that parts age on, and the unit of each."""
 
 INPUTS: Mapping[str, str] = {"temperature": "degC", "load": "", "voltage": "V"}
-"""What can be measured, and the unit in which it is meant."""
+"""Inputs that can be measured, and the unit of each."""
 
 BOLTZMANN = 8.617333e-5
-"""eV/K."""
+"""Boltzmann's constant [eV/K]."""
 
 
 @dataclass(frozen=True)
@@ -64,11 +64,11 @@ class Signal:
     offset: float
     low: float
     high: float
-    """What it reads at least and at most, in the unit of the model input."""
+    """Highest reading, in the unit of the model input; ``low`` is the lowest."""
     keys: tuple[str, ...]
-    """As what a task file states it: ``temperature``, ``Power/temperature``."""
+    """Keys by which a task file states it: ``temperature``, ``Power/temperature``."""
     reference: float | None = None
-    """Of the first acceleration that it drives."""
+    """Reference of the first acceleration that it drives."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class Mode:
 
     part: int
     rate: float
-    """[1/clock], at reference stress."""
+    """Hazard rate at reference stress [1/clock]."""
     life: Life
     clock: str
     by_hazard: bool
@@ -97,7 +97,7 @@ class Design:
     name: str
     parts: tuple[str, ...]
     modes: tuple[Mode, ...]
-    """In the order of their parts; every part has one at least."""
+    """Modes in the order of their parts; every part has one at least."""
     whole: Block
     functions: Mapping[str, Block]
     signals: tuple[Signal, ...]
@@ -107,4 +107,4 @@ class Design:
     usage: Mapping[str, float]
     """``operating`` share of the time; cycles and starts per operating hour."""
     max_age: float
-    """How often each sensor must speak [s]."""
+    """Time after which each sensor must have spoken again [s]."""

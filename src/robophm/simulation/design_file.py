@@ -1,4 +1,4 @@
-"""What the simulator understands of a design file, read by itself; what it does not, it refuses."""
+"""The simulator's own reader of a design file; what it does not understand, it refuses."""
 
 from __future__ import annotations
 
@@ -13,14 +13,11 @@ import numpy as np
 
 from robophm.core.errors import DesignError, RobophmError, nearest
 from robophm.simulation.design import CLOCKS, INPUTS, Design, Mode, Signal, Stress
-from robophm.simulation.lives import LIVES, Life
-from robophm.simulation.structure import Group
-from robophm.simulation.wiring import Wiring
-from robophm.simulation.written import (
+from robophm.simulation.design_keys import (
     FIGURES,
     MAX_DEPTH,
     MODE_KEYS,
-    Fault,
+    LocatedError,
     Place,
     known_keys,
     read_conversion,
@@ -30,6 +27,9 @@ from robophm.simulation.written import (
     read_signal_name,
     read_whole,
 )
+from robophm.simulation.lives import LIVES, Life
+from robophm.simulation.structure import Group
+from robophm.simulation.wiring import Wiring
 
 MAX_BYTES = 20_000_000
 """A larger design is refused before it is parsed."""
@@ -43,12 +43,12 @@ _ACCELERATIONS: Mapping[str, tuple[str, str, str, float | None]] = {
     "cubic_load": ("load", "", "", 3.0),
     "inverse_power": ("voltage", "exponent", "", None),
 }
-"""By name: what drives it, its parameter with unit and default."""
+"""Accelerations by name: what drives each, its parameter with unit and default."""
 _REFERENCES: Mapping[str, float | None] = {"temperature": 25.0, "load": 1.0, "voltage": None}
 
 
 Library = Callable[[Mapping[str, Any]], Mapping[str, Any]]
-"""What completes a component that names a part of a library with all that is said of it; it may raise RobophmError."""
+"""A function that completes a component that names a library part with all said of it; it may raise RobophmError."""
 
 
 def read_design(path: Path, library: Library | None = None) -> Design:
@@ -79,13 +79,13 @@ def read_design(path: Path, library: Library | None = None) -> Design:
         raise DesignError(f"{path}: holds no design")
     try:
         return _Reader(data, library).design()
-    except Fault as fault:
+    except LocatedError as fault:
         where = "/".join(fault.place) + ": " if fault.place else ""
         raise DesignError(f"{path}:{_line(data, fault.place)}: {where}{fault}") from None
 
 
 def _line(data: Any, place: Place) -> int:
-    """Of the innermost key of a place that the file has."""
+    """The line of the innermost key of a place that the file has."""
     line = 1
     for step in place:
         if not isinstance(data, dict) or step not in data or not hasattr(data, "lc"):
@@ -97,10 +97,10 @@ def _line(data: Any, place: Place) -> int:
 
 @dataclass(frozen=True)
 class _Scope:
-    """What a level inherits."""
+    """The settings that a level inherits."""
 
     signals: Mapping[str, tuple[int, float]] = field(default_factory=dict)
-    """By input: the number of the signal, and what its binding adds."""
+    """Number of the signal, and what its binding adds, by input."""
     kilometres: bool = False
     acceleration: Any = None
     duty: float = 1.0
@@ -122,22 +122,24 @@ class _Reader:
     def design(self) -> Design:
         data = self.data
         if data.get("schema_version") != 1:
-            raise Fault(("schema_version",), f"{data.get('schema_version')!r:.60}; expected 1")
+            raise LocatedError(("schema_version",), f"{data.get('schema_version')!r:.60}; expected 1")
         if not isinstance(data.get("name"), str):
-            raise Fault((), "needs 'name'")
+            raise LocatedError((), "needs 'name'")
         self.usage = self._usage()
         if "powered" not in data:
-            raise Fault((), "needs 'powered': a simulated robot is off between its tasks, and its recording says so")
+            raise LocatedError(
+                (), "needs 'powered': a simulated robot is off between its tasks, and its recording says so"
+            )
         powered = known_keys(("powered",), data["powered"], "powered")
         self._level((), (), data, _Scope())
         functions = data.get("functions") or {}
         read_mapping(("functions",), functions)
         if bad := next((name for name in functions if ";" in name), None):
-            raise Fault(("functions", bad), "a function's name holds ';', which parts names in a task list")
+            raise LocatedError(("functions", bad), "a function's name holds ';', which parts names in a task list")
         power = read_signal_name(("powered",), powered.get("topic"), powered.get("field"))
         names = [power, *self.speed, *(signal.name for signal in self.signals)]
         if twice := next((name for name in names if names.count(name) > 1), None):
-            raise Fault((), f"{twice} is bound to different things")
+            raise LocatedError((), f"{twice} is bound to different things")
         wiring = Wiring(self.levels, self.components)
         return Design(
             data["name"],
@@ -156,7 +158,7 @@ class _Reader:
 
     def _level(self, path: Place, place: Place, level: dict[str, Any], above: _Scope) -> None:
         if len(path) > MAX_DEPTH:
-            raise Fault(place, f"is nested deeper than {MAX_DEPTH} levels")
+            raise LocatedError(place, f"is nested deeper than {MAX_DEPTH} levels")
         known_keys(place, level, "module" if path else "robot")
         scope = self._scope(path, place, level, above)
         self.levels["/".join(path)] = level
@@ -164,7 +166,7 @@ class _Reader:
         read_mapping((*place, "modules"), modules)
         read_mapping((*place, "components"), components)
         if not modules and not components:
-            raise Fault(place, "has no parts; expected modules or components")
+            raise LocatedError(place, "has no parts; expected modules or components")
         for name, module in modules.items():
             self._level((*path, str(name)), (*place, "modules", str(name)), module, scope)
         for name, component in components.items():
@@ -180,10 +182,12 @@ class _Reader:
         offsets = read_mapping((*place, "offsets"), part.get("offsets") or {})
         for name in offsets:
             if name not in scope.signals:
-                raise Fault((*place, "offsets", name), f"no signal '{name}' is bound{nearest(name, scope.signals)}")
+                raise LocatedError(
+                    (*place, "offsets", name), f"no signal '{name}' is bound{nearest(name, scope.signals)}"
+                )
         written = read_mapping((*place, "failure_modes"), part.get("failure_modes") or {})
         if written and (inline := (MODE_KEYS - {"uncertainty"}) & part.keys()):
-            raise Fault(place, f"has failure_modes and its own {min(inline)}; expected one of the two")
+            raise LocatedError(place, f"has failure_modes and its own {min(inline)}; expected one of the two")
         places = [(path, place, part)]
         if written:
             places = [((*path, n), (*place, "failure_modes", n), one) for n, one in written.items()]
@@ -192,7 +196,7 @@ class _Reader:
         first = len(self.parts)
         name = "/".join(path)
         if first + count > MOST_PARTS:
-            raise Fault(place, f"the robot has more than {MOST_PARTS:,} parts")
+            raise LocatedError(place, f"the robot has more than {MOST_PARTS:,} parts")
         self.parts += [name] if count == 1 else [f"{name}[{i}]" for i in range(1, count + 1)]
         modes = [self._mode(at, one, offsets, scope, "/".join(key)) for key, at, one in places]
         self.modes += [replace(mode, part=first + i) for i in range(count) for mode in modes]
@@ -201,21 +205,23 @@ class _Reader:
     def _mode(self, place: Place, mode: dict[str, Any], offsets: Any, scope: _Scope, origin: str) -> Mode:
         clock = mode.get("clock", "operating")
         if clock not in CLOCKS:
-            raise Fault((*place, "clock"), f"no clock '{clock}'{nearest(str(clock), CLOCKS)}")
+            raise LocatedError((*place, "clock"), f"no clock '{clock}'{nearest(str(clock), CLOCKS)}")
         if clock == "kilometres" and not scope.kilometres:
-            raise Fault((*place, "clock"), "kilometres are not measured; expected clocks: {kilometres: {speed: …}}")
+            raise LocatedError(
+                (*place, "clock"), "kilometres are not measured; expected clocks: {kilometres: {speed: …}}"
+            )
         if clock in ("cycles", "starts") and clock not in self.usage:
-            raise Fault(("usage",), f"says nothing of '{clock}', on which {origin} ages")
+            raise LocatedError(("usage",), f"says nothing of '{clock}', on which {origin} ages")
         if mode.get("rate") == "unknown":
-            raise Fault((*place, "rate"), "is unknown; what has no rate is not simulated")
+            raise LocatedError((*place, "rate"), "is unknown; what has no rate is not simulated")
         unit = CLOCKS[clock]
         life = known_keys((*place, "life"), mode.get("life") or {}, "life")
         name = life.get("distribution", "exponential")
         if name not in LIVES:
-            raise Fault((*place, "life"), f"distribution '{name}' is not simulated{nearest(str(name), LIVES)}")
+            raise LocatedError((*place, "life"), f"distribution '{name}' is not simulated{nearest(str(name), LIVES)}")
         make, parameter = LIVES[name]
         if odd := life.keys() - {"distribution", parameter}:
-            raise Fault((*place, "life", min(odd)), f"is no parameter of {name}")
+            raise LocatedError((*place, "life", min(odd)), f"is no parameter of {name}")
         values = []
         if parameter:
             inside = unit if parameter == "deviation" else ""
@@ -226,10 +232,12 @@ class _Reader:
             rate *= read_quantity((*place, "learned", "factor"), learned.get("factor"), "", above=0.0)
         scaling = mode.get("scaling", "age")
         if scaling not in ("age", "hazard"):
-            raise Fault((*place, "scaling"), f"'{scaling}'; expected age or hazard")
+            raise LocatedError((*place, "scaling"), f"'{scaling}'; expected age or hazard")
         stresses = self._stresses(place, mode.get("acceleration") or scope.acceleration, offsets, scope)
         if clock == "calendar" and stresses:
-            raise Fault(place, "a calendar clock is not accelerated here: no sensor speaks while the robot is off")
+            raise LocatedError(
+                place, "a calendar clock is not accelerated here: no sensor speaks while the robot is off"
+            )
         initial = mode.get("initial_exposure")
         return Mode(
             0,
@@ -246,18 +254,22 @@ class _Reader:
 
     def _of_the_library(self, place: Place, part: dict[str, Any]) -> dict[str, Any]:
         if self.library is None:
-            raise Fault((*place, "part"), "is of a library, and none is given; expected what it says of the part")
+            raise LocatedError(
+                (*place, "part"), "is of a library, and none is given; expected what it says of the part"
+            )
         try:
             return dict(self.library(part))
         except RobophmError as error:
-            raise Fault((*place, "part"), str(error)) from None
+            raise LocatedError((*place, "part"), str(error)) from None
 
     @staticmethod
     def _rate(place: Place, mode: dict[str, Any], life: Life, unit: str) -> float:
-        """One over the mean life, from whatever says how often a part fails."""
+        """The rate, one over the mean life, from whatever says how often a part fails."""
         stated = [key for key in FIGURES if mode.get(key) is not None]
         if len(stated) != 1:
-            raise Fault(place, f"has {' and '.join(stated) or 'no rate'}; what has not one rate is not simulated")
+            raise LocatedError(
+                place, f"has {' and '.join(stated) or 'no rate'}; what has not one rate is not simulated"
+            )
         key = stated[0]
         at, said = (*place, key), mode[key]
         if key == "rate":
@@ -267,7 +279,7 @@ class _Reader:
             none, one = (float(life.age_at(np.log(0.9), np.asarray(mean))) for mean in (0.0, 1.0))
             age = (age - none) / (one - none)
             if not age > 0:
-                raise Fault(at, f"{said} is too small for its life")
+                raise LocatedError(at, f"{said} is too small for its life")
         return 1 / age
 
     def _stresses(self, place: Place, chosen: Any, offsets: Any, scope: _Scope) -> tuple[Stress, ...]:
@@ -277,17 +289,19 @@ class _Reader:
             read_mapping(place, written)
             model = written.get("model")
             if model not in _ACCELERATIONS:
-                raise Fault(place, f"acceleration '{model}' is not simulated{nearest(str(model), _ACCELERATIONS)}")
+                raise LocatedError(
+                    place, f"acceleration '{model}' is not simulated{nearest(str(model), _ACCELERATIONS)}"
+                )
             driven_by, name, unit, default = _ACCELERATIONS[model]
             reference = f"reference_{driven_by}"
             if odd := written.keys() - {"model", name, reference}:
-                raise Fault((*place, min(odd)), f"is no parameter of {model}")
+                raise LocatedError((*place, min(odd)), f"is no parameter of {model}")
             first = default if name not in written else read_quantity((*place, name), written[name], unit)
             at = _REFERENCES[driven_by]
             if reference in written:
                 at = read_quantity((*place, reference), written[reference], INPUTS[driven_by])
             if first is None or at is None:
-                raise Fault(place, f"{model} needs '{name if first is None else reference}'")
+                raise LocatedError(place, f"{model} needs '{name if first is None else reference}'")
             if driven_by in scope.signals:
                 signal, shift = scope.signals[driven_by]
                 if driven_by in offsets:
@@ -312,11 +326,11 @@ class _Reader:
         read_mapping(at, written)
         kinds = list(written)
         if len(kinds) != 1 or kinds[0] not in ("error_factor", "failures", "samples"):
-            raise Fault(at, "expected exactly one of error_factor, failures, samples")
+            raise LocatedError(at, "expected exactly one of error_factor, failures, samples")
         kind, value = kinds[0], written[kinds[0]]
         if kind == "samples":
             if not isinstance(value, list) or not value:
-                raise Fault(at, "expected samples: a list of rates")
+                raise LocatedError(at, "expected samples: a list of rates")
             return kind, tuple(read_quantity(at, one, f"1/{unit}", above=0.0) / rate for one in value)
         return kind, (read_quantity(at, value, "", above=1.0 if kind == "error_factor" else 0.0),)
 
@@ -327,7 +341,7 @@ class _Reader:
         for name, binding in read_mapping((*place, "clocks"), level.get("clocks") or {}).items():
             at = (*place, "clocks", name)
             if name != "kilometres" or not isinstance(binding, dict) or "speed" not in binding:
-                raise Fault(at, "only kilometres by a 'speed' are simulated")
+                raise LocatedError(at, "only kilometres by a 'speed' are simulated")
             known_keys(at, binding, "clock")
             signal = read_signal_name(at, binding.get("topic"), binding["speed"])
             self.speed[signal] = read_conversion(at, binding.get("unit", "m/s"), "m/s")[0]
@@ -337,14 +351,14 @@ class _Reader:
         if "duty" in level:
             duty = read_quantity((*place, "duty"), level["duty"], "", least=0.0)
             if duty > 1:
-                raise Fault((*place, "duty"), f"{duty:g}; expected 0 … 1")
+                raise LocatedError((*place, "duty"), f"{duty:g}; expected 0 … 1")
         uncertainty = (place, level["uncertainty"]) if "uncertainty" in level else above.uncertainty
         return _Scope(signals, kilometres, level.get("acceleration") or above.acceleration, duty, uncertainty)
 
     def _signal(self, place: Place, key: str, name: str, binding: Any) -> tuple[int, float]:
         """The number of a signal, and what its binding adds."""
         if name not in INPUTS:
-            raise Fault(place, f"input '{name}' is not simulated{nearest(name, INPUTS)}")
+            raise LocatedError(place, f"input '{name}' is not simulated{nearest(name, INPUTS)}")
         known_keys(place, binding, "binding")
         topic = read_signal_name(place, binding.get("topic"), binding.get("field"))
         scale, offset = read_conversion(place, binding.get("unit", INPUTS[name]), INPUTS[name])
@@ -353,7 +367,7 @@ class _Reader:
             try:
                 low, high = sorted(scale * float(end) + offset for end in binding["range"])
             except (TypeError, ValueError):
-                raise Fault((*place, "range"), "expected two numbers") from None
+                raise LocatedError((*place, "range"), "expected two numbers") from None
         shift = read_difference((*place, "offset"), binding["offset"], name) if "offset" in binding else 0.0
         self._ages(place, binding)
         number = next((i for i, known in enumerate(self.signals) if known.name == topic), None)
@@ -362,17 +376,17 @@ class _Reader:
             return len(self.signals) - 1, shift
         known = self.signals[number]
         if (known.input, known.scale, known.offset) != (name, scale, offset):
-            raise Fault(place, f"{topic} is bound to '{known.input}' too, or in another unit")
+            raise LocatedError(place, f"{topic} is bound to '{known.input}' too, or in another unit")
         low, high = max(known.low, low), min(known.high, high)
         if not low < high:
-            raise Fault(place, f"the ranges of {topic} have nothing in common")
+            raise LocatedError(place, f"the ranges of {topic} have nothing in common")
         self.signals[number] = replace(known, keys=(*known.keys, key), low=low, high=high)
         return number, shift
 
     def _ages(self, place: Place, binding: dict[str, Any]) -> None:
         age = read_quantity((*place, "max_age"), binding.get("max_age", "5 s"), "s")
         if age < 0.1:
-            raise Fault((*place, "max_age"), f"{age:g} s; a simulated sensor speaks ten times a second at most")
+            raise LocatedError((*place, "max_age"), f"{age:g} s; a simulated sensor speaks ten times a second at most")
         self.max_age = min(self.max_age, age)
 
     def _usage(self) -> dict[str, float]:

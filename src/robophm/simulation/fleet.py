@@ -21,11 +21,11 @@ from robophm.simulation.plan import MOST_LEGS, MOST_TASKS, Plans, draw_plans, le
 from robophm.simulation.robots import END, FAILED, INSPECTED, REPLACED, ROBOT, Lives, live
 
 BEGIN = 1_767_225_600
-"""When every robot begins: 2026-01-01 00:00 UTC, in seconds since the epoch."""
+"""Time when every robot begins: 2026-01-01 00:00 UTC, in seconds since the epoch."""
 
 MOST_ROBOTS = 10_000_000
 MOST_DONE = 100_000
-"""Tasks of one robot."""
+"""The most tasks of one robot."""
 
 _BATCH = 1000
 _NUMBERS = 4_000_000  # about so many are held at once, which bounds the memory
@@ -42,11 +42,11 @@ class Fleet:
     tasks: int
     """Performed by all robots together."""
     failed: int
-    """Of the tasks."""
+    """Number of the tasks that failed."""
     refused: int
     """Starts before which a robot had to be repaired."""
     parts_failed: int
-    """Within the record."""
+    """Number of parts that failed within the record."""
 
 
 def simulate(
@@ -146,7 +146,7 @@ def _time(nanoseconds: int) -> str:
 
 
 class _Times:
-    """What is asked of lives robot by robot, laid out so: times [ns] first by robot, then by leg or task."""
+    """Times and stresses of lives, laid out robot by robot: times [ns] first by robot, then by leg or task."""
 
     def __init__(self, lives: Lives) -> None:
         self.begins, self.ends, self.starts, self.stops = (
@@ -164,7 +164,7 @@ class _Times:
 
 
 def _record(design: Design, times: _Times, b: int, file: TextIO) -> None:
-    """What the sensors said: at every change, and again before it is too old. Off, only that it is off."""
+    """Write a robot's sensor record: at every change, and again before it is too old; off, only that it is off."""
     file.write(",".join(["time", design.powered, *(name for name, _ in design.speed),
                          *(signal.name for signal in design.signals)]) + "\n")  # fmt: skip
     step = int(0.8 * min(design.max_age, 1e9) * SECOND)
@@ -190,7 +190,7 @@ def _record(design: Design, times: _Times, b: int, file: TextIO) -> None:
 def _tasks(
     design: Design, plans: Plans, lives: Lives, times: _Times, b: int, name: str, keys: list[str]
 ) -> list[list[str]]:
-    """One row for each leg of each task that a robot did, as it was planned."""
+    """Rows of the tasks that a robot did, one for each leg, as it was planned."""
     rows = []
     for j, (done, slots, failed) in enumerate(zip(lives.done, lives.slots, lives.failed, strict=True)):
         if not done[b]:

@@ -1,4 +1,4 @@
-"""How long parts live. Symbols: S survival, m mean life at reference stress [clock].
+"""Life distributions of the simulator. Symbols: S survival, m mean life at reference stress [clock].
 
 A life distribution is two functions: ln S of an age, and the age at which ln S is reached. A part of age u that
 still works fails where ln S has fallen by an Exp(1) draw E more: at the age ``age_at(log_survival(u) − E)``.
@@ -21,20 +21,20 @@ class Life(NamedTuple):
     """A life distribution of which the mean is given with every call; arrays broadcast."""
 
     log_survival: Callable[[Array, Array], Array]
-    """ln S(age) by age and mean [clock, clock]."""
+    """Function ln S(age) of age and mean [clock, clock]."""
     age_at: Callable[[Array, Array], Array]
-    """The age [clock] by ln S ≤ 0 and mean [clock]."""
+    """Function that gives the age [clock] by ln S ≤ 0 and mean [clock]."""
 
 
 @cache
 def exponential() -> Life:
-    """S = exp(−t/m)."""
+    """Return the exponential life: S = exp(−t/m)."""
     return Life(lambda age, mean: -age / mean, lambda log_s, mean: -log_s * mean)
 
 
 @cache
 def weibull(shape: float) -> Life:
-    """S = exp(−(t/η)^β), m = η·Γ(1 + 1/β)."""
+    """Return the Weibull life: S = exp(−(t/η)^β), m = η·Γ(1 + 1/β)."""
     unit = math.gamma(1 + 1 / shape)
     return Life(
         lambda age, mean: -((age * unit / mean) ** shape),
@@ -44,7 +44,7 @@ def weibull(shape: float) -> Life:
 
 @cache
 def lognormal(log_deviation: float) -> Life:
-    """S = Φ(−(ln t − μ)/σ), m = exp(μ + σ²/2)."""
+    """Return the lognormal life: S = Φ(−(ln t − μ)/σ), m = exp(μ + σ²/2)."""
     from scipy.special import log_ndtr, ndtri_exp
 
     half = log_deviation**2 / 2
@@ -63,7 +63,7 @@ def lognormal(log_deviation: float) -> Life:
 
 @cache
 def gamma(shape: float) -> Life:
-    """S = Q(k, t/θ), m = k·θ."""
+    """Return the gamma life: S = Q(k, t/θ), m = k·θ."""
     from scipy.special import gammainc, gammaincc, gammainccinv, gammaincinv
 
     def log_survival(age: Array, mean: Array) -> Array:
@@ -84,7 +84,7 @@ def gamma(shape: float) -> Life:
 
 @cache
 def normal(deviation: float) -> Life:
-    """S = Φ(−(t − m)/σ); a part begins at age 0, however much of the curve lies below it."""
+    """Return the normal life: S = Φ(−(t − m)/σ); a part begins at age 0, however much of the curve lies below it."""
     from scipy.special import log_ndtr, ndtri_exp
 
     def log_survival(age: Array, mean: Array) -> Array:

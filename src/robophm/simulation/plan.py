@@ -1,4 +1,4 @@
-"""What each robot does: a list of tasks of one to three legs, begun anew every so often, for ever."""
+"""Plans of simulated robots: a list of tasks of one to three legs, begun anew every so often, for ever."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST_TASKS = 3
 MOST_LEGS = 3
 
 JITTER = {"temperature": 1.0, "load": 0.02, "voltage": 0.01}
-"""How far a recorded stress is off its plan at most: K, share of the rated load, share of the voltage."""
+"""The most that a recorded stress is off its plan: K, share of the rated load, share of the voltage."""
 
 DIGITS = {"temperature": 2, "load": 3, "voltage": 3}
 """Decimals of what a sensor says: what it says is the truth to the last digit."""
@@ -28,17 +28,17 @@ class Plans:
     """The plans of some robots (b); by task (l), leg (k), function (f, the last is the whole robot), signal (s)."""
 
     every: Array
-    """[s], shape (b,)."""
+    """Period after which the list begins anew [s], shape (b,)."""
     tasks: npt.NDArray[np.int64]
-    """How many tasks are in the list, shape (b,)."""
+    """Number of tasks in the list, shape (b,)."""
     seconds: Array
-    """Of each leg, zero where there is none, shape (b, l, k)."""
+    """Duration of each leg, zero where there is none, shape (b, l, k)."""
     speed: Array
-    """[m/s], zero where the robot stands, shape (b, l, k)."""
+    """Speed of each leg [m/s], zero where the robot stands, shape (b, l, k)."""
     needs: Flags
     """Whether the leg needs the function, shape (b, l, k, f)."""
     stress: Array
-    """What each sensor would read, shape (b, l, k, s)."""
+    """Reading of each sensor, shape (b, l, k, s)."""
 
 
 def draw_plans(design: Design, robots: int, rng: np.random.Generator) -> Plans:
@@ -67,7 +67,7 @@ def draw_plans(design: Design, robots: int, rng: np.random.Generator) -> Plans:
 
 
 def _stress(signal: Signal, shape: tuple[int, ...], rng: np.random.Generator) -> Array:
-    """What a sensor reads in each leg, before its range is minded."""
+    """The readings of a sensor in each leg, before its range is minded."""
     if signal.input == "temperature":
         return rng.uniform(15, 35, (shape[0], 1, 1)) + rng.uniform(0, 10, shape)
     if signal.input == "load":

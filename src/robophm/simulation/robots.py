@@ -1,4 +1,4 @@
-"""How robots age, fail, are found to have failed and are repaired: many at once, from event to event.
+"""Simulation of robots that age, fail, are found to have failed and are repaired: many at once, by events.
 
 Every part draws its life once, when it is new: the age at which it fails. In a leg everything is constant, so ages
 grow in proportion to time and a failure's moment is computed, not stepped to. Times are seconds from the start.
@@ -28,7 +28,7 @@ _EXACT = 256
 """Rounds in which a mode whose hazard is scaled is followed piece by piece."""
 
 FAILED, REPLACED, INSPECTED, END = range(4)
-"""What happens to a part, or to a robot."""
+"""Events of a part, or of a robot."""
 
 ROBOT = -1
 """Instead of a part's number: the robot as a whole."""
@@ -42,7 +42,7 @@ class Piece:
     end: Array
     speed: Array
     stress: Array
-    """What the sensors say, shape (robots, signals)."""
+    """Readings of the sensors, shape (robots, signals)."""
 
 
 @dataclass
@@ -50,19 +50,19 @@ class Lives:
     """The lives of some robots: when each part and each robot failed."""
 
     pieces: list[Piece] = field(default_factory=list)
-    """When they were on, in order of time; some may be empty."""
+    """Stretches of time when they were on, in order of time; some may be empty."""
     done: list[Flags] = field(default_factory=list)
-    """Of each task, whether each robot did it: the rounds of some have more tasks than those of others."""
+    """Flags for each task, whether each robot did it: the rounds of some have more tasks than those of others."""
     starts: list[Array] = field(default_factory=list)
     ends: list[Array] = field(default_factory=list)
     failed: list[Flags] = field(default_factory=list)
     """Whether each task failed."""
     slots: list[Index] = field(default_factory=list)
-    """Which task of its list each robot did."""
+    """Index, in its list, of the task that each robot did."""
     refused: int = 0
     """Starts before which a robot had to be repaired."""
     end: Array = field(default_factory=lambda: np.empty(0))
-    """When the record of each robot ends."""
+    """Time when the record of each robot ends."""
     events: list[tuple[Index, Index, Array, int]] = field(default_factory=list)
     """Robots, parts, times, and what happened."""
 
@@ -98,20 +98,20 @@ class _Robots:
             self.members[f, sorted(parts_of(block))] = True
         self.mean = 1 / (np.array([mode.rate for mode in modes]) * self._rate_factors(uncertain))
         self.age = np.zeros(shape)
-        """On its own clock; of a mode whose age stress scales, as stressed."""
+        """Age of each mode on its own clock; as stressed, where stress scales its age."""
         self.limit = np.zeros(shape)
-        """The age at which it fails; of a mode whose hazard stress scales, its Exp(1) draw."""
+        """Age at which each mode fails; its Exp(1) draw, where stress scales its hazard."""
         self.spent = np.zeros(shape)
-        """Cumulative hazard so far, of the latter."""
+        """Cumulative hazard so far of the modes whose hazard is scaled."""
         self.fails = np.full((self.count, len(design.parts)), np.inf)
-        """When each part failed; infinite while it works."""
+        """Time when each part failed; infinite while it works."""
         self.system_down = np.zeros(self.count, dtype=bool)
         self.now = np.zeros(self.count)
         self.result = Lives()
         self._renew(np.ones((self.count, len(design.parts)), dtype=bool), np.array([mode.initial for mode in modes]))
 
     def _rate_factors(self, uncertain: bool) -> Array:
-        """What each robot's true rates are, as multiples of the stated ones; equal parts share one draw."""
+        """The true rates of each robot as multiples of the stated ones; equal parts share one draw."""
         factors = np.ones((self.count, len(self.design.modes)))
         drawn: dict[str, Array] = {}
         for m, mode in enumerate(self.design.modes):
@@ -148,7 +148,7 @@ class _Robots:
     # Ageing.
 
     def _clocks(self, hours: Array, speed: Array, needed: Flags) -> Array:
-        """How far each mode's clock goes in a leg that needs these parts, shape (robots, modes)."""
+        """The advance of each mode's clock in a leg that needs these parts, shape (robots, modes)."""
         usage = self.design.usage
         per_hour = (1.0, 1.0, speed * 3.6, usage.get("cycles", 0.0), usage.get("starts", 0.0))  # as CLOCKS names them
         gone = np.stack([hours * each for each in per_hour], axis=1)
@@ -169,7 +169,7 @@ class _Robots:
         return factors
 
     def _when(self, clocks: Array, factors: Array) -> Array:
-        """At which share of the stretch each part fails, shape (robots, parts); infinite: later."""
+        """The share of the stretch at which each part fails, shape (robots, parts); infinite: later."""
         with np.errstate(divide="ignore", invalid="ignore"):
             share = (self.limit - self.age) / (clocks * factors)
             for m in self.hazard_scaled:
@@ -215,19 +215,19 @@ class _Robots:
         self.system_down &= ~robots
 
     def _needed(self, functions: Flags) -> Flags:
-        """Which parts are in any of these functions, shape (robots, parts)."""
+        """Whether each part is in any of these functions, shape (robots, parts)."""
         needed: Flags = functions @ self.members
         return needed
 
     def _functions_fail(self, parts: Array) -> Array:
-        """When each function fails if the parts fail then; shape (robots, functions), the last is the whole robot."""
+        """The times when functions fail if parts fail then; shape (robots, functions), the last is the robot."""
         blocks = (*self.design.functions.values(), self.design.whole)
         return np.stack([fails_at(block, parts) for block in blocks], axis=1)
 
     # What they do.
 
     def live(self, tasks: int) -> Lives:
-        """The record, and on to the next failure."""
+        """Return the record, and what follows up to the next failure."""
         used = np.array(sorted({mode.part for mode in self.design.modes if mode.initial > 0}), dtype=int)
         robots, parts = (one.ravel() for one in np.meshgrid(self.every_robot, used, indexing="ij"))
         self.result.events.append((robots, parts, self.now[robots], INSPECTED))  # what has survived its past
@@ -244,7 +244,7 @@ class _Robots:
         return self.result
 
     def _rest(self, until: Array) -> None:
-        """Off: only the calendar goes on."""
+        """Let robots rest, switched off: only the calendar goes on."""
         length = until - self.now
         clocks = self._clocks_off(length / 3600)
         factors = np.ones(clocks.shape)
@@ -252,7 +252,7 @@ class _Robots:
         self.now = until
 
     def _task(self, number: int, doing: Flags) -> None:
-        """One task of the robots that do it."""
+        """Let the robots that do it perform one task."""
         plans, every = self.plans, self.every_robot
         rounds, slot = number // plans.tasks, number % plans.tasks
         before = np.where(np.arange(plans.seconds.shape[1]) < slot[:, None], plans.seconds.sum(axis=2), 0.0).sum(axis=1)
@@ -273,7 +273,7 @@ class _Robots:
         self._repair(failed)
 
     def _leg(self, slot: Index, leg: int, needs: Flags, doing: Flags) -> Flags:
-        """One leg of the robots that do it, up to where a function that it needs fails; whose fails."""
+        """Let robots perform one leg, up to where a function that it needs fails; return whose fails."""
         plans, every = self.plans, self.every_robot
         length = np.where(doing, plans.seconds[every, slot, leg], 0.0)
         speed = plans.speed[every, slot, leg]
@@ -290,7 +290,7 @@ class _Robots:
         return np.asarray(fails)
 
     def _jittered(self, stress: Array) -> Array:
-        """What the sensors say when a leg is done: about what was planned."""
+        """The readings of sensors when a leg is done: about what was planned."""
         result = stress.copy()
         for i, signal in enumerate(self.design.signals):
             off = self.rng.uniform(-1, 1, self.count) * JITTER[signal.input] * self.jitter
@@ -302,7 +302,7 @@ class _Robots:
     # The next failure, by the plan alone.
 
     def _next_failure(self) -> Array:
-        """When each robot fails next if it repeats its plan without jitter and repair."""
+        """The time when each robot fails next if it repeats its plan without jitter and repair."""
         plans = self.plans
         legs = list(np.ndindex(plans.seconds.shape[1:]))
         lengths = [plans.seconds[:, task, leg] for task, leg in legs]
@@ -333,7 +333,7 @@ class _Robots:
         return fails_at(self.design.whole, fails)
 
     def _by_age(self, begins: Array, length: Array, gained: Array, left: Array) -> Array:
-        """When each mode has gained what was left to it, shape (robots, modes), given its gains up to each piece."""
+        """The time when each mode has gained what was left to it, shape (robots, modes), from gains by piece."""
         a_round = gained[:, -1]
         with np.errstate(divide="ignore", invalid="ignore"):
             rounds = np.floor(left / a_round)
@@ -348,7 +348,8 @@ class _Robots:
         return np.where(a_round > 0, times, np.inf)
 
     def _by_hazard(self, m: int, begins: Array, length: Array, clock: Array, factor: Array) -> tuple[Array, Array]:
-        """When a mode fails whose hazard is scaled, shape (robots,): within the first rounds; else after how many.
+        """The time when a mode whose hazard is scaled fails, shape (robots,): in the first rounds; else the later
+        round.
 
         The first rounds are exact, piece by piece. Later h hardly changes within one, and a round adds its mean ψ
         times the increment of H over it, taken about where the round's hazard is centred (error ~ 1/rounds²).

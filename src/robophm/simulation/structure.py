@@ -1,4 +1,4 @@
-"""When a structure fails, given when its parts do: at a moment of order among the failures of its blocks."""
+"""Failure times of a structure from those of its parts: a moment of order among the failures of its blocks."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Works while at least k of its blocks do; a block is a group or the number of a part."""
+    """A group that works while at least k of its blocks do; a block is a group or the number of a part."""
 
     k: int
     blocks: tuple[Block, ...]
@@ -21,18 +21,18 @@ class Group:
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """Works while a path of working blocks leads from one node to another."""
+    """A network that works while a path of working blocks leads from one node to another."""
 
     start: str
     end: str
     links: tuple[tuple[str, str, Block | None], ...]
-    """One way each."""
+    """Links, each in one direction."""
     nodes: Mapping[str, Block]
-    """What stands at them; a node that is not here cannot fail."""
+    """Blocks that stand at nodes; a node that is not here cannot fail."""
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """The blocks of the network that may fail."""
+        """Return the blocks of the network that may fail."""
         return (*self.nodes.values(), *(block for _, _, block in self.links if block is not None))
 
 
@@ -40,7 +40,7 @@ Block = Group | Route | int
 
 
 def fails_at(block: Block, parts: Array) -> Array:
-    """When the block fails, shape (robots,), if its parts fail at ``parts``, shape (robots, parts); inf: never.
+    """Return when the block fails, shape (robots,), if parts fail at ``parts``, shape (robots, parts); inf: never.
 
     Parts are not repaired meanwhile, so a group of n fails with the (n − k + 1)-th of its blocks.
     """
@@ -75,7 +75,7 @@ def fails_at(block: Block, parts: Array) -> Array:
 
 
 def parts_of(block: Block) -> set[int]:
-    """The numbers of the parts in a block."""
+    """Return the numbers of the parts in a block."""
     parts: set[int] = set()
     seen: set[int] = set()
     stack = [block]

@@ -1,4 +1,4 @@
-"""How a design file wires its parts: diagrams, networks and names become the structure of a robot."""
+"""The wiring of a design for the simulator: diagrams, networks and names become the structure of a robot."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from itertools import pairwise
 from typing import Any
 
 from robophm.core.errors import nearest
+from robophm.simulation.design_keys import MAX_DEPTH, LocatedError, Place, known_keys, read_whole
 from robophm.simulation.structure import Block, Group, Route
-from robophm.simulation.written import MAX_DEPTH, Fault, Place, known_keys, read_whole
 
 MOST_BLOCKS = 1_000_000
-"""Of all diagrams of a robot."""
+"""The most blocks in all diagrams of a robot."""
 
 
 class Wiring:
@@ -25,9 +25,9 @@ class Wiring:
         self.blocks = 0
 
     def module(self, path: str, place: Place) -> Block:
-        """The block of a module, or of the robot. Raises Fault."""
+        """Return the block of a module, or of the robot. Raises LocatedError."""
         if path in self.under_way:
-            raise Fault(place, f"cycle: '{path or 'the robot'}' contains itself")
+            raise LocatedError(place, f"cycle: '{path or 'the robot'}' contains itself")
         if path not in self.expanded:
             self.under_way.append(path)
             level = self.levels[path]
@@ -40,17 +40,21 @@ class Wiring:
         return self.expanded[path]
 
     def block(self, level: str, diagram: Any, place: Place, depth: int) -> Block:
-        """The block that a diagram describes, whose names are those of a level. Raises Fault."""
+        """Return the block that a diagram describes, whose names are those of a level. Raises LocatedError."""
         self.blocks += 1
         if self.blocks > MOST_BLOCKS or depth > MAX_DEPTH:
-            raise Fault(place, f"a diagram of more than {MOST_BLOCKS:,} blocks, or more than {MAX_DEPTH} deep")
+            raise LocatedError(place, f"a diagram of more than {MOST_BLOCKS:,} blocks, or more than {MAX_DEPTH} deep")
         if isinstance(diagram, str):
             return self._named(level, diagram, place)
         kinds = list(diagram) if isinstance(diagram, dict) else []
         if kinds and kinds[0] in ("standby", "load_sharing"):
-            raise Fault(place, f"{kinds[0]}: parts that depend on each other are not simulated; expected other blocks")
+            raise LocatedError(
+                place, f"{kinds[0]}: parts that depend on each other are not simulated; expected other blocks"
+            )
         if len(kinds) != 1 or kinds[0] not in ("series", "parallel", "k_of_n", "network"):
-            raise Fault(place, "not a block; expected a part's name, or one of series, parallel, k_of_n, network")
+            raise LocatedError(
+                place, "not a block; expected a part's name, or one of series, parallel, k_of_n, network"
+            )
         kind, inside = kinds[0], diagram[kinds[0]]
         if kind == "network":
             return self._network(level, inside, place, depth)
@@ -59,7 +63,7 @@ class Wiring:
             known_keys(place, inside, "k_of_n")
             k, inside = inside.get("k"), inside.get("of")
         if not isinstance(inside, list) or not inside:
-            raise Fault(place, f"{kind} of nothing; expected a list of blocks")
+            raise LocatedError(place, f"{kind} of nothing; expected a list of blocks")
         blocks = tuple(self.block(level, one, place, depth + 1) for one in inside)
         return Group(len(blocks) if kind == "series" else read_whole(place, k, len(blocks)), blocks)
 
@@ -68,7 +72,7 @@ class Wiring:
         start, end = str(said.get("from")), str(said.get("to"))
         lists = [said.get(name) or [] for name in ("links", "junctions")]
         if not all(isinstance(one, list) for one in lists):
-            raise Fault(place, "expected lists of links and junctions")
+            raise LocatedError(place, "expected lists of links and junctions")
         links: list[tuple[str, str, Block | None]] = []
         for link in lists[0]:
             if isinstance(link, list):
@@ -79,7 +83,7 @@ class Wiring:
             through = None if block is None else self.block(level, block, (*place, "links"), depth + 1)
             joined = link.get("between", [link.get("from"), link.get("to")])
             if not isinstance(joined, list) or len(joined) != 2:
-                raise Fault((*place, "links"), f"{joined!r:.60} joins no two nodes")
+                raise LocatedError((*place, "links"), f"{joined!r:.60} joins no two nodes")
             a, b = map(str, joined)
             links += [(a, b, through)] + [(b, a, through)] * ("between" in link)
         named = dict.fromkeys(name for a, b, _ in links for name in (a, b))
@@ -89,7 +93,7 @@ class Wiring:
         for _ in named:
             ends |= {b for a, b, _ in links if a in ends}
         if end not in ends or start == end:
-            raise Fault(place, f"no path leads from '{start}' to '{end}'")
+            raise LocatedError(place, f"no path leads from '{start}' to '{end}'")
         return Route(start, end, tuple(links), nodes)
 
     def _is_part(self, level: str, name: str) -> bool:
@@ -106,9 +110,11 @@ class Wiring:
                 return group
             if index.removesuffix("]") in members and len(members) > 1:
                 return members[index.removesuffix("]")]
-            raise Fault(place, f"'{name}': expected [1] … [{len(members)}]")
+            raise LocatedError(place, f"'{name}': expected [1] … [{len(members)}]")
         if path not in self.levels or not path:
-            raise Fault(place, f"unknown part '{name}'{nearest(path, [*self.components, *filter(None, self.levels)])}")
+            raise LocatedError(
+                place, f"unknown part '{name}'{nearest(path, [*self.components, *filter(None, self.levels)])}"
+            )
         return self.module(path, place)
 
     def _place(self, path: str) -> Place:

@@ -18,16 +18,16 @@ class MemoryStore(Store):
         self._reports: dict[str, dict[int, str]] = {}
 
     def ledger(self, robot: str) -> Mapping[str, Any] | None:
-        """The robot's ledger as it was saved, or None."""
+        """Return the robot's ledger as it was saved, or None."""
         text = self._ledgers.get(robot)
         return json.loads(text) if text is not None else None
 
     def progress(self, robot: str, recording: str) -> Progress:
-        """How far a recording has been replayed into this robot's ledger."""
+        """Return how far a recording has been replayed into this robot's ledger."""
         return self._progress.get((robot, recording), Progress(recording))
 
     def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
-        """The robot's reports, oldest first."""
+        """Yield the robot's reports, oldest first."""
         for _, text in sorted(self._reports.get(robot, {}).items()):
             yield json.loads(text)
 

@@ -14,7 +14,7 @@ from robophm.core.errors import StoreError
 from robophm.stores.store import Progress, Store
 
 VERSION = 2
-"""Of the tables; kept in the file's user_version."""
+"""Version of the tables; kept in the file's user_version."""
 
 _TABLES = """
 CREATE TABLE ledger (robot TEXT PRIMARY KEY, revision INTEGER NOT NULL, state TEXT NOT NULL) STRICT;
@@ -57,7 +57,7 @@ class SqliteStore(Store):
         self._base.execute("PRAGMA synchronous = FULL")
 
     def ledger(self, robot: str) -> Mapping[str, Any] | None:
-        """The robot's ledger as it was saved, or None. Raises StoreError where it cannot be read."""
+        """Return the robot's ledger as it was saved, or None. Raises StoreError where it cannot be read."""
         with self._errors():
             query = "SELECT revision, state FROM ledger WHERE robot = ?"
             row = self._base.execute(query, (robot,)).fetchone()
@@ -65,14 +65,14 @@ class SqliteStore(Store):
             return json.loads(row[1]) if row else None
 
     def progress(self, robot: str, recording: str) -> Progress:
-        """How far a recording has been replayed into this robot's ledger."""
+        """Return how far a recording has been replayed into this robot's ledger."""
         with self._errors():
             query = "SELECT position, complete, notes FROM progress WHERE robot = ? AND recording = ?"
             row = self._base.execute(query, (robot, recording)).fetchone()
         return Progress(recording, row[0], bool(row[1]), json.loads(row[2])) if row else Progress(recording)
 
     def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
-        """The robot's reports, oldest first."""
+        """Yield the robot's reports, oldest first."""
         with self._errors():
             for (body,) in self._base.execute("SELECT body FROM report WHERE robot = ? ORDER BY time", (robot,)):
                 yield json.loads(body)

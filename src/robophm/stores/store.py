@@ -1,4 +1,4 @@
-"""What every store offers."""
+"""The interface of every store."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import Any, NamedTuple, Self
 
 
 class Progress(NamedTuple):
-    """How far one recording has been replayed into a ledger."""
+    """The progress of one recording's replay into a ledger."""
 
     recording: str
-    """Fingerprint of its content."""
+    """Fingerprint of the recording's content."""
     position: int = 0
-    """What of it is in the ledger: so many samples, or all that was received before this time [ns]."""
+    """Part of it that is in the ledger: so many samples, or all that was received before this time [ns]."""
     complete: bool = False
     notes: Mapping[str, int] = {}
-    """What had to be decided so far, and how often."""
+    """Notes on what had to be decided so far, and how often."""
 
 
 class Store(ABC):
@@ -24,15 +24,15 @@ class Store(ABC):
 
     @abstractmethod
     def ledger(self, robot: str) -> Mapping[str, Any] | None:
-        """The robot's ledger as it was saved, or None. Raises StoreError where it cannot be read."""
+        """Return the robot's ledger as it was saved, or None. Raises StoreError where it cannot be read."""
 
     @abstractmethod
     def progress(self, robot: str, recording: str) -> Progress:
-        """How far a recording has been replayed into this robot's ledger."""
+        """Return how far a recording has been replayed into this robot's ledger."""
 
     @abstractmethod
     def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
-        """The robot's reports, oldest first."""
+        """Yield the robot's reports, oldest first."""
 
     @abstractmethod
     def save(

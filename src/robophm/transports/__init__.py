@@ -1,4 +1,4 @@
-"""What robots say, and what is said to them.
+"""Transports: what robots say, and what is said to them.
 
 ``signals/`` is what all share: the interfaces of sources and sinks and their records. ``recordings/`` reads files,
 ``ros1/``, ``ros2_dds/`` and ``ros2_rclpy.py`` listen to robots that run, with what they share in ``live/``.

@@ -35,7 +35,7 @@ _LOCK = threading.RLock()
 
 
 def rclpy() -> Any:
-    """The package. Raises SourceError where it cannot be imported."""
+    """Return the package rclpy. Raises SourceError where it cannot be imported."""
     try:
         import rclpy.context
         import rclpy.event_handler
@@ -47,7 +47,7 @@ def rclpy() -> Any:
 
 
 def _why_not(error: Exception) -> str:
-    """Why rclpy does not run here: where it lies, which tells the Python it is for, and what went wrong first."""
+    """The reason why rclpy does not run here: where it lies, which tells its Python, and what went wrong first."""
     spec = importlib.util.find_spec("rclpy")
     if spec is None:
         return "rclpy cannot be imported; expected the setup of a ROS 2 to be sourced"
@@ -62,7 +62,7 @@ class Node(DdsNode):
 
     @staticmethod
     def join(domain: int | None) -> Any:
-        """The graph that nodes of a domain share in this process."""
+        """Return the graph that nodes of a domain share in this process."""
         with _LOCK:
             where = place(domain)
             graph = _OPEN.get(where.domain) or _OPEN.setdefault(where.domain, RclpyGraph(where.domain))
@@ -140,28 +140,28 @@ class RclpyGraph:
         """Do nothing: rclpy tells the graph of a node's writers itself."""
 
     def reader(self, node: str, topic: str, definition: Definition, *, reliable: bool, latched: bool) -> RclpyReader:
-        """A reader of a topic, spelled as in DDS, for a node."""
+        """Return a reader of a topic, spelled as in DDS, for a node."""
         return RclpyReader(self._rclpy, self._nodes[node], topic.removeprefix("rt"), definition, reliable, latched)
 
     def writer(self, node: str, topic: str, definition: Definition, *, latched: bool) -> RclpyWriter:
-        """A writer of a topic, spelled as in DDS, for a node."""
+        """Return a writer of a topic, spelled as in DDS, for a node."""
         return RclpyWriter(self._rclpy, self._nodes[node], topic.removeprefix("rt"), definition, latched)
 
     def discovery(self) -> RclpyDiscovery:
-        """A new discovery of publishers in this domain."""
+        """Return a new discovery of publishers in this domain."""
         return RclpyDiscovery(self._rclpy, self._eye)
 
     def waiting(self) -> RclpyWaiting:
-        """A new wait set for readers and discoveries."""
+        """Return a new wait set for readers and discoveries."""
         return RclpyWaiting()
 
     def refused(self) -> Counter[str]:
-        """Always empty: rclpy does not tell of messages that are not of their type."""
+        """Return an empty count: rclpy does not tell of messages that are not of their type."""
         return Counter()
 
 
 _PLAIN: dict[str, Any] = {"use_global_arguments": False, "enable_rosout": False, "start_parameter_services": False}
-"""Of a node that has no more than it is asked for."""
+"""Options of a node that has no more than it is asked for."""
 
 
 def _message_class(definition: Definition) -> Any:
@@ -201,7 +201,7 @@ class RclpyWriter:
 
     @property
     def readers(self) -> int:
-        """How many readers are connected now."""
+        """Return how many readers are connected now."""
         return int(self._publisher.get_subscription_count())
 
     def close(self) -> None:
@@ -245,19 +245,19 @@ class RclpyReader:
         self._counts[what] += number
 
     def take(self) -> list[Message]:
-        """The messages that have come; an empty list where there are none."""
+        """Return the messages that have come; an empty list where there are none."""
         return [self._waiting.popleft() for _ in range(len(self._waiting))]
 
     def lost(self) -> int:
-        """Messages that were lost since this was asked last."""
+        """Return the number of messages that were lost since this was asked last."""
         return self._counts.pop("lost", 0)
 
     def overrun(self) -> int:
-        """Always 0: what came too fast is counted as lost."""
+        """Return 0: what came too fast is counted as lost."""
         return 0
 
     def refused(self) -> int:
-        """Publishers since this was asked last whose quality of service does not go with ours."""
+        """Return the publishers since this was asked last whose quality of service does not go with ours."""
         return self._counts.pop("refused", 0)
 
     def close(self) -> None:
@@ -277,7 +277,7 @@ class RclpyDiscovery:
         self._node = node
 
     def look(self) -> bool:
-        """Take what is new into ``offers``; whether there was something."""
+        """Take what is new into ``offers``; return whether there was something."""
         if time.monotonic() < self._due:
             return False
         self._due = time.monotonic() + LOOK_SECONDS

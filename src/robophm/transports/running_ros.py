@@ -1,4 +1,4 @@
-"""Which ROS runs here, and the live transport that speaks it."""
+"""The choice of the live transport, by the ROS that runs here."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robophm.core.errors import SourceError, nearest
 from robophm.transports.signals.source import LiveSource
 
 Choice = Literal["auto", "1", "2"]
-"""What a user says."""
+"""The choice that a user states."""
 
 ROS1_DISTRIBUTIONS = ("noetic", "melodic", "kinetic")
 """Values of ROS_DISTRO that are ROS 1's."""
@@ -25,22 +25,22 @@ class Live:
     source: LiveSource
     generation: Literal[1, 2]
     transport: str
-    """``ros1``, ``ros2_dds`` or ``ros2_rclpy``."""
+    """Name of the transport: ``ros1``, ``ros2_dds`` or ``ros2_rclpy``."""
     reason: str
-    """Why this one, as the end of a sentence."""
+    """Reason for this one, as the end of a sentence."""
     node: Callable[[str], Any]
-    """Makes a node of a name."""
+    """Function that makes a node of a name."""
     publisher: Callable[..., Any]
-    """Makes a publisher of a node, topic, type and definition."""
+    """Function that makes a publisher of a node, topic, type and definition."""
 
     @property
     def said(self) -> str:
-        """One line for people: which transport was chosen and why."""
+        """Return one line for people: which transport was chosen and why."""
         return f"listening to ROS {self.generation} ({self.transport}): {self.reason}"
 
 
 def open_live(choice: str = "auto", *, period: float = 0.5) -> Live:
-    """The live source of the ROS that runs here, or that is chosen; its clock comes at multiples of ``period`` [s].
+    """Open the live source of the ROS that runs here, or is chosen; its clock comes at multiples of ``period`` [s].
 
     Raises SourceError where it cannot be spoken, or there is none.
     """
@@ -74,7 +74,7 @@ def _ros2(reason: str, period: float) -> Live:
 
 
 def generation_here() -> tuple[int, str]:
-    """1 or 2, and how that is known: what was sourced, or a master that answers. Raises SourceError."""
+    """Return 1 or 2, and how that is known: what was sourced, or a master that answers. Raises SourceError."""
     version, distribution = os.environ.get("ROS_VERSION"), os.environ.get("ROS_DISTRO", "").lower()
     if version in ("1", "2"):
         return int(version), f"ROS_VERSION is {version}"
@@ -84,14 +84,14 @@ def generation_here() -> tuple[int, str]:
     if answer is None:
         return 1, "a ROS master answers"
     if os.environ.get("ROS_MASTER_URI"):
-        raise SourceError(f"no ROS master: {answer}; start roscore, or ask for ROS 2 (--ros 2)")
+        raise SourceError(f"no ROS master: {answer}; start roscore, or ask for ROS 2")
     if _has("rclpy") or _has("cyclonedds"):
         return 2, "no ROS master answers"
     raise SourceError(f"no ROS found: {answer}, and nothing here speaks ROS 2: pip install robophm[ros2]")
 
 
 def _master() -> str | None:
-    """What is wrong with the master; None where it answers."""
+    """The reason why the master cannot be used; None where it answers."""
     from robophm.transports.ros1.environment import place
     from robophm.transports.ros1.source import CALLER
     from robophm.transports.ros1.xmlrpc import call

@@ -19,7 +19,7 @@ from starlette.middleware.gzip import GZipMiddleware
 from starlette.staticfiles import StaticFiles
 
 from robophm.core.errors import RobophmError
-from robophm.design.fault import Fault
+from robophm.design.located_error import LocatedError
 from robophm.web.guard import Guard, TooLargeError
 from robophm.web.routes import analysis, data, design, library, live, tasks
 from robophm.web.service import Service, Settings
@@ -41,11 +41,12 @@ GUARDED: dict[int | str, dict[str, Any]] = {
     413: {"model": Trouble, "description": "Larger than it may be"},
     422: {"model": Trouble, "description": "Refused, and why"},
 }
-"""What any request may be answered."""
+"""Responses that any request may get."""
 
 
 def create_app(settings: Settings) -> FastAPI:
-    """The service of one robot. Raises DesignError, StoreError; ValueError for an open address without a token."""
+    """Return the service of one robot. Raises DesignError, StoreError; ValueError for an open address without a
+    token."""
     service = Service(settings)
 
     @asynccontextmanager
@@ -65,7 +66,7 @@ def create_app(settings: Settings) -> FastAPI:
 
 
 def api(**more: Any) -> FastAPI:
-    """The routes alone, as the OpenAPI schema describes them."""
+    """Return the routes alone, as the OpenAPI schema describes them."""
     app = FastAPI(
         title="robophm", version=version("robophm"), description=DESCRIPTION, docs_url=None, redoc_url=None,
         openapi_url="/api/openapi.json", **more,
@@ -101,7 +102,7 @@ async def _refused(request: Request, error: Exception) -> JSONResponse:
     if isinstance(error, OutsideError):
         said = {"message": str(error), "place": [], "digest": error.digest, "changes": list(error.changes)}
         return JSONResponse(said, 409)
-    return _said(422, str(error), error.place if isinstance(error, Fault) else ())
+    return _said(422, str(error), error.place if isinstance(error, LocatedError) else ())
 
 
 async def _json(request: Request) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import threading
 from collections import OrderedDict
 from dataclasses import replace
 
-from robophm.design.problems import Checked, Problem, check
+from robophm.design.problems import CheckResult, Problem, check
 from robophm.health.refusal import refusal
 
 _KEPT = 6
@@ -17,10 +17,10 @@ class CheckedTexts:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._found: OrderedDict[str, Checked] = OrderedDict()
+        self._found: OrderedDict[str, CheckResult] = OrderedDict()
 
-    def of(self, text: str) -> Checked:
-        """All that can be said of a text, found now or remembered."""
+    def of(self, text: str) -> CheckResult:
+        """Return all that can be said of a text, found now or remembered."""
         with self._lock:
             if text not in self._found:
                 self._found[text] = _checked(text)
@@ -30,8 +30,8 @@ class CheckedTexts:
             return self._found[text]
 
 
-def _checked(text: str) -> Checked:
-    """What is wrong or odd in a text, and why no figures can be given for the robot that it describes."""
+def _checked(text: str) -> CheckResult:
+    """A check of a text that includes why no figures can be given for the robot that it describes."""
     found = check(text)
     if found.robot is None or (says := refusal(found.robot)) is None:
         return found

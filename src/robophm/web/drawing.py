@@ -13,7 +13,7 @@ from robophm.report.labels import part_labels
 from robophm.report.layout import Measures, layout
 from robophm.report.markup import text_width
 from robophm.report.outline import Label, More, Spare, names, outline, words
-from robophm.web.prepared import Prepared
+from robophm.web.prepared_robot import PreparedRobot
 from robophm.web.shapes import Box, Drawing, Gate, Line, Unit
 
 MOST_BOXES = 400
@@ -22,8 +22,8 @@ _NARROWEST, _WIDEST = 120.0, 210.0
 _HEIGHT = 48.0
 
 
-def drawing(prepared: Prepared, path: str, width: float, unit: Unit, *, whole: bool = False) -> Drawing:
-    """The diagram of the level at a path, as drawn, or ``whole``: down to its parts. Raises DesignError."""
+def drawing(prepared: PreparedRobot, path: str, width: float, unit: Unit, *, whole: bool = False) -> Drawing:
+    """Return the diagram of the level at a path, as drawn, or ``whole``: down to its parts. Raises DesignError."""
     module = prepared.modules.get(path)
     if module is None:
         raise DesignError(f"no module '{path}'{nearest(path, prepared.modules)}")

@@ -1,4 +1,4 @@
-"""Who may ask what: nobody from elsewhere, nothing too large, and with a token where the service is open to others.
+"""The guard of the service: no request from elsewhere, none too large, and a token where others can reach it.
 
 A web site that a person visits could ask a service on that person's machine in their name. So requests must name this
 host, writes and WebSockets must come from its own page, and what is answered may load nothing from elsewhere.
@@ -17,7 +17,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 MOST_BYTES = 24_000_000
-"""Of a request's body: a design is 20 MB at most."""
+"""Largest body of a request [bytes]: a design is 20 MB at most."""
 
 COOKIE = "robophm_token"
 
@@ -40,7 +40,7 @@ TOKEN_PAGE = b"""<!doctype html>
 """For a person whose browser does not know the token; programs get it in JSON."""
 
 REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
-"""Of a stand-alone report, whose style is within."""
+"""Content security policy of a stand-alone report, whose style is within."""
 
 
 def is_loopback(host: str) -> bool:
@@ -125,7 +125,7 @@ class Guard:
 
 
 def _kept(path: str) -> str:
-    """How long a browser may keep an answer: what is built has its content in its name."""
+    """The cache policy of an answer: what is built has its content in its name."""
     if path.startswith("/assets/"):
         return "public, max-age=31536000, immutable"
     return "no-store" if path.startswith(("/api/", "/metrics")) else "no-cache"
@@ -139,7 +139,7 @@ def _same(origin: str, host: str) -> bool:
 
 
 def _without_token(scope: Scope, token: str) -> str | None:
-    """Where a page that was opened with the token goes on, so that the token stays in no history and no log."""
+    """The address at which a page opened with the token goes on, so that the token stays in no history and no log."""
     pairs = parse_qsl(scope["query_string"].decode("latin-1"), keep_blank_values=True)
     if scope["method"] != "GET" or scope["path"].startswith("/api/") or ("token", token) not in pairs:
         return None

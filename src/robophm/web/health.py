@@ -8,13 +8,13 @@ from typing import Literal
 from robophm.core.signal import SECOND
 from robophm.health.prognosis import RemainingLife
 from robophm.health.report import HealthReport
-from robophm.health.reporting import beside
+from robophm.health.reporting import with_earlier_look
 from robophm.health.subject import Figures, Subject
 from robophm.health.why import Explanation
 from robophm.report.failures_to_come import FEW, notes, shown
 from robophm.report.why import reasons, sentence
 from robophm.web.monitoring import Run
-from robophm.web.prepared import finite, unknown_of
+from robophm.web.prepared_robot import finite, unknown_of
 from robophm.web.shapes import Shape, UnknownRates
 
 
@@ -54,7 +54,7 @@ class Contributor(Shape):
     """The share that a part has in the failures to come."""
 
     path: str
-    """Of a component, or of a group of parts that depend on each other its name."""
+    """Path of a component, or name of a group of parts that depend on each other."""
     quantity: int
     group: bool
     nominal: float | None
@@ -105,7 +105,7 @@ class Health(Shape):
     error: str
     state: Literal["ok", "warn", "error", "stale", "idle"]
     why: list[str]
-    """What made it so, in words."""
+    """Reasons for the state, in words."""
     sentence: str
     """How long the robot works on, and what decides that; empty before it has been worked out."""
     reasons: list[str]
@@ -119,7 +119,7 @@ class Health(Shape):
     clocks: dict[str, float]
     subjects: list[SubjectHealth]
     to_come: ToCome | None
-    """Null before remaining life, on which it rests, has been worked out."""
+    """Failures to come; null before remaining life, on which they rest, has been worked out."""
     limits_set: bool
     """Whether the design sets any threshold: without one nothing can be called too low."""
     sensors: list[Freshness]
@@ -131,9 +131,9 @@ def health_of(
     report: HealthReport, lives: HealthReport | None, run: Run | None, *, why: Explanation | None,
     design_changed: bool, sensors: list[Freshness], horizon: float | None = None,
 ) -> Health:  # fmt: skip
-    """All that is known. ``lives`` may be an older report that has remaining lives."""
+    """Return all that is known. ``lives`` may be an older report that has remaining lives."""
     latest = {subject.path: subject for subject in lives.subjects} if lives else {}
-    seen = report if lives is None or lives is report else beside(report, lives)
+    seen = report if lives is None or lives is report else with_earlier_look(report, lives)
     told = [*([run.error] if run and run.error else []), *seen.breaches]
     state: Literal["ok", "warn", "error", "stale", "idle"] = "error" if told else seen.state
     if state == "ok" and (run is None or run.state == "stopped"):

@@ -14,7 +14,7 @@ from typing import Any, Literal
 from robophm.core.errors import RobophmError, SourceError
 
 MOST_JOBS = 20
-"""That are remembered; at most so many may wait."""
+"""The most jobs that are remembered; at most so many may wait."""
 
 AT_ONCE = 2
 
@@ -31,7 +31,7 @@ class Job:
     kind: str
     state: Literal["waiting", "running", "done", "failed", "cancelled"] = "waiting"
     progress: float = 0.0
-    """0 to 1"""
+    """Share of the work that is done, 0 to 1."""
     error: str = ""
     result: Any = None
     unwanted: threading.Event = field(default_factory=threading.Event)
@@ -66,7 +66,7 @@ class Jobs:
         return job
 
     def get(self, number: int) -> Job | None:
-        """The job of this number, if it is still remembered."""
+        """Return the job of this number, if it is still remembered."""
         return self._jobs.get(number)
 
     def cancel(self, number: int) -> Job | None:
@@ -79,7 +79,7 @@ class Jobs:
         return job
 
     def close(self) -> None:
-        """Cancel all jobs."""
+        """Cancel all jobs and start no more."""
         for job in list(self._jobs.values()):
             job.unwanted.set()
         self._pool.shutdown(wait=False, cancel_futures=True)

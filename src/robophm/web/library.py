@@ -29,13 +29,13 @@ class FormInput(Shape):
     low: float | None = None
     high: float | None = None
     whole: bool = False
-    """Whether it counts things."""
+    """Whether the input counts things."""
     default: str | float | None = None
     options: list[str] = []
     meanings: dict[str, str] = {}
-    """Of options, where the handbook says more."""
+    """Meanings of options, where the handbook says more."""
     aliases: dict[str, str] = {}
-    """What people call an option, and the option."""
+    """Names that people use for an option, and the option."""
     measurable: bool = False
     """Whether a sensor can be bound to it."""
 
@@ -99,13 +99,13 @@ class RateAnswer(Shape):
     formula: str
     source: str
     inputs: dict[str, str | float]
-    """As they were taken: converted, defaults filled in."""
+    """Inputs as they were taken: converted, defaults filled in."""
     factors: list[FactorValue]
 
 
 @cache
 def library() -> Library:
-    """All models of the handbooks, and how stress can accelerate a constant rate."""
+    """Return all models of the handbooks, and how stress can accelerate a constant rate."""
     models = [
         ModelName(name=name, handbook=name.partition(".")[0], title=_title(model), formula=model.formula)
         for name, model in ((name, handbook_model(name)) for name in handbook_models())
@@ -114,7 +114,7 @@ def library() -> Library:
 
 
 def form(name: str) -> Form:
-    """The form of a model. Raises PlugError where there is no such model."""
+    """Return the form of a model. Raises PlugError where there is no such model."""
     return _form(handbook_model(name))
 
 
@@ -155,12 +155,12 @@ def _input(name: str, entry: Choice | Range | Note) -> FormInput:
 
 
 def answer(model: str, given: Mapping[str, str | float]) -> RateAnswer:
-    """The hazard rate for inputs as written. Raises ModelError, UnitError, PlugError."""
+    """Return the hazard rate for inputs as written. Raises ModelError, UnitError, PlugError."""
     return _answer(handbook_model(model), {name: said for name, said in given.items() if said != ""})
 
 
 def formula_answer(formula: str, unit: str, variables: Mapping[str, float]) -> RateAnswer:
-    """The value of a user's own formula. Raises ModelError, UnitError."""
+    """Return the value of a user's own formula. Raises ModelError, UnitError."""
     ranges = {name: Range(-math.inf, math.inf, "", default=value) for name, value in variables.items()}
     return _answer(formula_model(formula, unit, ranges, "own formula"), variables)
 

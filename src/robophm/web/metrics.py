@@ -15,7 +15,7 @@ _FIGURES = {
 
 
 def metrics_text(service: Service) -> str:
-    """All metrics as text; of a robot that is not watched, only that it is not."""
+    """Return all metrics as text; of a robot that is not watched, only that it is not."""
     return "\n".join(_lines(service)) + "\n"
 
 

@@ -35,16 +35,16 @@ QUICK, FULL = 0.5, 2.0
 """Seconds between two looks at the figures, and at remaining life too, at least."""
 
 SHARE = 20.0
-"""How many times as long as a look takes there is between two, at least; of each of the two kinds."""
+"""Least time between two looks of each kind, in multiples of what a look takes."""
 
 MOST_TASKS = 500
-"""That are remembered of a live robot."""
+"""The most tasks that are remembered of a live robot."""
 
 MOST_SUBJECTS = 60
-"""Whose figures become series."""
+"""The most subjects whose figures become series."""
 
 TASK_TOPICS = known_topics("")
-"""That tell of tasks, as `robophm watch` knows them by name."""
+"""Topics that tell of tasks, as `robophm watch` knows them by name."""
 
 State = Literal["idle", "running", "stopped", "ended", "failed"]
 """``stopped`` by a person, or ``ended`` by itself as a recording does."""
@@ -57,27 +57,27 @@ class Run:
     robot: Robot
     source: str
     design_state: int
-    """Of the design when it began."""
+    """State of the design when the run began."""
     state: State = "running"
     error: str = ""
     stopped: bool = False
     """Whether a person ended it."""
     report: HealthReport | None = None
-    """The latest."""
+    """The latest report of the run."""
     lives: HealthReport | None = None
-    """The latest with remaining lives."""
+    """The latest report with remaining lives."""
     why: Explanation | None = None
     """What decides the health of ``lives``."""
     ledger: Ledger | None = None
-    """Of the latest report, settled; nobody changes it."""
+    """Settled ledger of the latest report; nobody changes it."""
     samples: int = 0
     notes: Mapping[str, int] = field(default_factory=dict)
     tasks: Callable[[], list[TaskRecord]] = list
-    """Of a recording, whose tasks are known beforehand."""
+    """Function that returns the tasks of a recording, which are known beforehand."""
     judged: deque[JudgedTask] = field(default_factory=lambda: deque(maxlen=MOST_TASKS))
-    """Of a robot that tells of them."""
+    """Tasks of a robot that tells of them."""
     looks: int = 0
-    """Goes up with every report."""
+    """Number of reports so far."""
 
 
 class _Tapped(LiveSource):
@@ -117,7 +117,7 @@ class Monitoring:
         self._thread: threading.Thread | None = None
         self.board = Board()
         self.run: Run | None = None
-        """The latest; None before the first."""
+        """The latest run; None before the first."""
 
     @property
     def state(self) -> State:
@@ -125,7 +125,7 @@ class Monitoring:
         return self.run.state if self.run else "idle"
 
     def start(self, robot: Robot, choice: Choice, speed: float, design_state: int) -> None:
-        """Begin to watch. Raises SourceError where it does already, the source is none, or the robot has no signals."""
+        """Begin to watch the robot. Raises SourceError if it does, the source is none, or the robot has no signals."""
         with self._lock:
             if self._thread and self._thread.is_alive():
                 raise SourceError("monitoring runs already; stop it first")
@@ -156,7 +156,7 @@ class Monitoring:
             thread.join(timeout=30)
 
     def last_ledger(self, robot: Robot) -> Ledger:
-        """A robot's ledger as far as is known: of the latest run, else of the store, else an empty one.
+        """Return a robot's ledger as far as is known: of the latest run, else of the store, else an empty one.
 
         Raises StoreError where the past that is kept is not of this robot.
         """
@@ -238,7 +238,8 @@ class _Looking:
 
 
 def figures_of(report: HealthReport) -> dict[str, float]:
-    """The figures that become series, by name: ``hazard_rate.nominal:Power``; of the robot nothing follows ":"."""
+    """Return the figures that become series, by name: ``hazard_rate.nominal:Power``; for the robot nothing follows
+    ":"."""
     found: dict[str, float] = {}
     for subject in report.subjects[:MOST_SUBJECTS]:
         path = "" if subject.kind == "robot" else subject.path

@@ -1,4 +1,4 @@
-"""What was heard and worked out lately, one series of numbers for each signal and figure, in bounded memory."""
+"""Series of what was heard and computed lately, one for each signal and figure, in bounded memory."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Series:
         self.times = np.empty(kept)
         self.values = np.empty(kept)
         self.count = 0
-        """Of all points that ever came."""
+        """Number of all points that ever came."""
 
     def add(self, time: float, value: float) -> None:
         """Add a point; beyond KEPT points the oldest makes room."""
@@ -50,7 +50,7 @@ class Series:
         self.count += 1
 
     def since(self, count: int, last: int | None = None) -> Points:
-        """The points that came after the first ``count``, up to the ``last``, as far as they are still kept."""
+        """Return the points that came after the first ``count``, up to the ``last``, as far as they are still kept."""
         kept = len(self.times)
         last = self.count if last is None else last
         first = max(count, last - kept + kept // 16)  # what a writer may be at just now is left out
@@ -61,14 +61,14 @@ class Series:
         return Points(self.times[rows], self.values[rows])
 
     def between(self, start: float, end: float, pixels: int) -> Points:
-        """The points in a span of time; where there are many, the lowest and highest in the width of each pixel."""
+        """Return the points in a span of time; where there are many, the lowest and highest in each pixel's width."""
         times, values = self.since(0)
         inside = (times >= start) & (times <= end)
         return decimated(Points(times[inside], values[inside]), pixels)
 
 
 def decimated(points: Points, pixels: int) -> Points:
-    """The lowest and the highest point of each of so many equal spans of time, in the order they came."""
+    """Return the lowest and the highest point of each of so many equal spans of time, in the order they came."""
     times, values = points
     if len(times) <= 2 * pixels or times[-1] <= times[0]:
         return points
@@ -156,16 +156,16 @@ class Board:
             self.add(name, time, value)
 
     def get(self, name: str) -> Series | None:
-        """A series, or None while there is none."""
+        """Return a series, or None while there is none."""
         return self._series.get(name)
 
     def names(self) -> list[str]:
-        """The names of all series, in order."""
+        """Return the names of all series, in order."""
         with self._lock:
             return sorted(self._series)
 
     def last(self, names: Iterable[str]) -> dict[str, tuple[float, float]]:
-        """The latest time and value of each series that has one."""
+        """Return the latest time and value of each series that has one."""
         found = {}
         for name in names:
             series = self._series.get(name)

@@ -1,4 +1,4 @@
-"""What the routes share: one robot's design, its monitoring, its jobs."""
+"""The state that routes share: one robot's design, its monitoring, its jobs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.web.jobs import Jobs
 from robophm.web.monitoring import Monitoring
-from robophm.web.prepared import Prepared, Shelf, rates_of
+from robophm.web.prepared_robot import PreparedRobot, PreparedRobots, rates_of
 from robophm.web.shapes import DesignState, Problem
 from robophm.web.sources import Choice, choices, chosen
 from robophm.web.workspace import Draft, Workspace
@@ -36,7 +36,7 @@ class Settings:
     journal: Path | None = None
     recordings: tuple[Path, ...] = ()
     seed: int | None = None
-    """Of the synthetic robot, where it can be chosen."""
+    """Seed of the synthetic robot, where it can be chosen."""
     host: str = "127.0.0.1"
     token: str | None = None
 
@@ -50,7 +50,7 @@ class Service:
         self.monitoring = Monitoring(settings.store, settings.journal)
         self.jobs = Jobs()
         self.sources: Mapping[str, Choice] = choices(settings.recordings, seed=settings.seed)
-        self._shelf = Shelf()
+        self._shelf = PreparedRobots()
         # A design of thousands of parts takes seconds to be read: they are over when a browser asks.
         threading.Thread(target=self._read_ahead, name="read ahead", daemon=True).start()
 
@@ -58,13 +58,13 @@ class Service:
         with suppress(RobophmError, sqlite3.Error):
             self.design_state()
 
-    def prepared(self, state: int | None = None) -> Prepared:
-        """The robot of the design now, or of an earlier state. Raises DesignError where that is no design."""
+    def prepared(self, state: int | None = None) -> PreparedRobot:
+        """Return the robot of the design now, or of an earlier state. Raises DesignError where that is no design."""
         text = None if state is None else self.workspace.text(state)
         return self.prepared_text(text)
 
-    def prepared_text(self, text: str | None) -> Prepared:
-        """The robot of a text, None for the design now. Raises DesignError."""
+    def prepared_text(self, text: str | None) -> PreparedRobot:
+        """Return the robot of a text, None for the design now. Raises DesignError."""
         checked = self.workspace.checked.of(self.workspace.draft().text if text is None else text)
         if checked.robot is None:
             first = checked.problems[0]
@@ -80,12 +80,12 @@ class Service:
         state = self.workspace.draft().state
         self.monitoring.start(self.prepared().robot, choice, speed, state)
 
-    def past(self, prepared: Prepared) -> tuple[ExposureIntegrator, Ledger]:
-        """The robot's ledger as far as is known. Raises StoreError."""
+    def past(self, prepared: PreparedRobot) -> tuple[ExposureIntegrator, Ledger]:
+        """Return the robot's ledger as far as is known. Raises StoreError."""
         return ExposureIntegrator(prepared.robot), self.monitoring.last_ledger(prepared.robot)
 
     def design_state(self, draft: Draft | None = None) -> DesignState:
-        """The design now, with all that is to be said of it."""
+        """Return the design now, with all that is to be said of it."""
         draft = draft or self.workspace.draft()
         checked = self.workspace.checked.of(draft.text)
         name = checked.document.get("name")
@@ -95,7 +95,7 @@ class Service:
             state=draft.state,
             name=name if isinstance(name, str) else self.settings.design.stem,
             file=self.settings.design.name,
-            document=speakable(checked.document),
+            document=json_values(checked.document),
             saved=draft.saved,
             undo=(draft.what or "the last change") if draft.undo else None,
             redo=draft.redo,
@@ -113,12 +113,12 @@ class Service:
 
 
 def told(problems: Iterable[Found]) -> list[Problem]:
-    """Problems as they go over the wire."""
+    """Return problems as they go over the wire."""
     return [Problem(level=one.level, place=list(one.place), message=one.message, line=one.line) for one in problems]
 
 
-def speakable(value: object) -> dict[str, object]:
-    """A document as JSON can say it: numbers that are none, which a design may write, are words."""
+def json_values(value: object) -> dict[str, object]:
+    """Return a document as JSON can say it: numbers that are none, which a design may write, are words."""
 
     def plain(one: object) -> object:
         if isinstance(one, dict):

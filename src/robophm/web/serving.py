@@ -24,7 +24,7 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
     """
     if not is_loopback(settings.host) and not settings.token:
         raise RobophmError(
-            f"--host {settings.host}: others on the network would reach the design; expected --token with a secret too"
+            f"{settings.host}: others on the network would reach the design; expected a secret token too"
         )
     app = create_app(settings)
     service: Service = app.state.service
@@ -50,7 +50,7 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
 
 
 class _Server(uvicorn.Server):
-    """To be interrupted is how a service ends, and no failure: no signal is raised again."""
+    """A server that ends when it is interrupted, which is no failure: no signal is raised again."""
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
@@ -74,5 +74,5 @@ def _listen(host: str, port: int) -> socket.socket:
         listener.bind(address)
         listener.listen(128)
     except OSError as error:
-        raise RobophmError(f"--host {host} --port {port}: cannot be had: {error.strerror}") from None
+        raise RobophmError(f"{host}, port {port}: cannot be had: {error.strerror}") from None
     return listener

@@ -1,4 +1,4 @@
-"""What goes over the wire, named and described: the OpenAPI schema is made of these."""
+"""Shapes of requests and responses, named and described: the OpenAPI schema is made of these."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Trouble(Shape):
 
     message: str
     place: list[str] = []
-    """In the design, where it is there."""
+    """Place in the design, where it is there."""
 
 
 class Problem(Shape):
@@ -46,14 +46,14 @@ class DesignState(Shape):
     document: dict[str, Any]
     saved: bool
     undo: str | None
-    """What would be undone; null where nothing is."""
+    """Edit that would be undone; null where nothing is."""
     redo: str | None
     valid: bool
     problems: list[Problem]
     levels: dict[str, LevelFigures]
-    """What each level and part of a valid design promises when new, by path; "" is the robot."""
+    """Figures of each level and part of a valid design when new, by path; "" is the robot."""
     unknown: dict[str, UnknownRates]
-    """Of those that have parts of unknown rate, what these make of it."""
+    """The effect of parts of unknown rate, for those that have some."""
 
 
 class UnknownRates(Shape):
@@ -63,11 +63,11 @@ class UnknownRates(Shape):
     hazard_rate: Literal["at least", "if they never fail"]
     reliability: Literal["at most"]
     ahead: Literal["at most", "if they never fail"]
-    """What remaining life and task completion are."""
+    """Relation of the stated remaining life and task completion to the true ones."""
     failing: Literal["at least", "if they never fail"]
-    """What the probability of failing ahead is."""
+    """Relation of the stated probability of failing ahead to the true one."""
     sentence: str
-    """What is to be said of them beside these figures."""
+    """Sentence about them beside these figures."""
 
 
 class LevelFigures(Shape):
@@ -75,7 +75,7 @@ class LevelFigures(Shape):
 
     kind: Literal["robot", "module", "component"]
     hazard_rate: float | None
-    """Of all equal parts together [1/h of operation]."""
+    """Hazard rate of all equal parts together [1/h of operation]."""
     quantity: int = 1
     single_point: bool = False
     """Whether its failure alone fails the robot."""
@@ -92,9 +92,9 @@ class Outside(Trouble):
     """The file has been changed by hand since it was read, and was not written over."""
 
     digest: str
-    """Of what it holds now: with it, saving writes over it."""
+    """Digest of what it holds now: with it, saving writes over it."""
     changes: list[str]
-    """What was changed by hand, as lines of a unified diff; the first few hundred."""
+    """Lines of a unified diff of what was changed by hand; the first few hundred."""
 
 
 class Put(Shape):
@@ -160,7 +160,7 @@ class Move(Shape):
     op: Literal["move"]
     path: Place
     to: Place
-    """Of a module; empty: the robot."""
+    """Place of a module; empty: the robot."""
 
 
 class PlaceParts(Shape):
@@ -170,7 +170,7 @@ class PlaceParts(Shape):
     path: Place
     members: Annotated[list[Name], Field(max_length=10_000)]
     beside: Annotated[list[Name], Field(max_length=10_000)] = []
-    """In the smallest group that holds these; none: at the end of the outermost series."""
+    """Parts in whose smallest common group they are drawn; none: at the end of the outermost series."""
     before: bool = False
 
 
@@ -185,7 +185,7 @@ class Edits(Shape):
     revision: int
     operations: Annotated[list[Operation], Field(min_length=1, max_length=10_000)]
     what: Annotated[str, Field(max_length=200)] = ""
-    """In words, for undo."""
+    """Edit in words, for undo."""
 
 
 class OfRevision(Shape):
@@ -232,16 +232,16 @@ class Imported(Shape):
     """The design that a file would make, to be looked at; nothing is changed yet."""
 
     text: str
-    """Of the design then."""
+    """Text of the design then."""
     findings: list[str]
     columns: list[str]
     rows: list[list[str]]
     mapping: dict[str, str] = {}
-    """Of a parts list: what fields of a part stand under which headers."""
+    """Headers, in a parts list, under which the fields of a part stand, by field."""
     unused: list[str] = []
     """Headers that were taken for nothing."""
     fields: list[str] = []
-    """That headers can be taken for."""
+    """Fields that headers can be taken for."""
 
 
 class Box(Shape):
@@ -269,7 +269,7 @@ class Gate(Shape):
     width: float
     text: str
     parts: list[str]
-    """That are drawn in the branches."""
+    """Parts that are drawn in the branches."""
 
 
 class Line(Shape):
@@ -291,7 +291,7 @@ class Drawing(Shape):
     ends: list[tuple[float, float]]
     notes: list[str]
     words: str
-    """The same, said."""
+    """Drawing as words for a reader."""
 
 
 DesignState.model_rebuild()

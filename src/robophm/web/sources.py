@@ -1,4 +1,4 @@
-"""Where samples can come from: recordings named at the start, the synthetic robot, live ROS of either generation."""
+"""Sources of samples: recordings named at the start, the synthetic robot, live ROS of either generation."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ class Choice:
     name: str
     label: str
     open: Callable[[float], SignalSource]
-    """By how many times as fast as it was lived."""
+    """Function that opens the source, at a multiple of its own speed."""
     tasks: Callable[[], Told]
-    """What it tells of tasks, where that can be known beforehand."""
+    """Function that returns what it tells of tasks, where that can be known beforehand."""
     paced: bool
     """Whether its speed can be chosen."""
 
 
 def choices(recordings: Iterable[Path], *, seed: int | None = None, live: bool = True) -> dict[str, Choice]:
-    """The labels of sources by name: "recordings" where there are any, "synthetic" with a seed, "ros1" and "ros2"."""
+    """Return sources by name: "recordings" where there are any, "synthetic" with a seed, "ros1" and "ros2"."""
     found = []
     if files := [*recordings]:
         label = files[0].name if len(files) == 1 else f"{len(files)} recordings"
@@ -48,7 +48,7 @@ def choices(recordings: Iterable[Path], *, seed: int | None = None, live: bool =
 
 
 def chosen(known: dict[str, Choice], name: str) -> Choice:
-    """The source of that name. Raises SourceError."""
+    """Return the source of that name. Raises SourceError."""
     if name not in known:
         raise SourceError(f"no source '{name}'{nearest(name, known)}")
     return known[name]

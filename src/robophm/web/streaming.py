@@ -1,4 +1,4 @@
-"""What one browser watches, in binary frames.
+"""The stream of values that one browser watches, in binary frames.
 
 A frame is: the length of its header (uint32, little-endian), the header as JSON in UTF-8 padded with blanks to a
 multiple of 8 bytes together with that length, then for each series of the header its times [s since the epoch] and its
@@ -43,7 +43,7 @@ class Viewer:
         self._seen: dict[str, int] = {}
         """Points of each watched series that have been sent."""
         self._first: dict[str, tuple[float, int]] = {}
-        """Of those that were never sent: seconds back, and pixels."""
+        """Series that were never sent: seconds back, and pixels."""
         self._histories: list[tuple[int, str, float, float, int]] = []
         self._said: tuple[object, ...] = ()
         self._gaps: dict[str, list[Gap]] = {}
@@ -51,8 +51,8 @@ class Viewer:
         self._spoke = 0.0
 
     def hear(self, said: Any) -> None:
-        """What the client wants: ``{"watch": [names], "seconds": 30, "pixels": 800}`` from now on, or once
-        ``{"history": name, "id": 1, "from": s, "to": s, "pixels": 800}``. Raises ValueError, TypeError, KeyError.
+        """Take a client's wish: ``{"watch": [names], "seconds": 30, "pixels": 800}`` from now on, or once ``{"history":
+        name, "id": 1, "from": s, "to": s, "pixels": 800}``. Raises ValueError, TypeError, KeyError.
         """
         if not isinstance(said, dict):
             raise TypeError("no object")
@@ -69,7 +69,7 @@ class Viewer:
             self._histories.append((int(_number(said["id"], 0, 2**31)), _name(said["history"]), *span, _pixels(said)))
 
     def frame(self) -> bytes | None:
-        """The next frame; None where there is nothing to say."""
+        """Return the next frame; None where there is nothing to say."""
         board = self._service.monitoring.board
         if board is not self._board:  # monitoring has begun anew
             self._board = board
@@ -113,7 +113,7 @@ class Viewer:
 
 
 def encode(header: Mapping[str, Any], series: Mapping[str, Points]) -> bytes:
-    """One frame of the stream: a header and the points of its series."""
+    """Return one frame of the stream: a header and the points of its series."""
     names: Sequence[Any] = [[name, len(points.times)] for name, points in series.items()]
     text = json.dumps({**header, "series": names}, separators=(",", ":")).encode()
     text += b" " * (-(len(text) + 4) % 8)

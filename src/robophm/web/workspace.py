@@ -22,14 +22,14 @@ from typing import Any
 
 from robophm.core.errors import DesignError, StoreError
 from robophm.core.yaml_values import MAX_BYTES
-from robophm.design.fault import Fault
 from robophm.design.file import read, write_text
+from robophm.design.located_error import LocatedError
 from robophm.design.naming import design_name, quoted
 from robophm.design.problems import check
 from robophm.web.checked import CheckedTexts
 
 VERSION = 1
-"""Of the tables; kept in the file's user_version."""
+"""Version of the tables; kept in the file's user_version."""
 
 _SETTLED = 2_000_000_000  # nanoseconds: the coarsest stamps of files are of two seconds
 _TABLES = """
@@ -49,9 +49,9 @@ class OutsideError(DesignError):
     def __init__(self, message: str, digest: str, changes: tuple[str, ...]) -> None:
         super().__init__(message)
         self.digest = digest
-        """Of what the file holds now: who has seen that may write over it."""
+        """Digest of what the file holds now: who has seen that may write over it."""
         self.changes = changes
-        """What was changed in it meanwhile, as lines of a unified diff, at most MOST_LINES."""
+        """Lines of a unified diff of what was changed in it meanwhile, at most MOST_LINES."""
 
 
 MOST_LINES = 400
@@ -62,16 +62,16 @@ class Draft:
     """The design in one state on the way of its edits."""
 
     revision: int
-    """Goes up with every change, an undo among them."""
+    """Revision, a number that goes up with every change, an undo among them."""
     state: int
-    """Which of all states it is; going back comes to the same one again."""
+    """Number of the state among all; going back comes to the same one again."""
     text: str
     saved: bool
-    """Whether the file holds this."""
+    """Whether the file holds this text."""
     what: str
-    """What made it of the state before; "" where there is none."""
+    """Edit that made it of the state before; "" where there is none."""
     redo: str | None
-    """What would be done again; None where nothing is."""
+    """Edit that would be done again; None where nothing is."""
     undo: bool
 
 
@@ -83,14 +83,14 @@ class Workspace:
         self.path = path
         self._lock = threading.RLock()
         self.checked = CheckedTexts()
-        """What can be said of a text, such as that of the design now."""
+        """The checked texts, such as that of the design now."""
         self._document: tuple[int, Any] | None = None  # of which state, as ruamel keeps it
         self._revision = 0
         self._stamp: tuple[tuple[int, ...], bool] | None = None  # of the file when it was last looked at
         if not path.parent.is_dir():
             raise DesignError(f"{path}: no such folder")
         self.begun = not path.exists()
-        """Whether there was no file."""
+        """Whether there was no file at first."""
         text = new_design(path) if self.begun else read(path)
         edits = path.with_name(path.name + ".edits")
         try:
@@ -122,7 +122,7 @@ class Workspace:
                 self._base.execute("UPDATE here SET saved = NULL")
 
     def _take_in(self, text: str) -> None:
-        """What somebody else made of the file is one more state, and undone as any."""
+        """Take in what somebody else made of the file: one more state, undone as any."""
         with self._base:
             state, revision, _ = self._here()
             found = self._add(state, text, "changed outside")
@@ -130,11 +130,11 @@ class Workspace:
 
     @property
     def revision(self) -> int:
-        """The revision of the design now; never waits for an edit that is under way."""
+        """Return the revision of the design now; never waits for an edit that is under way."""
         return self._revision
 
     def draft(self) -> Draft:
-        """The present state of the design."""
+        """Return the present state of the design."""
         with self._lock:
             state, revision, saved = self._here()
             parent, what = self._origin(state)
@@ -146,7 +146,7 @@ class Workspace:
             return Draft(revision, state, text, same, what, again[0] if again else None, parent is not None)
 
     def text(self, state: int) -> str:
-        """The text of any state. Raises DesignError where there is none of that number."""
+        """Return the text of any state. Raises DesignError where there is none of that number."""
         with self._lock:
             row = self._base.execute("SELECT 1 FROM state WHERE id = ?", (state,)).fetchone()
             if not row:
@@ -154,7 +154,7 @@ class Workspace:
             return self._text(state)
 
     def states(self, most: int) -> list[tuple[int, str]]:
-        """The states on the way here, the latest first: number, and what made it."""
+        """Return the states on the way here, the latest first: number, and what made it."""
         with self._lock:
             found: list[tuple[int, str]] = []
             state: int | None = self._here()[0]
@@ -165,13 +165,13 @@ class Workspace:
             return found
 
     def edit(self, revision: int, change: Callable[[Any], None], what: str) -> Draft:
-        """Change the document, comments kept. Raises StaleError, and Fault where it cannot be done."""
+        """Change the document, comments kept. Raises StaleError, and LocatedError where it cannot be done."""
         with self._lock:
             self._current(revision)
             return self._move(self.edited(change, keep=True), what)
 
     def edited(self, change: Callable[[Any], None], *, keep: bool = False) -> str:
-        """The text that a change would give. Raises Fault where it cannot be done."""
+        """Return the text that a change would give. Raises LocatedError where it cannot be done."""
         with self._lock:
             state = self._here()[0]
             cached = self._document if self._document and self._document[0] == state else None
@@ -180,27 +180,27 @@ class Workspace:
             change(document)
             text = dump(document)
             if len(text.encode()) > MAX_BYTES:
-                raise Fault((), f"the design would be more than {MAX_BYTES / 1e6:.0f} MB")
+                raise LocatedError((), f"the design would be more than {MAX_BYTES / 1e6:.0f} MB")
             if keep:
                 self._document = -1, document  # of the state that is about to be
             return text
 
     def replace(self, revision: int, text: str, what: str) -> Draft:
-        """Put a whole text in place of the design. Raises StaleError; Fault where it is not even YAML."""
+        """Put a whole text in place of the design. Raises StaleError; LocatedError where it is not even YAML."""
         with self._lock:
             self._current(revision)
             if not check(text).document:
-                raise Fault((), check(text).problems[0].message)
+                raise LocatedError((), check(text).problems[0].message)
             return self._move(text, what)
 
     def undo(self, revision: int) -> Draft:
-        """Back to the state before; where there is none, nothing happens. Raises StaleError."""
+        """Go back to the state before; where there is none, nothing happens. Raises StaleError."""
         with self._lock:
             self._current(revision)
             return self._go(self._origin(self._here()[0])[0])
 
     def redo(self, revision: int) -> Draft:
-        """Forward to what was undone last; where there is nothing, nothing happens. Raises StaleError."""
+        """Go forward to what was undone last; where there is nothing, nothing happens. Raises StaleError."""
         with self._lock:
             self._current(revision)
             query = "SELECT id FROM state WHERE parent = ? ORDER BY id DESC LIMIT 1"
@@ -232,7 +232,7 @@ class Workspace:
             self._current(revision)
             text = read(self.path)
             if not check(text).document:
-                raise Fault((), check(text).problems[0].message)
+                raise LocatedError((), check(text).problems[0].message)
             saved = self._here()[2]
             if saved is None or self._text(saved) != text or self.draft().text != text:
                 self._take_in(text)
@@ -240,7 +240,7 @@ class Workspace:
             return self.draft()
 
     def _not_over(self, draft: Draft, over: str | None) -> None:
-        """Raises OutsideError where the file holds neither what was last read or saved, nor what is to be written."""
+        """Raise OutsideError where the file holds neither what was last read or saved, nor what is to be written."""
         content = self._file()
         saved = self._here()[2]
         known = self._text(saved) if saved is not None else None
@@ -256,7 +256,7 @@ class Workspace:
         raise OutsideError(said, digest, tuple(itertools.islice(lines, MOST_LINES)))
 
     def _file(self) -> str | None:
-        """What the file holds now; None where there is none. Raises DesignError where it cannot be read."""
+        """The text that the file holds now; None where there is none. Raises DesignError where it cannot be read."""
         return read(self.path) if self.path.exists() else None
 
     def _touched(self, saved: int) -> bool:
@@ -318,20 +318,20 @@ class Workspace:
 
 
 def new_design(path: Path) -> str:
-    """The text that a design begins with: its name."""
+    """Return the text that a design begins with: its name."""
     return f"schema_version: 1\nname: {quoted(design_name(path.stem))}\n"
 
 
 def load(text: str) -> Any:
-    """A design's document, comments attached. Raises Fault."""
+    """Return a design's document, comments attached. Raises LocatedError."""
     document = load_value(text)
     if not isinstance(document, dict):
-        raise Fault((), "the design is no mapping and can only be replaced")
+        raise LocatedError((), "the design is no mapping and can only be replaced")
     return document
 
 
 def load_value(text: str) -> Any:
-    """Any value, comments attached. Raises Fault."""
+    """Return any value, comments attached. Raises LocatedError."""
     from ruamel.yaml.error import YAMLError
 
     from robophm.design.file import round_trip
@@ -339,11 +339,11 @@ def load_value(text: str) -> Any:
     try:
         return round_trip().load(text)
     except (YAMLError, ValueError, RecursionError) as error:
-        raise Fault((), f"is not YAML, and can only be replaced: {str(error).splitlines()[0]}") from None
+        raise LocatedError((), f"is not YAML, and can only be replaced: {str(error).splitlines()[0]}") from None
 
 
 def dump(document: Any) -> str:
-    """A document, or a part of one, as text."""
+    """Return a document, or a part of one, as text."""
     from robophm.design.file import round_trip
 
     stream = io.StringIO()

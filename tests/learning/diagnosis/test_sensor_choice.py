@@ -11,7 +11,7 @@ from robophm.health.effects import alarm_chances, silent_states
 from robophm.health.outlooks import nominal_outlook
 from robophm.health.plant import Plant
 from robophm.learning.diagnosis.fault_isolation import Sensor
-from robophm.learning.diagnosis.sensor_choice import choose, explained, greedily, parted
+from robophm.learning.diagnosis.sensor_choice import choose, choose_greedily, explained_variance, fitted_and_candidates
 
 
 def by_patterns(weights, outcome, alarms, chosen):
@@ -35,12 +35,12 @@ def test_variance_explained_by_hand():
     rng = np.random.default_rng(1)
     weights, outcome, alarms = small(rng)
     for chosen in ((0,), (1, 3), (0, 2, 4, 5)):
-        assert explained(weights, outcome, alarms, chosen) == pytest.approx(
+        assert explained_variance(weights, outcome, alarms, chosen) == pytest.approx(
             by_patterns(weights, outcome, alarms, chosen)
         )
     perfect = np.eye(12)[:, :11]
     everything = float(weights @ (outcome - weights @ outcome) ** 2)
-    assert explained(weights, outcome, perfect, range(11)) == pytest.approx(everything)
+    assert explained_variance(weights, outcome, perfect, range(11)) == pytest.approx(everything)
 
 
 def test_doubt_and_what_is_fitted_by_hand():
@@ -54,9 +54,9 @@ def test_doubt_and_what_is_fitted_by_hand():
     assert beside.share(beside.before) == 1.0
     assert beside.share(beside.value) == 0.0
     sensors = [Sensor("a", {}, fitted=True), Sensor("b", {}, fitted=False)]
-    assert parted(sensors) == ([0], [1])
+    assert fitted_and_candidates(sensors) == ([0], [1])
     with pytest.raises(DataError, match="every sensor is fitted already"):
-        parted(sensors[:1])
+        fitted_and_candidates(sensors[:1])
 
 
 def test_the_choice_is_the_exhaustive_optimum():
@@ -71,7 +71,7 @@ def test_the_choice_is_the_exhaustive_optimum():
             assert sum(found.gains) == pytest.approx(found.value)
             assert found.exhaustive
             assert found.at_least == 1
-            greedy = greedily(weights, outcome, alarms, number)
+            greedy = choose_greedily(weights, outcome, alarms, number)
             assert greedy.value <= best + 1e-15
             assert greedy.at_least * best <= greedy.value + 1e-15  # its bound holds
             close.append(greedy.value / best)
@@ -113,7 +113,7 @@ def test_two_that_say_nothing_alone():
     outcome = np.array([0.0, 1.0, 1.0, 0.0])
     weak = np.array([0.5, 0.55, 0.55, 0.5])[:, None]
     alarms = np.hstack((states, weak))
-    greedy = greedily(np.full(4, 0.25), outcome, alarms, 2)
+    greedy = choose_greedily(np.full(4, 0.25), outcome, alarms, 2)
     assert 2 in greedy.chosen
     assert greedy.value < 0.01
     assert greedy.bound == pytest.approx(0.25)
@@ -129,7 +129,7 @@ def test_what_is_fitted_counts_already():
     whole = by_patterns(weights, outcome, alarms, (0, found.chosen[0]))
     assert found.value == pytest.approx(whole - by_patterns(weights, outcome, alarms, (0,)))
     with pytest.raises(DataError, match="17 sensors together"):
-        explained(weights, outcome, np.zeros((12, 17)), range(17))
+        explained_variance(weights, outcome, np.zeros((12, 17)), range(17))
 
 
 ROBOT = """

@@ -13,8 +13,22 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import gamma, poisson
 
 from robophm.core.errors import DataError
-from robophm.learning.maintenance.life_cycle_costs import Upkept, Watch, grid_costs, return_on_watching, simulate
-from robophm.learning.maintenance.replacement_age import Costs, best_age, cost_rate, renewals, rescaled, together, wears
+from robophm.learning.maintenance.life_cycle_costs import (
+    ConditionMonitoring,
+    MaintainedPart,
+    grid_costs,
+    return_on_monitoring,
+    simulate,
+)
+from robophm.learning.maintenance.replacement_age import (
+    Costs,
+    best_age,
+    cost_rate,
+    grouped_replacement,
+    hazard_rises,
+    renewals,
+    rescaled,
+)
 from robophm.learning.maintenance.spares import demand, spares
 from robophm.life import life_distribution
 from robophm.life.exponential import Exponential
@@ -38,7 +52,7 @@ def test_the_published_interval():
 
 @pytest.mark.parametrize("life", [Weibull(1000.0, 0.7), Weibull(1000.0, 1.0), Exponential(1e-3), Gamma(500.0, 0.5)])
 def test_what_does_not_wear_is_never_replaced_by_age(life):
-    assert not wears(life)
+    assert not hazard_rises(life)
     found = best_age(life, Costs(1, 1000))
     assert found.age is None
     assert found.cost_rate == found.never == pytest.approx(1000 / life.mean())
@@ -94,7 +108,7 @@ def test_the_chosen_age_is_the_best_of_a_grid():
         costs = Costs(1.0, float(rng.uniform(3, 12)), 2.0, 10.0)
         age = best_age(life, costs).age
         ages = [*np.geomspace(age / 2.5, 2.5 * age, 11), age]
-        found = grid_costs(Upkept(life, costs), ages, 150 * life.mean(), 150, 5)
+        found = grid_costs(MaintainedPart(life, costs), ages, 150 * life.mean(), 150, 5)
         assert found[-1] <= 1.01 * found[:-1].min()
 
 
@@ -112,7 +126,7 @@ def test_grouping_is_the_best_of_all_multiples():
         "b": (Weibull(3000.0, 3.0), Costs(2, 20)),
         "c": (Exponential(1e-3), Costs(1, 9)),
     }
-    found = together(parts, 1.5)
+    found = grouped_replacement(parts, 1.5)
     assert found.every["c"] is None
     M = {}
     for name, (life, _) in parts.items():
@@ -128,7 +142,7 @@ def test_grouping_is_the_best_of_all_multiples():
             best = min(best, cost)
     assert found.cost_rate == pytest.approx(best, rel=2e-3)
     assert found.cost_rate < found.apart
-    nothing = together({"c": parts["c"]}, 1.0)
+    nothing = grouped_replacement({"c": parts["c"]}, 1.0)
     assert (nothing.interval, nothing.cost_rate) == (None, pytest.approx(9e-3))
 
 
@@ -150,7 +164,7 @@ def test_spares():
 def test_life_cycle_costs_and_availability():
     """Over a long time, as renewal reward says."""
     costs = Costs(2.0, 15.0, 3.0, 20.0)
-    found = simulate({"a": Upkept(WEARING, costs, 500.0)}, 400_000.0, 300, 1)
+    found = simulate({"a": MaintainedPart(WEARING, costs, 500.0)}, 400_000.0, 300, 1)
     assert found.cost / 400_000 == pytest.approx(
         float(cost_rate(WEARING, costs, 500.0)), abs=4 * found.error / 400_000 + 1e-5
     )
@@ -163,16 +177,20 @@ def test_life_cycle_costs_and_availability():
 
 def test_watching():
     costs = Costs(1.0, 10.0, 0.0, 5.0)
-    part = {"a": Upkept(WEARING, costs, None, Watch(100.0, 0.001, 1.0, 50.0))}
-    found = return_on_watching(part, 50_000.0, 400, 2)
+    part = {"a": MaintainedPart(WEARING, costs, None, ConditionMonitoring(100.0, 0.001, 1.0, 50.0))}
+    found = return_on_monitoring(part, 50_000.0, 400, 2)
     assert found.watched.failures == 0
     assert found.without.failures > 50
     assert found.investment == pytest.approx(150.0)
     by_hand = (found.without.cost - found.watched.cost) / 150
     assert found.ratio == pytest.approx(by_hand)
-    blind = return_on_watching({"a": Upkept(WEARING, costs, None, Watch(100.0, 0.0, 0.0))}, 50_000.0, 200, 2)
+    blind = return_on_monitoring(
+        {"a": MaintainedPart(WEARING, costs, None, ConditionMonitoring(100.0, 0.0, 0.0))}, 50_000.0, 200, 2
+    )
     assert blind.saved == pytest.approx(np.full(200, -100.0))  # the same lives, and the price
-    alarms = simulate({"a": Upkept(WEARING, costs, None, Watch(0.0, 0.0, 1.0, 0.0, 0.01))}, 50_000.0, 200, 2)
+    alarms = simulate(
+        {"a": MaintainedPart(WEARING, costs, None, ConditionMonitoring(0.0, 0.0, 1.0, 0.0, 0.01))}, 50_000.0, 200, 2
+    )
     assert alarms.replacements == pytest.approx(500, rel=0.1)
 
 

@@ -6,9 +6,14 @@ import numpy as np
 import pytest
 
 from robophm.blocks.diagram import KOutOfN, LoadSharing, Network, Parallel, Series, Standby
-from robophm.learning.maintenance.life_cycle_costs import Upkept, Watch, return_on_watching, simulate
+from robophm.learning.maintenance.life_cycle_costs import (
+    ConditionMonitoring,
+    MaintainedPart,
+    return_on_monitoring,
+    simulate,
+)
 from robophm.learning.maintenance.replacement_age import Costs
-from robophm.learning.maintenance.standstill import Downtimes, Standstill, apart
+from robophm.learning.maintenance.standstill import Downtimes, Standstill, without_dependence
 from robophm.life.exponential import Exponential
 from robophm.life.weibull import Weibull
 
@@ -16,7 +21,7 @@ HORIZON, REPETITIONS = 20_000.0, 100
 LIVES = {"a": Exponential(1 / 100), "b": Weibull(120.0, 2.0), "c": Exponential(1 / 60)}
 DOWN = {"a": 20.0, "b": 30.0, "c": 25.0}
 UP = {name: LIVES[name].mean() / (LIVES[name].mean() + DOWN[name]) for name in LIVES}
-PARTS = {name: Upkept(LIVES[name], Costs(1.0, 2.0, 0.0, DOWN[name])) for name in LIVES}
+PARTS = {name: MaintainedPart(LIVES[name], Costs(1.0, 2.0, 0.0, DOWN[name])) for name in LIVES}
 BRIDGE = Network("in", "out", [("in", "a"), ("in", "b"), ("a", "c"), ("c", "b"), ("a", "out"), ("b", "out")])
 
 
@@ -61,11 +66,11 @@ def test_a_parallel_of_one_is_that_one():
 
 def test_equal_parts_told_apart_and_not():
     """Two of three that are drawn each; and three in series that are drawn as one."""
-    equal = Upkept(LIVES["a"], PARTS["a"].costs, parts=3, units=("a[1]", "a[2]", "a[3]"))
+    equal = MaintainedPart(LIVES["a"], PARTS["a"].costs, parts=3, units=("a[1]", "a[2]", "a[3]"))
     found = simulate({"a": equal}, HORIZON, REPETITIONS, 5, Standstill(KOutOfN(2, "a[1]", "a[2]", "a[3]")))
     A = UP["a"]
     assert found.availability == pytest.approx(3 * A**2 - 2 * A**3, abs=0.006)
-    together = Upkept(LIVES["a"], PARTS["a"].costs, parts=3, units=("a",))
+    together = MaintainedPart(LIVES["a"], PARTS["a"].costs, parts=3, units=("a",))
     found = simulate({"a": together}, HORIZON, REPETITIONS, 5, Standstill(Series("a", "other")))
     assert found.availability == pytest.approx(A**3, abs=0.006)
 
@@ -118,10 +123,12 @@ def test_units_that_no_diagram_draws_stop_nothing():
 
 
 def test_watching_a_redundant_part_saves_less():
-    watch = Watch(50.0, 0.0, 1.0, 5.0)
-    watched = {name: Upkept(part.life, Costs(1.0, 1.0, 0.0, DOWN[name]), None, watch) for name, part in PARTS.items()}
+    watch = ConditionMonitoring(50.0, 0.0, 1.0, 5.0)
+    watched = {
+        name: MaintainedPart(part.life, Costs(1.0, 1.0, 0.0, DOWN[name]), None, watch) for name, part in PARTS.items()
+    }
     saved = [
-        return_on_watching(watched, 5000.0, 50, 1, None, Standstill(diagram), 3.0).saved.mean()
+        return_on_monitoring(watched, 5000.0, 50, 1, None, Standstill(diagram), 3.0).saved.mean()
         for diagram in (Series("a", "b", "c"), Parallel("a", "b", "c"))
     ]
     assert saved[0] > 3 * saved[1]
@@ -129,4 +136,4 @@ def test_watching_a_redundant_part_saves_less():
 
 def test_groups_become_k_of_n():
     group = Standby("S", (("a", "b"), ("c",)), active=1)
-    assert apart(Series(group, "d")) == Series(KOutOfN(1, Series("a", "b"), "c"), "d")
+    assert without_dependence(Series(group, "d")) == Series(KOutOfN(1, Series("a", "b"), "c"), "d")

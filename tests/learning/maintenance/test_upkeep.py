@@ -11,7 +11,7 @@ from robophm.design.file import parse
 from robophm.health.outlooks import as_designed, nominal_outlook
 from robophm.health.plant import Plant
 from robophm.learning.maintenance.costs_table import PartCosts
-from robophm.learning.maintenance.life_cycle_costs import Watch
+from robophm.learning.maintenance.life_cycle_costs import ConditionMonitoring
 from robophm.learning.maintenance.replacement_age import Costs
 from robophm.learning.maintenance.upkeep import UpkeepPlan
 
@@ -88,7 +88,7 @@ def test_a_part_of_unknown_rate_is_named_and_one_that_is_repaired_is_not_replace
 
 def test_watching_is_of_the_parts_that_have_a_sensor():
     """A sensor that sees nothing saves nothing, on the same lives; it costs its price for each of the two pumps."""
-    found = plan({"pump": (Costs(10, 30), Watch(7.0, detects=0.0)), "tyre": (Costs(10, 100), None)})
+    found = plan({"pump": (Costs(10, 30), ConditionMonitoring(7.0, detects=0.0)), "tyre": (Costs(10, 100), None)})
     watched = found.life_cycles(5000, 40, 3).watched
     assert watched.investment == 14
     assert watched.saved == pytest.approx(np.full(40, -14.0))

@@ -12,7 +12,7 @@ from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
 from robophm.health.mission import Completion
 from robophm.health.report import HealthReport
-from robophm.health.unknown_rates import alone
+from robophm.health.unknown_rates import unknown_in_parts
 from robophm.monitoring.monitor import Monitor
 from robophm.transports.health_topics.definitions import typestore
 from robophm.transports.health_topics.message_of_fields import compose
@@ -102,7 +102,7 @@ def test_a_silent_sensor_comes_before_what_nobody_knows_and_both_are_said() -> N
 
 def test_a_task_that_hangs_on_them() -> None:
     sure = {"nominal": Completion(1.0, 0.0), "sensor_based": Completion(0.9, 0.1)}
-    left_out = alone(report({"series": ["motor", "board"]}).outlooks["nominal"].plant.components)
+    left_out = unknown_in_parts(report({"series": ["motor", "board"]}).outlooks["nominal"].plant.components)
     for unknown in (None, left_out):
         task = JudgedTask(True, 0, "/t", 1.0, 2.0, sure, unknown)
         flat, old = task_completion(task), task_completions(0, task, None)["actual_potc"]

@@ -30,7 +30,7 @@ from robophm.transports.tasks import (
     told_by,
 )
 from robophm.transports.tasks.listener import topics_to_hear
-from robophm.transports.tasks.recorded import told_in
+from robophm.transports.tasks.recorded import tasks_in
 
 from .told import ODOMETRY, T0, TEXT, Message, read, record
 
@@ -283,10 +283,10 @@ def test_a_broken_path_is_no_half_of_a_task() -> None:
 
     listener = TaskTopics()
     messages: list[tuple[int, str, Any]] = [(T0, topic, text and Text(text)) for topic, text in texts]
-    assert len(list(told_in(messages, listener))) == 1
+    assert len(list(tasks_in(messages, listener))) == 1
     assert not listener.notes
     messages[1] = (T0, "/task_position", Other())  # a second publisher, of another type
-    assert list(told_in(messages, listener)) == []
+    assert list(tasks_in(messages, listener)) == []
     assert listener.notes == {
         "/task_time without its other half": 1,
         "message of type std_msgs/msg/Empty on /task_position": 1,

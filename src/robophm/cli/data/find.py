@@ -22,7 +22,7 @@ from robophm.report.words import duration_text, moment_text, number_text
 
 @dataclass(frozen=True)
 class Search:
-    """What was asked to find, as it was written."""
+    """The condition that was asked to be found, as it was written."""
 
     above: str | None
     below: str | None
@@ -32,7 +32,7 @@ class Search:
     at_least: str
 
     def condition(self, signal: Signal) -> Condition:
-        """The same in the signal's unit."""
+        """Return the condition in the signal's unit."""
         above, below = (None if text is None else signal.level(text) for text in (self.above, self.below))
         faster = None if self.faster is None else signal.level(self.faster, "s")
         return Condition(above, below, faster, self.stuck, self.missing, nanoseconds(self.at_least))

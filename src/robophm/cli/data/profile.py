@@ -14,7 +14,7 @@ from robophm.cli.shared.output import console, may_make, print_json, progress_co
 from robophm.cli.shared.progress import counted
 from robophm.cli.shared.unused import refuse_unused
 from robophm.design.file import load
-from robophm.measured.profile import Lived, Profile, lived, task_text
+from robophm.measured.profile import Profile, StressProfiles, stress_profiles, task_text
 from robophm.measured.recordings import recordings, said
 from robophm.report.measured_page import aged_text, level_rows, parts_text, profile_page, where
 from robophm.report.words import duration_text, number_text
@@ -38,7 +38,7 @@ def command(
     robot = load(design)
     (recorded,) = recordings(bags, together=True)
     with counted(progress_console(), "reading"):
-        found = lived(robot, recorded, bins, skip_missing=skip_missing)
+        found = stress_profiles(robot, recorded, bins, skip_missing=skip_missing)
     source = ", ".join(path.name for path in bags[:3]) + (" …" if len(bags) > 3 else "")
     notes = said(found.notes)
     if to:
@@ -67,7 +67,7 @@ def command(
         warn(note)
 
 
-def _json(found: Lived, notes: Sequence[str]) -> dict[str, Any]:
+def _json(found: StressProfiles, notes: Sequence[str]) -> dict[str, Any]:
     return {
         "robot": found.robot.name,
         "operating": found.operating,

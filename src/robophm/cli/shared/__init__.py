@@ -1,1 +1,1 @@
-"""What several commands share: options, and how they read, print and write."""
+"""Options that several commands share, and how they read, print and write."""

@@ -18,7 +18,7 @@ class CommandGroup(TyperGroup):
     """
 
     package: ClassVar[str]
-    """Where the files are."""
+    """Name of the package where the files are."""
     lines: ClassVar[Mapping[str, str]]
     """Help by command, in the order of the list: the first line of the command's docstring."""
 
@@ -27,7 +27,7 @@ class CommandGroup(TyperGroup):
         self.commands = {name: TyperCommand(name, help=line) for name, line in self.lines.items()}
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """The command itself; None where there is none of that name."""
+        """Return the command itself; None where there is none of that name."""
         if cmd_name not in self.lines:
             return None
         command = import_module(f"{self.package}.{cmd_name.replace('-', '_')}").command
@@ -37,5 +37,5 @@ class CommandGroup(TyperGroup):
         return typer.main.get_command(command)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """The list, for which no file is imported."""
+        """Print the list of commands, for which no file is imported."""
         TyperGroup(commands=dict(self.commands)).format_commands(ctx, formatter)

@@ -27,44 +27,44 @@ _MOST_WRITTEN = 10**4000  # Python writes no number of more than 4,300 digits
 
 @dataclass(frozen=True)
 class System:
-    """What is asked about."""
+    """The system that is asked about."""
 
     name: str
     when: str
     event: TopEvent
     rates: Mapping[str, float] = field(default_factory=dict)
-    """Of events that fail at a constant rate [1/h]."""
+    """Hazard rates of events that fail at a constant one [1/h]."""
     unknown: PartsOfUnknownRate | None = None
     """Parts of unknown rate in it."""
     model: Model | None = None
-    """What it was read from, unless it is of a robot."""
+    """Model that it was read from; None where it is of a robot."""
     source: str = ""
     time: float | None = None
 
     def fails(self, text: str) -> str:
-        """How likely it has failed, in words."""
+        """Return in words how likely it has failed."""
         return self.unknown.said("at least", text) if self.unknown else text
 
     @property
     def json(self) -> dict[str, Any]:
-        """What every document about it says of parts of unknown rate."""
+        """Return the entry on parts of unknown rate of every JSON document about it."""
         return {"unknown": asdict(self.unknown)} if self.unknown else {}
 
     def print_unknown(self) -> None:
-        """The same for people."""
+        """Print the note on parts of unknown rate, for people."""
         if self.unknown:
             console().print(self.unknown.of_sets, style="yellow", markup=False, soft_wrap=True)
 
 
 def of_robot(robot: Robot, function: str | None, hours: float) -> System:
-    """A robot, or a function of it, new and as designed, after so many operating hours."""
+    """Return the system of a robot, or a function of it, new and as designed, after so many operating hours."""
     found = fault_tree(as_designed(Plant(robot)), function, hours)
     when = f"after {number_text(hours)} h of operation, new and as designed"
     return System(f"{robot.name}: {function}" if function else robot.name, when, found, found.rates, found.unknown)
 
 
 def of_model(path: Path, time: float | None, top: str | None) -> System:
-    """A model in the Open-PSA format, at a mission time."""
+    """Return the system of a model in the Open-PSA format, at a mission time."""
     model = load(path, time, top)
     try:
         event = model.top_event()
@@ -75,7 +75,7 @@ def of_model(path: Path, time: float | None, top: str | None) -> System:
 
 
 def sets_json(listed: ListedSets) -> dict[str, Any]:
-    """For machines. What is beyond the numbers of JSON or Python's words is null."""
+    """Return sets for machines. What is beyond the numbers of JSON or Python's words is null."""
     counts = [n if n < _MOST_WRITTEN else None for n in (listed.count, *listed.by_order)]
     found = {
         "count": counts[0],
@@ -91,7 +91,7 @@ def sets_json(listed: ListedSets) -> dict[str, Any]:
 
 
 def print_sets(listed: ListedSets, kind: str) -> None:
-    """For people."""
+    """Print sets for people."""
     out = console()
     out.print(counted(listed, kind), markup=False)
     rows = [

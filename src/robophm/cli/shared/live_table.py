@@ -33,14 +33,14 @@ class LiveTable:
         return time.monotonic() - self.drawn >= max(REDRAW, 4 * self.cost)
 
     def look(self, monitor: Monitor) -> RenderableType:
-        """What to draw of a replay."""
+        """Return what to draw of a replay."""
         begun = time.monotonic()
         drawn = self.draw(monitor.report(settled=False))
         self.cost = time.monotonic() - begun
         return drawn
 
     def draw(self, report: HealthReport) -> RenderableType:
-        """What to draw of a report."""
+        """Return what to draw of a report."""
         self.drawn = time.monotonic()
         for one in report.subjects:
             if "/" not in one.path:

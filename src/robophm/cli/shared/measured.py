@@ -28,7 +28,7 @@ Page = Annotated[Path | None, typer.Option("--report", help="write a page about 
 
 
 def nanoseconds(text: str) -> int:
-    """A written time. Raises UnitError."""
+    """Return a written time in nanoseconds. Raises UnitError."""
     seconds = quantity(text, "s")
     if not abs(seconds) < 2**62 / SECOND:
         raise RobophmError(f"'{text}' is too long; expected at most a century")
@@ -36,7 +36,7 @@ def nanoseconds(text: str) -> int:
 
 
 def max_age(gap: str) -> int:
-    """How long a value holds. Raises RobophmError where that is no time."""
+    """Return how long a value holds [ns]. Raises RobophmError where that is no time."""
     time = nanoseconds(gap)
     if time <= 0:
         raise RobophmError(f"--gap {gap}: expected a time above zero")
@@ -44,7 +44,7 @@ def max_age(gap: str) -> int:
 
 
 def print_levels(out: Console, title: str, rows: Mapping[str, float]) -> None:
-    """Shares of levels as bars."""
+    """Print shares of levels as bars."""
     top = max(rows.values(), default=0.0) or 1.0
     lines = [(name, f"{number_text(100 * share, 3)} %", bar_text(share / top)) for name, share in rows.items()]
     out.print(f"\n{title}", style="bold", markup=False)
@@ -52,6 +52,6 @@ def print_levels(out: Console, title: str, rows: Mapping[str, float]) -> None:
 
 
 def warn_of(notes: Sequence[str]) -> None:
-    """Each of them on stderr."""
+    """Print each note as a warning on stderr."""
     for note in notes:
         warn(note)

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
+from robophm.core.argument_checks import number
 from robophm.core.errors import UnitError
-from robophm.core.given import number
 from robophm.core.units import quantity
 from robophm.health.failures_to_come import LONGEST
 from robophm.report.words import rate_text
@@ -52,7 +52,7 @@ MostSets = Annotated[int, typer.Option("--most", help="sets to list", min=1, max
 
 
 def horizon_of(text: str | None) -> float | None:
-    """How far ahead failures to come are looked for [h]; None: the usual. Raises RobophmError."""
+    """Return how far ahead failures to come are looked for [h]; None: the usual. Raises RobophmError."""
     if text is None:
         return None
     return number(quantity(text, "h"), "--horizon [h]", above=True, high=LONGEST)

@@ -1,4 +1,4 @@
-"""How commands print: tables for people, JSON for machines on stdout alone, progress on a terminal's stderr alone."""
+"""Output of commands: tables for people, JSON for machines on stdout alone, progress on a terminal's stderr alone."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
+from robophm.cli.shared.option_hints import with_options
 from robophm.core.errors import RobophmError
 from robophm.design.robot import Robot
 from robophm.health.failures_to_come import FailuresToCome
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from robophm.groups.monte_carlo import Estimate
 
 SCHEMA_VERSION = 1
-"""Of what ``--json`` prints; each document says it."""
+"""Version of what ``--json`` prints; each document says it."""
 
 
 PLAIN_WIDTH = 120
@@ -41,7 +42,7 @@ NARROWEST = 40
 
 
 def console() -> Console:
-    """For people, on stdout; plain where it is no terminal or NO_COLOR is set."""
+    """Return the console for people, on stdout; plain where it is no terminal or NO_COLOR is set."""
     colours: Literal["auto"] | None = None if os.environ.get("NO_COLOR") else "auto"  # bold is an escape code too
     out = Console(highlight=False, width=None if sys.stdout.isatty() else PLAIN_WIDTH, color_system=colours)
     out.width = max(out.width, NARROWEST)
@@ -49,18 +50,18 @@ def console() -> Console:
 
 
 def progress_console() -> Console:
-    """For progress, on stderr."""
+    """Return the console for progress, on stderr."""
     return Console(stderr=True, highlight=False)
 
 
 def print_json(document: Mapping[str, Any], *, one_of_many: bool = False) -> None:
-    """One JSON document on stdout, with its schema version first; one of many takes one line."""
+    """Print one JSON document on stdout, with its schema version first; one of many takes one line."""
     text = json_text({"schema_version": SCHEMA_VERSION, **document}, indent=None if one_of_many else 2)
     sys.stdout.write(text + "\n")
 
 
 def json_text(document: Mapping[str, Any], *, indent: int | None = 2) -> str:
-    """As it is printed: stdout that cannot show a character gets its JSON escape.
+    """Return a document as it is printed: stdout that cannot show a character gets its JSON escape.
 
     JSON has no number for what is infinite: it is the text "Infinity" or "-Infinity"; null is what does not apply.
     """
@@ -69,12 +70,12 @@ def json_text(document: Mapping[str, Any], *, indent: int | None = 2) -> str:
 
 
 def warn(text: str, kind: str = "warning") -> None:
-    """One line on stderr that does not stop anything."""
-    print(f"{kind}: {text}", file=sys.stderr)
+    """Print one line on stderr that does not stop anything."""
+    print(f"{kind}: {with_options(text)}", file=sys.stderr)
 
 
 def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], *, figures: Iterable[int] = ()) -> Table:
-    """A table of texts; the columns counted in ``figures`` stand right. User text is never markup."""
+    """Return a table of texts; the columns counted in ``figures`` stand right. User text is never markup."""
     figures = frozenset(figures)
     result = Table(
         title=Text(title) if title else None,
@@ -97,7 +98,7 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], *, 
 
 
 def print_table(out: Console, table: Table) -> None:
-    """A table whose figures are never cut: texts wrap, and what is still wider than the terminal runs over."""
+    """Print a table whose figures are never cut: texts wrap, and what is still wider than the terminal runs over."""
     needed = Measurement.get(out, out.options.update_width(1000), table).minimum
     if needed > out.width:
         table.width = needed
@@ -105,7 +106,7 @@ def print_table(out: Console, table: Table) -> None:
 
 
 def health_table(report: HealthReport, unit: str, *, course: Mapping[str, str] | None = None) -> Table:
-    """The figures of a report, nominal and sensor-based side by side; of ``course``'s subjects alone, with it."""
+    """Return the figures of a report, both views side by side; of ``course``'s subjects alone, with it."""
     columns = ["", "λ nominal", "λ sensor", "R nominal", "R sensor", "RUL median", "PoTC"]
     rows = []
     for one in report.subjects:
@@ -130,12 +131,12 @@ def health_table(report: HealthReport, unit: str, *, course: Mapping[str, str] |
 
 
 def mark_lines(report: HealthReport) -> list[str]:
-    """What the stars of the table mean."""
+    """Return the lines that say what the stars of the table mean."""
     return [f"* {one.path}: {', '.join(one.marks)}" for one in report.subjects if one.marks]
 
 
 def print_report(report: HealthReport, unit: str) -> None:
-    """A report for people: the table, what qualifies it, what is breached."""
+    """Print a report for people: the table, what qualifies it, what is breached."""
     out = console()
     print_table(out, health_table(report, unit))
     clocks = {"operating": "h of operation", "calendar": "h in all", "kilometres": "km"}
@@ -182,13 +183,13 @@ def print_report(report: HealthReport, unit: str) -> None:
 
 
 def print_unknown(left_out: PartsOfUnknownRate | None, robot: Robot) -> None:
-    """What parts of unknown rate make of the figures, and which they are; nothing where there are none."""
+    """Print the effect of parts of unknown rate on the figures, and which they are; nothing where there are none."""
     if left_out:
         console().print(f"{left_out.sentence} ({named(robot)})", style="yellow", markup=False, soft_wrap=True)
 
 
 def print_parts(report: HealthReport) -> None:
-    """Remaining life of every component, the shortest first."""
+    """Print the remaining life of every component, the shortest first."""
     lives = [(part, part.remaining_life) for part in report.components if part.remaining_life]
 
     def text(part: ComponentHealth, time: float) -> str:
@@ -205,7 +206,7 @@ def print_parts(report: HealthReport) -> None:
 
 
 def print_failures_to_come(found: FailuresToCome, *, both: bool = True) -> None:
-    """Which parts the failures to come will come from: the few that bring about most of them."""
+    """Print the few parts that bring about most of the failures to come."""
     some = largest(found, FEW)
     if not some:
         return
@@ -231,7 +232,7 @@ def _span(interval: Interval) -> str:
 
 
 def may_write(path: Path | None, *inputs: Path) -> None:
-    """Raises RobophmError, before any work, where a file cannot be written or would take the place of an input."""
+    """Raise RobophmError, before any work, where a file cannot be written or would take the place of an input."""
     if path is None:
         return
     if any(path.resolve() == other.resolve() for other in inputs):
@@ -243,7 +244,7 @@ def may_write(path: Path | None, *inputs: Path) -> None:
 
 
 def may_make(path: Path | None, *inputs: Path, force: bool, suffixes: Sequence[str] = ()) -> None:
-    """The same of a file that is only replaced where the user says so; its name ends as it will be read."""
+    """Check likewise a file that is only replaced where the user says so; its name ends as it will be read."""
     may_write(path, *inputs)
     if path is None:
         return
@@ -264,5 +265,5 @@ def write(path: Path, text: str | bytes) -> None:
 
 
 def estimate_text(found: Estimate) -> str:
-    """What was met by chance, and within which it lies."""
+    """Return an estimated probability and its interval as text."""
     return f"{found.probability:.6g}, with 95 % confidence between {found.low:.6g} and {found.high:.6g}"

@@ -29,7 +29,7 @@ def run(
     speed: float | None, functions: Sequence[str], knowledge: Knowledge,
     skip_missing: bool, legacy: bool, as_json: bool,
 ) -> bool:  # fmt: skip
-    """Predicted and actual of the tasks that a recording tells of; whether one is less likely than the design wants."""
+    """Print predicted and actual of a recording's tasks; return whether one is less likely than the design wants."""
     told, unread = told_by(source, topics)
     spans = [(info.first, info.last) for info in source.topics()]
     with progress(progress_console(), spans, "replaying") as tick:

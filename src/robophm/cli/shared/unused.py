@@ -36,6 +36,7 @@ def refuse_unused(path: str, used: Collection[str], *, as_json: bool = True) -> 
 
 
 def _context() -> Any:
-    """Of the command that runs: Typer may bring its own Click, so it is asked where its context comes from."""
+    """The context of the command that runs: Typer may bring its own Click, so it is asked where its context comes
+    from."""
     base = typer.Context.__mro__[1].__module__.rpartition(".")[0]
     return importlib.import_module(f"{base}.globals").get_current_context(silent=True)

@@ -1,4 +1,4 @@
-"""What readings say of wear, in words and as JSON."""
+"""Wear by its readings, in words and as JSON."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _BEYOND = "–"
 
 
 def print_worn(out: Console, found: WornMode) -> None:
-    """Trend, time to the threshold, events and changes of one failure mode."""
+    """Print trend, time to the threshold, events and changes of one failure mode."""
 
     def say(text: str, style: str = "") -> None:
         out.print(text, style=style, markup=False, soft_wrap=True)
@@ -97,7 +97,7 @@ def _life_text(found: WornMode, threshold: str) -> str:
 
 
 def _change_text(found: WornMode) -> tuple[str, str]:
-    """What is said of changes, and its style."""
+    """The line about changes, and its style."""
     detector = found.detector
     if detector is None:
         return f"Change: not looked for: {found.unlooked}", ""
@@ -126,7 +126,7 @@ def _times(found: WornMode, times: Sequence[float]) -> str:
 
 
 def print_backtest(out: Console, found: WornMode, done: Backtest) -> None:
-    """What would have been said at earlier readings, what came, and how good that was."""
+    """Print what would have been said at earlier readings, what came, and how good that was."""
     unit, end = found.unit, _time(found, done.end)
     what = f"when {done.threshold:.4g} would be reached; it was at {end}"
     if not done.reached:
@@ -160,7 +160,7 @@ def print_backtest(out: Console, found: WornMode, done: Backtest) -> None:
 
 
 def backtest_json(done: Backtest) -> dict[str, Any]:
-    """Null is what cannot be said."""
+    """Return a backtest for JSON; null is what cannot be said."""
     return {
         "threshold": done.threshold,
         "reached": done.reached,
@@ -186,7 +186,7 @@ def backtest_json(done: Backtest) -> dict[str, Any]:
 
 
 def print_lives(out: Console, lives: Mapping[str, WornLife]) -> None:
-    """By hazard alone, and with wear."""
+    """Print remaining lives, by hazard alone and with wear."""
     rows, unsaid = [], False
     for name, both in lives.items():
         with_wear = "with its wear" if both.holds else "with its wear, which no model follows"
@@ -207,7 +207,7 @@ def _three(life: RemainingLife) -> tuple[float, float, float]:
 
 
 def worn_json(one: WornMode) -> dict[str, Any]:
-    """Of one failure mode; null is what cannot be said."""
+    """Return the wear of one failure mode for JSON; null is what cannot be said."""
     wear = one.wear
     return {
         "mode": one.mode.path,
@@ -246,12 +246,12 @@ def _change_json(detector: Cusum, alarmed: Sequence[float]) -> dict[str, Any]:
 
 
 def interval_json(interval: Interval) -> dict[str, float | None]:
-    """Null where it is beyond what can be said."""
+    """Return an interval for JSON; null where it is beyond what can be said."""
     return {name: _finite(one) for name, one in interval._asdict().items()}
 
 
 def lives_json(lives: Mapping[str, WornLife]) -> dict[str, Any]:
-    """By hazard alone, and with wear; of that null is what cannot be said."""
+    """Return lives by hazard alone, and with wear, for JSON; of the latter null is what cannot be said."""
 
     def life(one: Life) -> dict[str, Any]:
         life, left_out = one

@@ -1,4 +1,4 @@
-"""Handbook models. One file here is one section of one handbook; its path is its name in a design.
+"""Hazard models of handbooks. One file here is one section of one handbook; its path is its name in a design.
 
 A plug ``mil_hdbk_217f/capacitor.py`` holds one ``hazard_rate`` declared with ``@hazard_model`` and is named
 ``mil_hdbk_217f.capacitor``.

@@ -1,4 +1,4 @@
-"""Which sensors see which failures, as a table says it: the coverage matrix."""
+"""The coverage matrix: which sensors see which failures, read from a table."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ COLUMNS: Mapping[str, Sequence[str]] = {
     "price": ("cost",),
     "fitted": (),
 }
-"""What a table of sensors may say; a row for each thing that a sensor sees."""
+"""Columns of a table of sensors and their other spellings; a row for each failure that a sensor sees."""
 
 
 def read_sensors(path: Path, robot: Robot) -> list[Sensor]:
-    """Sensors in the order of the table. Raises DataError, with the line."""
+    """Read sensors in the order of the table. Raises DataError, with the line."""
     modes = {
         mode.path: (mode.path,) for part in robot.all_components() if part not in robot.causes for mode in part.modes
     }
@@ -55,7 +55,7 @@ def read_sensors(path: Path, robot: Robot) -> list[Sensor]:
 
 
 def coverage(robot: Robot, sensors: Sequence[Sensor]) -> dict[str, dict[str, float]]:
-    """By failure mode: the fitted sensors that see it, and with which probability; a monitored part sees itself."""
+    """Return, by failure mode, the sensors that see it and with which probability; a monitored part sees itself."""
     found: dict[str, dict[str, float]] = {}
     for part in robot.all_components():
         for mode in () if part in robot.causes else part.modes:
@@ -66,13 +66,13 @@ def coverage(robot: Robot, sensors: Sequence[Sensor]) -> dict[str, dict[str, flo
     return found
 
 
-def unseen(robot: Robot, sensors: Sequence[Sensor]) -> list[str]:
-    """The failure modes, by path, that no fitted sensor sees."""
-    return [mode for mode, p in seen(robot, sensors).items() if p == 0]
+def undetected_modes(robot: Robot, sensors: Sequence[Sensor]) -> list[str]:
+    """Return the failure modes, by path, that no fitted sensor sees."""
+    return [mode for mode, p in detection_probabilities(robot, sensors).items() if p == 0]
 
 
-def seen(robot: Robot, sensors: Sequence[Sensor]) -> dict[str, float]:
-    """By failure mode: P(some fitted sensor sees it)."""
+def detection_probabilities(robot: Robot, sensors: Sequence[Sensor]) -> dict[str, float]:
+    """Return, by failure mode, P(some fitted sensor sees it)."""
     fitted = {sensor.name for sensor in sensors if sensor.fitted} | {"monitored"}
     result = {}
     for mode, sees in coverage(robot, sensors).items():

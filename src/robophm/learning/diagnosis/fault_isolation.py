@@ -1,4 +1,4 @@
-"""Which part is it? Alarms that are on and off, the chance of each fault, and what each sensor sees.
+"""Fault isolation: the probability of each fault, given the alarms that are on and those that are off.
 
 Faults come independently; a fault that is there sets off each alarm that sees it independently, and an alarm may be
 false (noisy or: Pearl 1988). Posteriors are exact, several faults at once included, and sums of positive terms alone:
@@ -24,11 +24,11 @@ MOST_ON = 14
 
 @dataclass(frozen=True)
 class Sensor:
-    """An alarm: what sets it off."""
+    """An alarm, with the faults that set it off and how surely."""
 
     name: str
     detects: Mapping[str, float]
-    """By fault: P(alarm | that fault alone)."""
+    """Probability of the alarm by fault: P(alarm | that fault alone)."""
     false_alarm: float = 0.0
     """P(alarm | no fault)."""
     price: float | None = None
@@ -40,11 +40,11 @@ class Suspect(NamedTuple):
 
     fault: str
     before: float
-    """Not a number where it is unknown; then neither is the next."""
+    """Probability before the alarms; not a number where it is unknown, and then so is the next."""
     probability: float
-    """Given the alarms."""
+    """Probability given the alarms."""
     odds: float
-    """How many times as large the alarms make its odds: P(just these | it is there) / P(just these | it is not)."""
+    """Factor by which the alarms change its odds: P(just these | it is there) / P(just these | it is not)."""
 
 
 class Diagnosis(NamedTuple):
@@ -55,17 +55,17 @@ class Diagnosis(NamedTuple):
     """
 
     suspects: tuple[Suspect, ...]
-    """Those whose chance is unknown before all others, by what the alarms make of their odds."""
+    """Suspects, those of unknown chance before all others, by the factor on their odds."""
     no_fault: float
     """P(nothing has failed, all alarms are false); with faults of unknown chance at most that."""
     evidence: float
     """P(just these alarms are on)."""
     rivals: bool = False
-    """Whether a fault of unknown chance may have set off an alarm: then how likely the others are hangs on it."""
+    """Whether a fault of unknown chance may have set off an alarm; the other probabilities then depend on it."""
 
 
 def suspects(chances: Mapping[str, float], sensors: Sequence[Sensor], on: Collection[str]) -> Diagnosis:
-    """How likely each fault is, the alarms ``on`` being on and those of the other fitted sensors off.
+    """Return the probability of each fault, with the alarms ``on`` and those of the other fitted sensors off.
 
     ``chances``: of each fault, before anything is known; not a number: unknown, it may be the one all the same. Raises
     DataError for an alarm that is none, too many, or some that nothing can have set off.

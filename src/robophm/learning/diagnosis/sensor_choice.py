@@ -1,4 +1,4 @@
-"""Which sensors buy most certainty of whether a robot will do its task.
+"""The choice of sensors that tell most surely whether a robot will do its task.
 
 What is not known is which parts have failed silently. With sensors A the prediction is E[Y | their alarms], and what of
 its error they take away is Var(E[Y | A]): the gain in expected Brier score. It never falls as sensors are added, but it
@@ -37,19 +37,19 @@ class Choice:
 
     chosen: tuple[int, ...]
     gains: tuple[float, ...]
-    """What each adds, in that order."""
+    """Variance that each sensor adds to what is explained, in that order."""
     value: float
     """Variance of the outcome that they explain together."""
     most: float
-    """That all candidates would explain; of more than MOST, what knowing every state would."""
+    """Variance that all candidates would explain; beyond MOST of them, that which knowing every state would."""
     bound: float
-    """No set of so many explains more."""
+    """Upper bound of the variance that any set of so many explains."""
     exhaustive: bool
-    """Whether no set of so many is better, gone through one by one."""
+    """Whether all sets of so many were compared, so that none is better."""
     before: float
     """Variance of the outcome that is explained without any of them, by what is fitted."""
     variance: float
-    """Of the outcome, all told: the doubt of whether it works."""
+    """Variance of the outcome: the doubt whether it works."""
 
     @property
     def at_least(self) -> float:
@@ -62,15 +62,17 @@ class Choice:
         return max(explained / self.variance, 0.0) if there else 0.0
 
 
-def parted(sensors: Sequence[Sensor]) -> tuple[list[int], list[int]]:
-    """Indices of the sensors that are fitted, and of those to choose from. Raises DataError where all are fitted."""
+def fitted_and_candidates(sensors: Sequence[Sensor]) -> tuple[list[int], list[int]]:
+    """Return indices of the fitted sensors, and of those to choose from. Raises DataError where all are fitted."""
     fitted = [i for i, sensor in enumerate(sensors) if sensor.fitted]
     if len(fitted) == len(sensors):
         raise DataError("every sensor is fitted already; expected some with fitted: no, to choose from")
     return fitted, [i for i, sensor in enumerate(sensors) if not sensor.fitted]
 
 
-def explained(weights: Array, outcome: Array, alarms: Array, chosen: Sequence[int], base: Sequence[int] = ()) -> float:
+def explained_variance(
+    weights: Array, outcome: Array, alarms: Array, chosen: Sequence[int], base: Sequence[int] = ()
+) -> float:
     """Var(E[Y | alarms of the chosen and the fitted]) ; ``weights`` and P(Y) of states, shape (states,).
 
     ``alarms``: P(alarm | state), shape (states, sensors); independent given the state.
@@ -95,10 +97,10 @@ def choose(
     """The best so many further sensors, beside those fitted (``base``): all sets where they are few, else greedily."""
     rest = [j for j in range(alarms.shape[1]) if j not in base] if candidates is None else list(candidates)
     number = min(number, len(rest))
-    before = explained(weights, outcome, alarms, (), base)
+    before = explained_variance(weights, outcome, alarms, (), base)
 
     def value(some: Sequence[int]) -> float:
-        return explained(weights, outcome, alarms, some, base) - before
+        return explained_variance(weights, outcome, alarms, some, base) - before
 
     fits = len(base) + len(rest) <= MOST
     variance = _variance(weights, outcome)
@@ -120,7 +122,7 @@ def _variance(weights: Array, outcome: Array) -> float:
 
 
 def _affordable(candidates: int, number: int, fitted: int, states: int) -> bool:
-    """Whether all sets of so many can be gone through."""
+    """Whether all sets of so many candidates can be gone through."""
     if fitted + number > MOST:
         return False
     sets = math.comb(candidates, number)
@@ -131,7 +133,7 @@ def _bound(
     rest: Sequence[int], number: int, base: Sequence[int], states: int, value: Callable[[Sequence[int]], float],
     most: float,
 ) -> float:  # fmt: skip
-    """What no set of so many explains more than: the best of all that lack r candidates, r as large as can be paid."""
+    """An upper bound for sets of so many: the best of all sets that lack r candidates, r as large as can be paid."""
     m = len(rest)
     for lacking in range(m - number, 0, -1):
         if _affordable(m, m - lacking, len(base), states):
@@ -146,12 +148,12 @@ def _greedily(rest: Sequence[int], number: int, value: Callable[[Sequence[int]],
     return chosen
 
 
-def greedily(weights: Array, outcome: Array, alarms: Array, number: int) -> Choice:
-    """As ``choose``, never exhaustively, and bounded by what lacks one candidate."""
+def choose_greedily(weights: Array, outcome: Array, alarms: Array, number: int) -> Choice:
+    """Choose as ``choose``, but never exhaustively, with the bound of sets that lack one candidate."""
     every = list(range(alarms.shape[1]))
 
     def value(some: Sequence[int]) -> float:
-        return explained(weights, outcome, alarms, some)
+        return explained_variance(weights, outcome, alarms, some)
 
     order = _greedily(every, number, value)
     gains = np.diff([0.0, *(value(order[: k + 1]) for k in range(len(order)))])

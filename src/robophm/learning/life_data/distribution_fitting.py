@@ -20,7 +20,7 @@ Array = npt.NDArray[np.float64]
 How = Literal["likelihood", "ranks"]
 
 LEVEL = 0.9
-"""Of intervals, unless said otherwise."""
+"""Confidence level of intervals, unless said otherwise."""
 
 
 class Family(NamedTuple):
@@ -29,7 +29,7 @@ class Family(NamedTuple):
     theirs: str
     ours: str
     parameters: Mapping[str, tuple[str, bool]]
-    """Our parameters: theirs, and whether it is its reciprocal."""
+    """Name of SurPyval's parameter for each of ours, and whether ours is its reciprocal."""
     offset: bool = False
 
 
@@ -43,7 +43,7 @@ FAMILIES: Mapping[str, Family] = {
     "loglogistic": Family("LogLogistic", "loglogistic", {"scale": ("alpha", False), "shape": ("beta", False)}),
     "gumbel": Family("Gumbel", "extreme_value", {"location": ("mu", False), "scale": ("sigma", False)}),
 }
-"""By name; 'weibull3' has a location too."""
+"""The distributions that can be fitted, by name; 'weibull3' has a location too."""
 
 FEWEST: Mapping[str, int] = {"exponential": 1, "weibull3": 5}
 """Failures that a distribution needs; two where it is not here."""
@@ -68,29 +68,29 @@ class Bounded(NamedTuple):
 
 @dataclass(frozen=True)
 class Fit:
-    """One distribution fitted to life data."""
+    """The result of fitting one distribution to life data."""
 
     name: str
     data: LifeData
     how: How
     level: float
     parameters: Mapping[str, Bounded]
-    """By our names; a location has no interval."""
+    """Parameters by our names; a location has no interval."""
     life: LifeDistribution
     log_likelihood: float
     aic: float
     aic_corrected: float
-    """For small samples (Hurvich and Tsai, Biometrika 76, 1989); infinite where there are too few parts for it."""
+    """AIC corrected for small samples (Hurvich and Tsai, Biometrika 76, 1989); infinite for too few parts."""
     quantiles: Mapping[float, Bounded]
     mean: float
     straightness: float
     """R² of the probability plot."""
     plot: ProbabilityPlot
     covariance: Array = field(default_factory=lambda: np.empty((0, 0)))
-    """Of the library's own parameters, in their order."""
+    """Covariance of the library's own parameters, in their order."""
     notes: tuple[str, ...] = ()
     model: Any = None
-    """The library's own."""
+    """The fitted model of the library itself."""
 
     @property
     def below_zero(self) -> float:
@@ -109,7 +109,7 @@ class ProbabilityPlot(NamedTuple):
 
 
 def fit(data: LifeData, name: str = "weibull", *, how: How = "likelihood", level: float = LEVEL) -> Fit:
-    """Fit one distribution. ``how``: maximum likelihood, or median ranks regressed (time on rank).
+    """Fit one distribution to life data. ``how``: maximum likelihood, or median ranks regressed (time on rank).
 
     Raises DataError, in words, where the data do not support it; RobophmError where SurPyval is not installed.
     """
@@ -151,18 +151,18 @@ def fit_all(data: LifeData, names: Sequence[str] = (), *, level: float = LEVEL) 
 
 
 def can_be_corrected(fits: Sequence[Fit]) -> bool:
-    """Whether all have a corrected AIC, by which they are ranked; of three parts or so there is none."""
+    """Whether all fits have a corrected AIC, by which they are ranked; with three parts or so there is none."""
     return all(math.isfinite(one.aic_corrected) for one in fits)
 
 
 def as_good_as_best(fits: Sequence[Fit]) -> list[Fit]:
-    """Of fits to the same data, the best first, those that cannot be told from it."""
+    """Return the fits, of some to the same data with the best first, that cannot be told from the best."""
     scores = [one.aic_corrected if can_be_corrected(fits) else one.aic for one in fits]
     return [one for one, score in zip(fits[1:], scores[1:], strict=True) if score < scores[0] + AS_GOOD]
 
 
 def supports(data: LifeData, name: str) -> None:
-    """Raises DataError, and says what would be needed, where data cannot tell a distribution's parameters."""
+    """Raise DataError, and say what would be needed, where data cannot tell a distribution's parameters."""
     if data.items_repeat:
         raise DataError(
             f"{data.source}: items have several rows; expected --repairable for repaired systems, or one life each"
@@ -310,7 +310,7 @@ def straight(name: str, times: Array, failed: Array, location: float = 0.0) -> t
 
 
 class Goodness(NamedTuple):
-    """How well a distribution fits, by Anderson and Darling."""
+    """Anderson and Darling's measure of how well a distribution fits."""
 
     statistic: float
     p_value: float
@@ -318,12 +318,12 @@ class Goodness(NamedTuple):
 
     @property
     def doubtful(self) -> bool:
-        """Whether the distribution does not fit."""
+        """Whether the test says that the distribution does not fit."""
         return self.p_value < DOUBTFUL
 
 
 def goodness(found: Fit, refits: int, seed: int) -> Goodness:
-    """Of a fit, by so many simulated refits.
+    """Return the goodness of a fit, by so many simulated refits.
 
     Raises DataError for left or interval censored data, of which it is not known when somebody looked.
     """

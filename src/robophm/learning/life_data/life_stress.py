@@ -1,4 +1,4 @@
-"""Life and stress: tests at more than a part will ever have, fitted by SurPyval, to say how long it lives at less.
+"""Life–stress models: accelerated tests, fitted by SurPyval, to say how long a part lives at less stress.
 
 ln life falls by a sum of terms, one for each stress: a life at stress x is that at the reference stress divided by
 exp(Σ coefficient · z(x)). So Arrhenius, inverse power and their products are one regression; what a law has that is not
@@ -31,7 +31,7 @@ ZERO = 273.15  # K
 
 
 class Law(NamedTuple):
-    """How life falls with one stress."""
+    """The law by which life falls with one stress."""
 
     covariate: Callable[[Array, float], Array]
     """z of stress and reference stress; 0 at the reference."""
@@ -42,7 +42,7 @@ class Law(NamedTuple):
     known: Callable[[Array, float], Array] = lambda x, reference: np.ones(np.shape(x))
     """Factor on life that is not fitted."""
     read: Callable[[float], float] = lambda coefficient: coefficient
-    """What the law calls its coefficient."""
+    """Converts the fitted coefficient to that of the law."""
 
 
 def _arrhenius(x: Array, reference: float) -> Array:
@@ -57,7 +57,7 @@ LAWS: Mapping[str, Law] = {
     "q10": Law(lambda x, reference: (x - reference) / 10, "q", "", "q10", read=math.exp),
     "inverse_power": Law(lambda x, reference: np.log(x / reference), "exponent", "", "inverse_power"),
 }
-"""By name. The first three are of temperature [°C]."""
+"""The laws by name; the first three are of temperature [°C]."""
 
 OF_TEMPERATURE = ("arrhenius", "eyring", "q10")
 _BASES = ("exponential", "weibull", "lognormal", "gamma", "loglogistic")
@@ -70,29 +70,29 @@ class LifeStressFit:
     name: str
     data: LifeData
     laws: Mapping[str, str]
-    """Of each stress."""
+    """Law of each stress."""
     reference: Mapping[str, float]
     level: float
     coefficients: Mapping[str, Bounded]
-    """Of each stress, as its law calls it."""
+    """Coefficient of each stress, as its law calls it."""
     parameters: Mapping[str, Bounded]
-    """Of life at the reference stress."""
+    """Parameters of life at the reference stress."""
     life: LifeDistribution
     log_likelihood: float
     aic: float
     quantiles: Mapping[float, Bounded]
-    """Of life at the reference stress."""
+    """Quantiles of life at the reference stress."""
     levels: tuple[tuple[Mapping[str, float], int, int, float, Fit | None], ...]
     """Each stress that was tested: what it was, parts, failures, acceleration, and a fit of it alone if it has one."""
     separate: tuple[float, int, float] | None
     """Likelihood ratio of lives fitted at each stress alone over this, its degrees of freedom, and p."""
     covariance: Array
     steps: bool = False
-    """Whether stress went up in steps."""
+    """Whether stress was raised in steps."""
     notes: tuple[str, ...] = ()
 
     def acceleration(self, stress: Mapping[str, float]) -> float:
-        """How many times as fast a part ages at a stress."""
+        """Return how many times as fast a part ages at a stress as at the reference."""
         factor = 0.0
         for name, law in self.laws.items():
             x, reference = np.array(stress[name]), self.reference[name]
@@ -270,7 +270,7 @@ def _log_known(data: LifeData, laws: Mapping[str, str], reference: Mapping[str, 
 def _levels(
     data: LifeData, name: str, found: LifeStressFit
 ) -> tuple[tuple[tuple[Mapping[str, float], int, int, float, Fit | None], ...], tuple[float, int, float] | None]:
-    """What each stress says alone, and whether all of them together say something else (likelihood ratio)."""
+    """A fit of each stress alone, and the likelihood ratio test of all of them together against the common fit."""
     table = np.stack(list(data.stresses.values()), axis=1)
     tested, total, parameters = [], 0.0, 0
     for combination in np.unique(table, axis=0):

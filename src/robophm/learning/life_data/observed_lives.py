@@ -1,4 +1,4 @@
-"""Life data: how long parts lived, known exactly or within bounds, at which stresses; and what of it cannot be."""
+"""Life data: how long parts lived, exactly or within bounds, at which stresses; impossible data are refused."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ COLUMNS: Mapping[str, Sequence[str]] = {
     "count": ("n", "quantity", "number"),
     "item": ("unit", "serial", "id", "system"),
 }
-"""What a table may say of lives; any other column is a stress, if its name is known or the user says that it is."""
+"""Columns of a table of lives; any other column is a stress, if its name is known or the user says that it is."""
 
 _ELSEWHERE: Mapping[str, str] = {
     **dict.fromkeys(("event", "status", "failed", "state"), "'censored', with yes for what still worked"),
     **dict.fromkeys(("since", "entry", "truncated"), "lives watched from 0 on; `robophm learn` takes others"),
 }
-"""What is expected in the place of columns that other tables have."""
+"""Columns of other tables, and what is expected in their place."""
 
 STRESS_UNITS: Mapping[str, str] = {
     "temperature": "degC",
@@ -44,7 +44,7 @@ STRESS_UNITS: Mapping[str, str] = {
 
 
 LONGEST = 1e15
-"""What a life may be, in the unit of its clock; the shortest is as far below 1."""
+"""The longest life, in the unit of its clock; the shortest is as far below 1."""
 
 
 @dataclass(frozen=True)
@@ -53,16 +53,16 @@ class LifeData:
 
     source: str
     low: Array
-    """0: failed before ``high``."""
+    """Lower bound of each life; 0: failed before ``high``."""
     high: Array
-    """Infinite: still worked at ``low``."""
+    """Upper bound of each life; infinite: still worked at ``low``."""
     count: Array
     unit: str
     """h, km, cycle or start; "" where the data state none."""
     stresses: Mapping[str, Array] = field(default_factory=dict)
-    """By name, in the unit inside; shape (rows,)."""
+    """Stresses by name, in the unit inside; shape (rows,)."""
     items: tuple[str, ...] = ()
-    """Whose row each is, where the table says so."""
+    """Item that each row is of, where the table says so."""
 
     @property
     def failed(self) -> npt.NDArray[np.bool_]:
@@ -71,12 +71,12 @@ class LifeData:
 
     @property
     def failures(self) -> int:
-        """How many parts failed."""
+        """Return the number of parts that failed."""
         return int(self.count[self.failed].sum())
 
     @property
     def parts(self) -> int:
-        """How many there were."""
+        """Return the number of parts."""
         return int(self.count.sum())
 
     @property
@@ -85,7 +85,7 @@ class LifeData:
         return len(set(self.items)) < len(self.items)
 
     def described(self) -> str:
-        """In words: '10 failures and 10 that still worked'."""
+        """Return the data in words: '10 failures and 10 that still worked'."""
         exact = self.low == self.high
         kinds = {
             "failure": exact,
@@ -198,7 +198,7 @@ def _converts(written: str, unit: str) -> bool:
 
 
 def _bounds(row: Row, unit: str) -> tuple[float, float]:
-    """Between which a part failed. Raises DataError for times that cannot be."""
+    """The bounds of a part's life. Raises DataError for times that cannot be."""
     censored = row.choice("censored", {**YES, "left": (), "right": ()}, "no")
 
     def time(column: str, missing: float) -> float:

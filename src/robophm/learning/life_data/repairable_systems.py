@@ -21,18 +21,18 @@ from robophm.learning.life_data.surpyval import asked, library
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """How often repaired systems fail by time."""
+    """The power law of the failures of repaired systems over time."""
 
     systems: int
     failures: int
     shape: Bounded
-    """β"""
+    """Exponent β of the power law."""
     scale: float
     """λ, of λ·t^β failures of one system by t."""
     until: float
-    """When the last system was last seen [unit of the data]."""
+    """Time when the last system was last seen [unit of the data]."""
     mean_time: Bounded
-    """Between failures, then."""
+    """Mean time between failures at ``until``."""
     p_value: float
     """P(a trend so clear | none): MIL-HDBK-189's χ² of 2·Σ ln(T/t)."""
     unbiased: bool = False
@@ -40,26 +40,26 @@ class PowerLaw:
 
     @property
     def estimate(self) -> str:
-        """What β, and all that follows from it, is by."""
+        """Return the name of the estimate on which β, and all that follows from it, rests."""
         return "unbiased" if self.unbiased else "maximum likelihood"
 
     @property
     def trend(self) -> Literal["improving", "wearing"] | None:
-        """Whether failures come less or more often as time goes on; None where neither is shown."""
+        """Return whether failures come less or more often as time goes on; None where neither is shown."""
         if self.p_value >= DOUBTFUL:
             return None
         return "improving" if self.shape.value < 1 else "wearing"
 
     @property
     def intensity(self) -> float:
-        """Failures of one system per unit of time, at ``until``."""
+        """Return the failures of one system per unit of time, at ``until``."""
         return 1 / self.mean_time.value
 
 
 def fit_power_law(
     times: Mapping[str, Sequence[float]], ends: Mapping[str, float], *, level: float = LEVEL, unbiased: bool = True
 ) -> PowerLaw:
-    """Of the failure times of each system and how long each was watched, from 0 on.
+    """Fit the power law to the failure times of each system, each watched from 0 to its end.
 
     ``unbiased``: with n − 1 in the place of n, as NIST and Crow do; else maximum likelihood. Intervals of the time
     between failures are NIST's (e-Handbook 8.4.5.2). Raises DataError where there are too few failures.
@@ -101,7 +101,7 @@ def fit_power_law(
 
 
 def power_laws(data: LifeData, *, level: float = LEVEL) -> dict[str, PowerLaw]:
-    """Of repaired systems, each failure a row: by both estimates of the exponent, the unbiased one first.
+    """Fit the power law by both estimates of its exponent, the unbiased one first; each failure is a row.
 
     Of systems that were not watched equally long there is none that is unbiased. Raises DataError as ``systems`` and
     ``fit_power_law``.

@@ -21,7 +21,7 @@ def library(part: str = "") -> Any:
 
 @contextmanager
 def asked(what: str) -> Iterator[list[str]]:
-    """Its refusals as DataError, its warnings as texts in the list."""
+    """Run SurPyval: its refusals become DataError, its warnings texts in the list."""
     said: list[str] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

@@ -1,4 +1,4 @@
-"""What replacing, repairing and watching parts costs, as a table says it."""
+"""The table of costs: replacing, repairing and monitoring parts."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 from robophm.core.errors import nearest
 from robophm.design.robot import Component, Robot
-from robophm.learning.maintenance.life_cycle_costs import Watch
+from robophm.learning.maintenance.life_cycle_costs import ConditionMonitoring
 from robophm.learning.maintenance.replacement_age import Costs
 from robophm.learning.table import Row, read_table
 
@@ -26,23 +26,23 @@ COLUMNS: Mapping[str, Sequence[str]] = {
     "lead": ("warning",),
     "false alarms per year": ("false alarms",),
 }
-"""What a table of costs may say. Costs are plain numbers in any one currency, downtimes and leads have units."""
+"""Columns of a table of costs. Costs are plain numbers in any one currency, downtimes and leads have units."""
 
 YEAR = 8766.0
-"""Hours."""
+"""Hours of a year."""
 
 
 @dataclass(frozen=True)
 class PartCosts:
-    """What a part costs."""
+    """The costs of one part, and of a sensor that watches it."""
 
     part: Component
     costs: Costs
-    """Without what it costs that the robot stands still meanwhile."""
-    watch: Watch | None
+    """Costs of the part without those of the robot's standstill."""
+    watch: ConditionMonitoring | None
 
     def standing(self, hour_down: float) -> Costs:
-        """With that: so much an hour, as far as the robot does stand still."""
+        """Return the costs with those of a standstill, ``hour_down`` each hour that the part is down."""
         own = self.costs
         planned, unplanned = (hour_down * time for time in (own.preventive_downtime, own.corrective_downtime))
         repair = None if own.repair is None else own.repair + unplanned
@@ -50,7 +50,7 @@ class PartCosts:
 
 
 def read_costs(path: Path, robot: Robot, hour_down: float) -> dict[str, PartCosts]:
-    """By path of the part. Raises DataError for what is missing, negative, or contradicts itself.
+    """Read costs by path of the part. Raises DataError for what is missing, negative, or contradicts itself.
 
     ``hour_down``: what an hour costs in which the robot stands still.
     """
@@ -83,7 +83,7 @@ def _costs(row: Row, hour_down: float) -> Costs:
     return Costs(preventive, corrective, downtimes[0], downtimes[1], repair, remaining)
 
 
-def _watch(row: Row) -> Watch | None:
+def _watch(row: Row) -> ConditionMonitoring | None:
     said = [name for name in ("sensor per year", "detects", "lead", "false alarms per year") if name in row.cells]
     if "sensor" not in row.cells:
         if said:
@@ -95,7 +95,7 @@ def _watch(row: Row) -> Watch | None:
     lead = row.quantity("lead", "h") if "lead" in row.cells else 0.0
     if lead < 0:
         raise row.error(f"{row.text('lead')} is negative", "lead")
-    return Watch(
+    return ConditionMonitoring(
         _at_least(row, "sensor", None), _at_least(row, "sensor per year", 0.0) / YEAR, detects, lead,
         _at_least(row, "false alarms per year", 0.0) / YEAR,
     )  # fmt: skip

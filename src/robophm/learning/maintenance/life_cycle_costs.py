@@ -1,4 +1,4 @@
-"""What a robot's upkeep costs over its life, and how long it stands still, by simulation, under a policy."""
+"""Life-cycle costs: a robot's upkeep and standstill under a policy, by simulation."""
 
 from __future__ import annotations
 
@@ -20,65 +20,65 @@ TOGETHER = 500
 """Repetitions at a time: when their parts were down is kept until it is known when the robots stood still."""
 
 MOST_LIVES = 2e9
-"""Of parts, in all repetitions."""
+"""The most lives of parts, in all repetitions."""
 
 MOST_TOGETHER = 1e7
-"""Of parts, in the repetitions that are in memory at a time."""
+"""The most lives of parts in the repetitions that are in memory at a time."""
 
 
 @dataclass(frozen=True)
-class Watch:
+class ConditionMonitoring:
     """Condition monitoring of a part: a sensor that sees failures come."""
 
     price: float
-    """To be bought and fitted, once."""
+    """Cost of buying and fitting it, once."""
     running: float = 0.0
     """Cost per unit of time."""
     detects: float = 1.0
     """Share of failures that it foretells, early enough to replace the part at the cost of a precaution."""
     lead: float = 0.0
-    """How long before the failure the part is then replaced."""
+    """Time by which the part is replaced before its failure."""
     false_alarms: float = 0.0
-    """Per unit of time; each costs a replacement that was not needed."""
+    """False alarms per unit of time; each costs a replacement that was not needed."""
 
 
 @dataclass(frozen=True)
-class Upkept:
+class MaintainedPart:
     """A part, what it costs, and how it is kept up."""
 
     life: LifeDistribution
-    """In calendar time."""
+    """Life of the part in calendar time."""
     costs: Costs
     age: float | None = None
-    """At which it is replaced."""
-    watch: Watch | None = None
+    """Age at which it is replaced; None: only after it failed."""
+    watch: ConditionMonitoring | None = None
     parts: int = 1
     units: tuple[str, ...] = ()
-    """As diagrams draw them: one for all its parts in series, or one for each; none: its own name."""
+    """Names of its units in diagrams: one for all its parts in series, or one for each; none: its own name."""
 
 
 @dataclass(frozen=True)
 class LifeCycle:
-    """What came out, over all repetitions."""
+    """The result of a simulation, over all repetitions."""
 
     cost: float
-    """Mean, over the horizon."""
+    """Mean cost over the horizon."""
     low: float
     high: float
-    """Between them with 90 %."""
+    """Upper end of the 90 % interval of the cost."""
     error: float
     """Standard error of the mean."""
     availability: float
     """Share of the time in which the robot did not stand still."""
     failures: float
-    """Mean number of them."""
+    """Mean number of failures."""
     replacements: float
-    """Mean number of precautions."""
+    """Mean number of preventive replacements."""
     samples: Array
 
 
 def simulate(
-    parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: int,
+    parts: Mapping[str, MaintainedPart], horizon: float, repetitions: int, seed: int,
     standing: Standstill | None = None, hour_down: float = 0.0,
 ) -> LifeCycle:  # fmt: skip
     """Let a robot's parts live and be replaced for a time, so many times over.
@@ -101,7 +101,7 @@ def simulate(
     )  # fmt: skip
 
 
-def _affordable(parts: Mapping[str, Upkept], horizon: float, repetitions: int) -> None:
+def _affordable(parts: Mapping[str, MaintainedPart], horizon: float, repetitions: int) -> None:
     lives = sum(
         part.parts * (1 + horizon / max(min(part.age or math.inf, part.life.mean()), 1e-9)) for part in parts.values()
     )
@@ -113,7 +113,7 @@ def _affordable(parts: Mapping[str, Upkept], horizon: float, repetitions: int) -
 
 
 def _together(
-    parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: tuple[int, int], standing: Standstill,
+    parts: Mapping[str, MaintainedPart], horizon: float, repetitions: int, seed: tuple[int, int], standing: Standstill,
     hour_down: float,
 ) -> Array:  # fmt: skip
     """Cost, failures, precautions and how long the robot stood still in each repetition; shape (4, repetitions)."""
@@ -130,7 +130,7 @@ def _together(
     return total
 
 
-def _part(part: Upkept, horizon: float, repetitions: int, rng: np.random.Generator) -> tuple[Array, Downtimes]:
+def _part(part: MaintainedPart, horizon: float, repetitions: int, rng: np.random.Generator) -> tuple[Array, Downtimes]:
     """Cost, failures and precautions of each repetition, shape (3, repetitions), and when it was down."""
     costs, watch = part.costs, part.watch
     total = np.zeros((3, repetitions))
@@ -166,46 +166,47 @@ def _part(part: Upkept, horizon: float, repetitions: int, rng: np.random.Generat
 
 
 @dataclass(frozen=True)
-class Return:
-    """Whether watching pays."""
+class ReturnOnMonitoring:
+    """The return on condition monitoring: life cycles with and without it, and the investment."""
 
     without: LifeCycle
     watched: LifeCycle
     investment: float
-    """Bought and kept running over the horizon."""
+    """Cost of buying sensors and keeping them running over the horizon."""
 
     @property
     def saved(self) -> Array:
-        """What watching saves, less what it costs, of each repetition."""
+        """Return the cost that monitoring saves, less its own, in each repetition."""
         return self.without.samples - self.watched.samples
 
     @property
     def ratio(self) -> float:
-        """Return on investment: saved over invested (Feldman, Jazouli and Sandborn, IEEE Trans. Reliab. 58, 2009)."""
+        """Return the return on investment: saved over invested (Feldman, Jazouli, Sandborn, IEEE Trans. Reliab. 58,
+        2009)."""
         return float(self.saved.mean()) / self.investment
 
     @property
     def chance(self) -> float:
-        """P(it pays)."""
+        """Return P(monitoring saves more than it costs)."""
         return float(np.mean(self.saved > 0))
 
 
-def return_on_watching(
-    parts: Mapping[str, Upkept], horizon: float, repetitions: int, seed: int, without: LifeCycle | None = None,
+def return_on_monitoring(
+    parts: Mapping[str, MaintainedPart], horizon: float, repetitions: int, seed: int, without: LifeCycle | None = None,
     standing: Standstill | None = None, hour_down: float = 0.0,
-) -> Return:  # fmt: skip
-    """The same lives with and without condition monitoring, as ``simulate``; a watched part is not replaced by age."""
+) -> ReturnOnMonitoring:  # fmt: skip
+    """Simulate the same lives with and without condition monitoring; a watched part is not replaced by age."""
     bare = {name: replace(part, watch=None) for name, part in parts.items()}
     watched = {name: replace(part, age=None) if part.watch else part for name, part in parts.items()}
     invested = sum(
         part.parts * (part.watch.price + part.watch.running * horizon) for part in parts.values() if part.watch
     )
     how = (horizon, repetitions, seed, standing, hour_down)
-    return Return(without or simulate(bare, *how), simulate(watched, *how), invested)
+    return ReturnOnMonitoring(without or simulate(bare, *how), simulate(watched, *how), invested)
 
 
-def grid_costs(part: Upkept, ages: Sequence[float], horizon: float, repetitions: int, seed: int) -> Array:
-    """Mean cost per unit of time of replacing at each of some ages, on the same lives; shape of ``ages``."""
+def grid_costs(part: MaintainedPart, ages: Sequence[float], horizon: float, repetitions: int, seed: int) -> Array:
+    """Return the mean cost per unit of time of replacing at each age, on the same lives; shape of ``ages``."""
     return np.array([
         simulate({"part": replace(part, age=age)}, horizon, repetitions, seed).cost / horizon for age in ages
     ])  # fmt: skip

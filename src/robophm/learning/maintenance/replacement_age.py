@@ -1,4 +1,4 @@
-"""When to replace a part, by what it costs before and after it fails; alone, repaired meanwhile, or with others.
+"""The best age to replace a part, by its cost before and after failure; alone, with repairs, or with others.
 
 Times and lives are in one unit, costs in one currency; a cost rate is per that unit.
 """
@@ -24,46 +24,46 @@ _FEW_OF_BEST = 1e-6  # of the cost of never replacing: what saves less is no rea
 
 @dataclass(frozen=True)
 class Costs:
-    """Of one part; what an hour of standing still costs is in them, or it is said elsewhere."""
+    """Costs of one part; those of an hour of standstill are included, or stated elsewhere."""
 
     preventive: float
-    """Of replacing it before it fails."""
+    """Cost of replacing it before it fails."""
     corrective: float
-    """Of replacing it after it failed."""
+    """Cost of replacing it after it failed."""
     preventive_downtime: float = 0.0
     corrective_downtime: float = 0.0
     """Time that it does not age meanwhile."""
     repair: float | None = None
-    """Of a repair, which then takes the place of replacements after failures."""
+    """Cost of a repair, which then takes the place of replacements after failures; None: it is not repaired."""
     remaining: float = 1.0
     """Share of its age that a repair leaves (Kijima II): 1, it only works again."""
 
 
 @dataclass(frozen=True)
 class Policy:
-    """When it is best replaced, and what that costs."""
+    """The best replacement policy of a part, and what it costs."""
 
     age: float | None
-    """None: never by age."""
+    """Age at which it is replaced; None: never by age."""
     cost_rate: float
     never: float
     """Cost rate of replacing, or repairing, only what has failed; infinite where repairs alone go on for ever."""
 
     @property
     def saving(self) -> float:
-        """Share of the cost of never replacing by age."""
+        """Return the share of the cost of never replacing by age that is saved."""
         return 1 - self.cost_rate / self.never if 0 < self.never < math.inf else 0.0
 
 
-def wears(life: LifeDistribution) -> bool:
-    """Whether its hazard ever rises: only then can replacing a part that works be worth anything."""
+def hazard_rises(life: LifeDistribution) -> bool:
+    """Whether the hazard ever rises: only then can replacing a part that works be worth anything."""
     ages = np.unique(np.asarray(life.quantile(np.linspace(0.001, 0.999, 200))))
     hazard = np.asarray(life.hazard(ages[ages > 0]))
     return bool(np.any(np.diff(hazard) > 1e-9 * hazard[:-1]))
 
 
 def cost_rate(life: LifeDistribution, costs: Costs, age: npt.ArrayLike) -> Array:
-    """Mean cost per unit of time of replacing at an age or at failure, as good as new; shape of ``age``.
+    """Return the mean cost per unit of time of replacing at an age or at failure, as good as new; shape of ``age``.
 
     C(T) = (c_p·S + c_f·F)/(∫₀^T S dt + d_p·S + d_f·F), renewal reward (Barlow and Proschan 1965, §4.2).
     """
@@ -76,11 +76,11 @@ def cost_rate(life: LifeDistribution, costs: Costs, age: npt.ArrayLike) -> Array
 
 
 def best_age(life: LifeDistribution, costs: Costs, *, seed: int = 0) -> Policy:
-    """The age at which replacing costs least; of a part that does not wear, or costs no more when it fails: never."""
+    """Return the age at which replacing costs least; never by age, where that saves nothing."""
     if costs.repair is not None:
         return _with_repairs(life, costs, seed)
     never = costs.corrective / (mean_life(life) + costs.corrective_downtime)
-    if not wears(life):
+    if not hazard_rises(life):
         return Policy(None, never, never)
     low, high = float(life.quantile(1e-9)), float(life.quantile(1 - 1e-9))
     age, cost = _least(lambda T: cost_rate(life, costs, T), max(low, 1e-9 * high), high)
@@ -90,7 +90,7 @@ def best_age(life: LifeDistribution, costs: Costs, *, seed: int = 0) -> Policy:
 
 
 def _least(cost: Callable[[Array], Array], low: float, high: float) -> tuple[float, float]:
-    """Where a cost is least: on a logarithmic grid, then between its neighbours."""
+    """The place and value of the least cost: on a logarithmic grid, then between its neighbours."""
     grid = np.geomspace(low, high, _GRID)
     values = cost(grid)
     k = int(np.nanargmin(values))
@@ -128,7 +128,7 @@ def _mean_up_to(life: LifeDistribution, T: Array) -> Array:
 
 
 def mean_life(life: LifeDistribution) -> float:
-    """Of a part that begins at age 0: of what lies below, a distribution may have some."""
+    """Return the mean life of a part that begins at age 0, whatever mass its distribution has below."""
     return life.mean() if life.lowest == 0 else float(_mean_up_to(life, np.array(np.inf)))
 
 
@@ -151,7 +151,7 @@ def _with_repairs(life: LifeDistribution, costs: Costs, seed: int) -> Policy:
     number = repairs(end)
     late = float((number[1] - number[0]) / (end[1] - end[0]))
     never = repair * late / (1 + costs.corrective_downtime * late)
-    if not wears(life):
+    if not hazard_rises(life):
         return Policy(None, never, never)
     if costs.remaining == 1:  # it only grows older
         never = math.inf
@@ -194,16 +194,16 @@ class Visit:
     """Parts that are replaced together: every how many visits each, and what all of it costs."""
 
     interval: float | None
-    """Between visits; None: nothing is worth a visit."""
+    """Time between visits; None: nothing is worth a visit."""
     every: Mapping[str, int | None]
-    """By part: at every so-manieth visit; None: only when it has failed."""
+    """Number of visits, by part, after which it is replaced again; None: only when it has failed."""
     cost_rate: float
     apart: float
-    """What it costs where each part has visits of its own."""
+    """Cost rate where each part has visits of its own."""
 
 
-def together(parts: Mapping[str, tuple[LifeDistribution, Costs]], setup: float) -> Visit:
-    """Replacement at fixed intervals, a visit costing ``setup`` whatever is done at it.
+def grouped_replacement(parts: Mapping[str, tuple[LifeDistribution, Costs]], setup: float) -> Visit:
+    """Plan replacement at fixed intervals, where a visit costs ``setup`` whatever is done at it.
 
     Part i is replaced at every kᵢ-th visit and after each failure: cost rate s/τ + Σ min over k of
     (c_p + c_f·M(kτ))/(kτ), M the renewal function (block replacement, grouped indirectly: Goyal and Kusy,
@@ -240,7 +240,7 @@ class _Block:
         self.never = costs.corrective / mean_life(life)
         self.best: float | None = None
         self.least = self.never
-        if wears(life):
+        if hazard_rises(life):
             self.times = np.linspace(0.0, float(life.quantile(0.999)), 1500)
             self.renewals = renewals(life, self.times)
             rates = self.rate(self.times[1:])

@@ -1,4 +1,4 @@
-"""How many spares are enough: the demand of a time, and how often a stock meets it."""
+"""Spare parts: the demand within a time, and the stock that meets it with a stated probability."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _MOST = 10_000
 
 
 def demand(life: LifeDistribution, time: float, parts: int, age: float | None = None) -> Array:
-    """P(so many are needed in a time), from 0 on, of equal parts that are new; replaced at failure, and at an age.
+    """Return P(so many are needed in a time), from 0 on, of equal new parts; replaced at failure, and at an age.
 
     A part's demands are renewals: P(N ≥ k) is the k-fold convolution of its life, on a grid. Independent parts: the
     n-fold convolution of that. Raises DataError where it would be more than _MOST.
@@ -71,7 +71,7 @@ def _by_transform(a: Array, b: Array) -> Array:
 def spares(
     life: LifeDistribution, time: float, parts: int, level: float, age: float | None = None
 ) -> tuple[int, float]:
-    """The fewest spares that are enough with a probability of at least ``level``, and that probability."""
+    """Return the fewest spares that are enough with a probability of at least ``level``, and that probability."""
     if not (0 < level < 1 and time > 0 and parts >= 1):
         raise DataError(f"level {level:g}, time {time:g}, {parts} parts; expected 0 < level < 1, a time, parts")
     enough = np.cumsum(demand(life, time, parts, age))

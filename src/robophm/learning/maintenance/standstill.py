@@ -1,4 +1,4 @@
-"""When a robot stands still: while the parts that are down, each for its own repair, leave its structure down.
+"""The standstill of a robot: the time in which parts that are down, each for its own repair, leave it down.
 
 Parts are repaired independently of each other and age whether or not the robot stands. Spares in standby and parts that
 share a load are taken to age as if they worked as designed: k of n of them must be up.
@@ -21,7 +21,7 @@ _AT_ONCE = 4_000_000  # numbers of an array
 
 
 class Downtimes(NamedTuple):
-    """Of one unit, over all repetitions; shapes (downtimes,)."""
+    """Downtimes of one unit, over all repetitions; shapes (downtimes,)."""
 
     repetition: npt.NDArray[np.int64]
     begin: Array
@@ -32,10 +32,10 @@ class Standstill:
     """A robot's structure, asked about parts that are down; without a diagram any of them stops it."""
 
     def __init__(self, diagram: Block | None = None) -> None:
-        self._structure = Structure(apart(diagram)) if diagram else None
+        self._structure = Structure(without_dependence(diagram)) if diagram else None
 
     def hours(self, units: Mapping[str, Sequence[Downtimes]], horizon: float, repetitions: int) -> Array:
-        """How long it stands still within a horizon; shape (repetitions,). Units that are not there are up."""
+        """Return the time of standstill within a horizon; shape (repetitions,). Units that are not named are up."""
         names = [name for name in units if not self._structure or name in self._structure.names]
         rows = [(k, one) for k, name in enumerate(names) for one in units[name] if len(one.begin)]
         if not rows:
@@ -63,7 +63,7 @@ class Standstill:
         return np.asarray(np.bincount(of, stands * lasts, repetitions), dtype=float)
 
     def stops(self, unit: str, up: Mapping[str, float]) -> float:
-        """P(the robot stands still | a unit is down), each other one up with its probability, 1 where none is said."""
+        """Return P(the robot stands still | a unit is down), the others up with probabilities ``up``, default 1."""
         if not self._structure:
             return 1.0
         names = self._structure.names
@@ -84,8 +84,8 @@ class Standstill:
         return np.asarray(self._structure.probability(1 - failed, failed)[1])
 
 
-def apart(diagram: Block) -> Block:
-    """A diagram in which groups of parts that depend on each other are k of n of their members."""
+def without_dependence(diagram: Block) -> Block:
+    """Return a diagram in which groups of parts that depend on each other are k of n of their members."""
     known: dict[int, Block] = {}
 
     def of(block: Block) -> Block:

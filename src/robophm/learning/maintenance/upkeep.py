@@ -13,12 +13,18 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from robophm.core.argument_checks import number
 from robophm.core.errors import DataError
-from robophm.core.given import number
 from robophm.design.robot import Component, FailureMode, Robot
 from robophm.learning.maintenance.costs_table import PartCosts
-from robophm.learning.maintenance.life_cycle_costs import LifeCycle, Return, Upkept, return_on_watching, simulate
-from robophm.learning.maintenance.replacement_age import Costs, Policy, Visit, best_age, rescaled, together
+from robophm.learning.maintenance.life_cycle_costs import (
+    LifeCycle,
+    MaintainedPart,
+    ReturnOnMonitoring,
+    return_on_monitoring,
+    simulate,
+)
+from robophm.learning.maintenance.replacement_age import Costs, Policy, Visit, best_age, grouped_replacement, rescaled
 from robophm.learning.maintenance.spares import spares
 from robophm.learning.maintenance.standstill import Standstill
 from robophm.life.distribution import LifeDistribution
@@ -30,74 +36,74 @@ _SURE = 0.99999
 
 @dataclass(frozen=True)
 class PartPlan:
-    """One part: its life in calendar hours, what it costs, when it is best replaced."""
+    """The plan for one part: its life in calendar hours, its costs, and when it is best replaced."""
 
     costs: PartCosts
     mode: FailureMode
-    """The one in which it fails."""
+    """The one failure mode of the part."""
     pace: float
-    """How far its clock goes in a calendar hour."""
+    """Advance of its clock in a calendar hour."""
     life: LifeDistribution
-    """[h of calendar time]"""
+    """Life of the part [h of calendar time]."""
     stops: float
-    """P(the robot stands still | it is down)."""
+    """P(the robot stands still | the part is down)."""
     standing: Costs
-    """With what it costs that the robot may stand still meanwhile."""
+    """Costs with those of the standstill that the part may cause."""
     policy: Policy
-    """[h of calendar time]"""
+    """Best policy of replacement [h of calendar time]."""
     due: float | None
     """Calendar hours until it is best replaced, below 0 where it was before; None: never by age, or its age is not
     known."""
 
     @property
     def path(self) -> str:
-        """The path of the part in the design."""
+        """Return the path of the part in the design."""
         return self.costs.part.path
 
     @property
     def age(self) -> float | None:
-        """The age at which it is best replaced [unit of its clock]; None: never by age."""
+        """Return the age at which it is best replaced [unit of its clock]; None: never by age."""
         return self.policy.age and self.policy.age * self.pace
 
     @property
     def price(self) -> float:
-        """What it costs to put in all its equal parts new, before they fail."""
+        """Return the cost of putting in all its equal parts new, before they fail."""
         return self.standing.preventive * self.costs.part.quantity
 
     @property
     def redundant(self) -> bool:
-        """Whether the robot may work while it is down."""
+        """Whether the robot may work while the part is down."""
         return self.stops < _SURE
 
     @property
-    def upkept(self) -> Upkept:
-        """The part as its policy replaces or repairs it, for a simulation."""
+    def upkept(self) -> MaintainedPart:
+        """Return the part as its policy replaces or repairs it, for a simulation."""
         part = self.costs.part
-        return Upkept(self.life, self.costs.costs, self.policy.age, None, part.quantity, part.units)
+        return MaintainedPart(self.life, self.costs.costs, self.policy.age, None, part.quantity, part.units)
 
 
 @dataclass(frozen=True)
 class LifeCycles:
-    """What a robot's upkeep costs by one policy or another, on the same lives."""
+    """Life-cycle costs of a robot under several policies, on the same lives."""
 
     failures_only: LifeCycle
-    """What has failed is replaced, nothing else."""
+    """Costs where only what has failed is replaced."""
     by_age: LifeCycle
-    """Each part is replaced when that is best."""
-    watched: Return | None
-    """Parts with a sensor are replaced when that says so, all others by age; None where no part has one."""
+    """Costs where each part is replaced at its best age."""
+    watched: ReturnOnMonitoring | None
+    """Costs where parts with a sensor are replaced when it warns, others by age; None where no part has a sensor."""
 
 
 @dataclass(frozen=True)
 class UpkeepPlan:
-    """The upkeep of those parts of a robot whose costs are said."""
+    """The upkeep of those parts of a robot whose costs are stated."""
 
     robot: Robot
     hour_down: float
-    """What it costs that the robot stands still for an hour."""
+    """Cost of an hour of standstill."""
     parts: tuple[PartPlan, ...]
     unknown: tuple[str, ...]
-    """Parts by path of which nothing can be planned: a rate of theirs is unknown."""
+    """Paths of the parts that cannot be planned, because a rate of theirs is unknown."""
 
     @classmethod
     def of(
@@ -133,14 +139,14 @@ class UpkeepPlan:
 
     @cached_property
     def replaced(self) -> Mapping[str, PartPlan]:
-        """The parts, by path, that are replaced when they fail, and not repaired."""
+        """Return the parts, by path, that are replaced when they fail, and not repaired."""
         return {one.path: one for one in self.parts if one.costs.costs.repair is None}
 
     def visit(self, setup: float) -> Visit | None:
         """Plan visits at which parts are replaced together, each of which costs ``setup``; None where no part is."""
         number(setup, "setup", above=True)
         parts = {name: (one.life, one.standing) for name, one in self.replaced.items()}
-        return together(parts, setup) if parts else None
+        return grouped_replacement(parts, setup) if parts else None
 
     def life_cycles(self, horizon: float, repetitions: int, seed: int) -> LifeCycles | None:
         """Simulate what the parts that are replaced cost over a time [h]; None where no part is.
@@ -160,7 +166,7 @@ class UpkeepPlan:
         watched = None
         if any(watches.values()):
             seen = {name: replace(part, watch=watches[name]) for name, part in by_age.items()}
-            watched = return_on_watching(seen, *how, aged, standing, self.hour_down)
+            watched = return_on_monitoring(seen, *how, aged, standing, self.hour_down)
         return LifeCycles(failures, aged, watched)
 
     def spares(self, time: float, robots: int, level: float) -> dict[str, tuple[int, float]]:
@@ -189,7 +195,7 @@ def _ageing(part: Component, pace: Array, index: Mapping[str, int]) -> tuple[Fai
 
 
 def _availabilities(costs: Mapping[str, PartCosts], lives: Mapping[str, LifeDistribution]) -> dict[str, float]:
-    """Of each unit, the share of time in which it is not down, where it is only replaced when it has failed."""
+    """The share of time in which each unit is up, where it is replaced only when it has failed."""
     up: dict[str, float] = {}
     for name, one in costs.items():
         mean = lives[name].mean()

@@ -1,4 +1,4 @@
-"""What was learned, written into a design beside each rate; all else in it stays letter for letter."""
+"""Evidence written into a design beside each rate; all else in it stays letter for letter."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from robophm.learning.rates.rate_update import LearnedRate
 
 
 def with_evidence(text: str, label: str, learned: Sequence[LearnedRate]) -> str:
-    """The text of a design with what was learned of its rates; what was learned of them before gives way.
+    """Return a design's text with what was learned of its rates; what was learned of them before gives way.
 
     Raises DesignError where a part cannot be edited in its place, or the result would not say what was learned.
     """

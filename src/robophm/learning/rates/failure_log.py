@@ -29,7 +29,7 @@ COLUMNS: Mapping[str, Sequence[str]] = {
     "remaining": ("q",),
     "count": ("quantity", "n"),
 }
-"""What a log may say, and how else its columns may be headed."""
+"""Columns of a log, and how else they may be headed."""
 
 ACTIONS = {"replaced": ("replace", "new", "replacement"), "repaired": ("repair",), "none": ("-", "nothing")}
 _DAY = 24.0
@@ -37,7 +37,7 @@ _DAY = 24.0
 
 @dataclass
 class Seen:
-    """What one failure mode went through in one robot, all its equal parts and all their lives together."""
+    """The experience of one failure mode in one robot, all its equal parts and all their lives together."""
 
     mode: FailureMode
     robot: str
@@ -45,13 +45,13 @@ class Seen:
     expected: float = 0.0
     """Cumulative hazard by the design's rate, as it is."""
     exposure: float = 0.0
-    """[unit of its clock]"""
+    """Exposure of all parts together [unit of its clock]."""
     lives: list[Lived] = field(default_factory=list)
-    """Each, where failures in an exposure say too little (``life_scale.py``)."""
+    """Stretches of lives, where failures in an exposure say too little (``life_scale.py``)."""
 
 
 def merged(seen: Iterable[Seen]) -> list[Seen]:
-    """One for each failure mode and robot."""
+    """Return the experience added up for each failure mode and robot."""
     found: dict[tuple[str, str], Seen] = {}
     for one in seen:
         if (key := (one.mode.path, one.robot)) in found:
@@ -65,11 +65,11 @@ def merged(seen: Iterable[Seen]) -> list[Seen]:
 
 @dataclass
 class FailureLog:
-    """What a log tells, by failure mode and robot."""
+    """The contents of a log, by failure mode and robot."""
 
     seen: list[Seen]
     notes: list[str]
-    """What is to be said of it."""
+    """Remarks on what the log leaves open."""
 
 
 @dataclass
@@ -77,15 +77,15 @@ class _Item:
     """A part of a robot, as far as the log has been read."""
 
     went: dict[str, float] = field(default_factory=dict)
-    """How far its clocks have gone since it was put in, by unit."""
+    """Advance of its clocks since it was put in, by unit."""
     virtual: dict[str, float] = field(default_factory=dict)
-    """How old each failure mode is after its repairs, by path."""
+    """Age of each failure mode after its repairs, by path."""
     last: Row | None = None
     when: float | None = None
-    """[h]"""
+    """Time of the last row [h]."""
     begun: bool = False
     open: bool = False
-    """Whether a part is in it of which nothing has been said."""
+    """Whether a part was put in of which nothing has been said since."""
 
 
 def read_failure_log(path: Path, robot: Robot) -> FailureLog:
@@ -139,7 +139,7 @@ class _Reader:
         raise row.error(f"no part '{path}' in the design{nearest(path, [*self.parts, *self.modes])}", "part")
 
     def take(self, key: tuple[str, str], row: Row) -> None:
-        """One row of a part."""
+        """Take in one row of a part."""
         part, mode, index = self._named(row)
         item = self.items.setdefault(key, _Item())
         censored = row.choice("censored", YES, "no") == "yes"
@@ -215,7 +215,7 @@ class _Reader:
 
     @staticmethod
     def _exposure(row: Row, part: Component, failed: FailureMode | None, column: str = "exposure") -> dict[str, float]:
-        """How far each clock of a part has gone, by unit: '1200 h', or '1200 h; 340 km'."""
+        """The advance of each clock of a part, by unit: '1200 h', or '1200 h; 340 km'."""
         if not row.text(column):
             raise row.error("is empty; expected how old the part was, e.g. 1200 h", column)
         units = dict.fromkeys(CLOCK_UNITS[mode.clock] for mode in part.modes)
@@ -258,7 +258,7 @@ class _Reader:
         item.when = when
 
     def notes(self) -> list[str]:
-        """What was not said."""
+        """Return remarks on what the log leaves open."""
         open_ = sum(item.open for item in self.items.values() if item.last and "robot" in item.last.cells)
         if not open_:
             return []

@@ -30,8 +30,8 @@ SURPRISE = 0.05
 """Probability of data so far off, below which they contradict the stated rate."""
 
 SUREST_DOUBT = 4.0
-"""Failures: a prior that counts less is doubted as if it counted so many, good to about a factor of three. Else the
-vaguest prior could never be contradicted, and nobody would be told that a rate is off by ten."""
+"""Failures as which a prior counts at least when it is doubted, good to about a factor of three. Else the vaguest prior
+could never be contradicted, and nobody would be told that a rate is off by ten."""
 
 VAGUEST = 0.02
 """Failures as which what is known counts at least, a gamma's shape: of a vaguer one 95 % lie below its mean."""
@@ -42,11 +42,11 @@ _LOG_S = (math.log(VAGUEST), 12.0)  # of s: robots that differ by 700 %, and by 
 
 @dataclass(frozen=True)
 class Posterior:
-    """How many times the stated hazard the true one is: Gamma(shape, rate)."""
+    """The posterior of the ratio of the true hazard to the stated one: Gamma(shape, rate)."""
 
     failures: float
     expected: float
-    """By the stated rate."""
+    """Failures expected by the stated rate."""
     prior: float
     """Failures that the stated rate counts as, before it was doubted."""
     surprise: float
@@ -56,7 +56,7 @@ class Posterior:
     shape: float
     rate: float
     unseen: float = 0.0
-    """Of the shape, failures that are in no estimate: what Jeffreys' prior adds to more failures than expected."""
+    """Failures in the shape that are in no estimate: what Jeffreys' prior adds to more failures than expected."""
 
     @property
     def conflict(self) -> bool:
@@ -65,17 +65,17 @@ class Posterior:
 
     @property
     def mean(self) -> float:
-        """Of the ratio of the hazards."""
+        """Return the mean of the ratio of the hazards."""
         return self.shape / self.rate
 
     @property
     def estimate(self) -> float:
-        """Of the ratio of the hazards, between 1 and the failures seen over those expected."""
+        """Return the estimate of the ratio of the hazards, between 1 and the failures seen over those expected."""
         return (self.shape - self.unseen) / self.rate
 
     @property
     def interval(self) -> tuple[float, float, float]:
-        """5 %, 50 % and 95 % quantile of it."""
+        """Return the 5 %, 50 % and 95 % quantiles of the ratio."""
         low, median, high = (float(gamma.ppf(level, self.shape, scale=1 / self.rate)) for level in _LEVELS)
         return low, median, high
 
@@ -95,7 +95,7 @@ def surprise(failures: float, expected: float, prior: float) -> float:
 
 
 def update(failures: float, expected: float, prior: float) -> Posterior:
-    """What failures in an exposure say of a stated rate that counts as ``prior`` failures.
+    """Update a stated rate that counts as ``prior`` failures by the failures seen in an exposure.
 
     Where nothing was expected and nothing failed the posterior is the prior.
     """
@@ -109,7 +109,7 @@ def update(failures: float, expected: float, prior: float) -> Posterior:
 
 
 def gamma_by_quantiles(low: float, median: float) -> tuple[float, float]:
-    """Shape and rate of the gamma of a hazard rate by the MTBF that is exceeded with 95 %, and with 50 %  [h].
+    """Return the gamma of a hazard rate by the MTBF exceeded with 95 %, and with 50 % [h]: its shape and rate.
 
     Raises ValueError where the first is not the smaller, both above zero.
     Source: NIST/SEMATECH e-Handbook of Statistical Methods, 8.2.5, "50/95 method".
@@ -132,13 +132,13 @@ class FleetPosterior:
     """Robots of a fleet, each with a true hazard of its own: ratios ξ ~ Gamma(s, s/μ) over robots (empirical Bayes)."""
 
     mean: Posterior
-    """Of μ, the fleet's ratio."""
+    """Posterior of μ, the fleet's ratio."""
     spread: float
-    """1/√s: the coefficient of variation from robot to robot; 0 where they do not differ beyond chance."""
+    """Coefficient of variation from robot to robot, 1/√s; 0 where they do not differ beyond chance."""
     p_value: float
     """P(robots differ so much | all have one rate)."""
     robots: tuple[Posterior, ...]
-    """Each robot's own, in order; drawn towards the fleet's by what little it saw."""
+    """Posterior of each robot, in order; drawn towards the fleet's by what little it saw."""
 
     @property
     def shape(self) -> float:
@@ -148,7 +148,7 @@ class FleetPosterior:
 
 
 def fleet(failures: Sequence[float], expected: Sequence[float], prior: float) -> FleetPosterior:
-    """What the failures of each robot say of the fleet and of each robot; shapes (robots,), at least one.
+    """Return the posteriors of the fleet and of each robot, from each one's failures; shapes (robots,), at least one.
 
     The mean is that of all failures together. The spread between robots is the likeliest about it, negative binomial
     (Robert and Casella's and George, Makov and Smith's pump example, Scand. J. Statist. 20, 1993); it is taken for
@@ -176,8 +176,9 @@ def less_sure(mean: Posterior, expected: Array, spread: float) -> Posterior:
 
 
 def between(n: Array, expected: Array) -> tuple[float, float]:
-    """1/√s of the greatest likelihood of failures of robots by what was expected of each, as many in all; 0 where a
-    test at 5 % cannot tell robots apart. And P(so much greater | one rate); NaN where there is nothing to tell it by.
+    """Return the spread 1/√s of the rates of robots, and P(a likelihood ratio so great | one rate). The spread is the
+    likeliest, given the failures expected of each robot (as many in all), and 0 where a test at 5 % cannot tell robots
+    apart; the latter is NaN where nothing tells.
     """
     n, m = n[expected > 0], expected[expected > 0]
     if len(n) < 2 or n.sum() < 2:

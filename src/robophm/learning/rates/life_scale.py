@@ -46,36 +46,36 @@ class Lived(NamedTuple):
     """Age when it began [unit of the clock]."""
     length: float
     failures: float
-    """That ended it."""
+    """Failures that ended the stretch."""
     parts: float
 
 
 class Ratio(NamedTuple):
-    """What is known of θ, how many times a rate is the stated one."""
+    """An estimate of θ, the ratio of a rate to the stated one."""
 
     times: float
     shape: float
-    """As sure as if so many failures had been seen: a gamma's shape."""
+    """Shape of a gamma as sure as this: the failures that it counts as."""
     low: float
-    """5 % quantile."""
+    """The 5 % quantile of θ."""
     high: float
-    """95 % quantile."""
+    """The 95 % quantile of θ."""
 
 
 @dataclass(frozen=True)
 class ScaleFit:
-    """What lives say of how many times the stated rate the true one is."""
+    """The estimate, from lives, of the ratio of the true rate to the stated one."""
 
     fleet: FleetPosterior
-    """Of θ; posteriors as gammas of the same mean and variance."""
+    """Posteriors of θ, as gammas of the same mean and variance."""
     of_any: Ratio
-    """Of one robot of this fleet, of which nothing is known."""
+    """Ratio of one robot of this fleet, of which nothing is known."""
     of_robot: tuple[Ratio, ...]
-    """Of each robot's, in order."""
+    """Ratio of each robot, in order."""
 
 
 def of_power(shape: float, rate: float, beta: float, unseen: float = 0.0) -> Ratio:
-    """Of θ, where the hazard is ξ = θ^β ~ Gamma(shape, rate): the rate at which the hazard is the mean one.
+    """Return θ where the hazard is ξ = θ^β ~ Gamma(shape, rate): the rate at which the hazard is the mean one.
 
     Not the mean of θ, which is another even where nothing was seen. ``unseen``: see ``Posterior``.
     """
@@ -86,7 +86,7 @@ def of_power(shape: float, rate: float, beta: float, unseen: float = 0.0) -> Rat
 
 
 def information(life: LifeDistribution) -> float:
-    """β: the square root of what one whole life tells of the logarithm of its rate (Fisher information of ln θ)."""
+    """Return β, the square root of what one whole life tells of the log of its rate (Fisher information of ln θ)."""
     nodes, weights = np.polynomial.laguerre.laggauss(48)
     base = float(life.cumulative_hazard(0.0))
     ages = np.asarray(life.age_at(base + nodes))
@@ -102,7 +102,7 @@ def information(life: LifeDistribution) -> float:
 
 
 def at_rate(life: LifeDistribution, ratio: float) -> LifeDistribution:
-    """The life whose rate is so many times that of another, as a design has it: all but the scale stays.
+    """Return the life whose rate is ``ratio`` times that of another, as a design has it: all but the scale stays.
 
     Raises DataError where it has no scale, ModelError where no life has that rate.
     """
@@ -121,8 +121,8 @@ def _others(life: LifeDistribution) -> dict[str, float]:
 
 
 def scaled(life: LifeDistribution) -> Callable[[Array, Array, Array], Array]:
-    """What hazard gathers in stretches from ``start`` to ``end``, at rates exp(ln θ) times that of a life; arguments of
-    shapes (points,), (stretches,), (stretches,), result (points, stretches).
+    """Return a function for the hazard that gathers from ``start`` to ``end``, at rates exp(ln θ) times a life's. Its
+    arguments have shapes (points,), (stretches,), (stretches,), its result (points, stretches).
 
     Raises DataError where there is no scale.
     """
@@ -157,7 +157,7 @@ def _gathered(life: LifeDistribution, start: Array, end: Array) -> Array:
 def fit_scale(
     life: LifeDistribution, robots: Sequence[Sequence[Lived]], expected: float, prior: float, beta: float
 ) -> ScaleFit:
-    """The ratio of the true rate to that of a life, of a fleet and each robot; shapes (robots,), at least one.
+    """Fit the ratio of the true rate to that of a life, for a fleet and each robot; shapes (robots,), at least one.
 
     ``expected``: failures by the stated rate; ``prior``: that it counts as, of ξ. Conflict with the stated rate is
     found, and its weight cut, as of other lives (``gamma_poisson.update``). Raises DataError where a life cannot be.
@@ -227,7 +227,7 @@ def _around(promised: Array, shapes: Array) -> Array:
 
 
 def _known(grid: Array, promised: Array, shape: float, unseen: float = 0.0) -> Ratio:
-    """Of θ, where failures promised at each point of a grid of ln θ, ascending, are Gamma(shape, 1)."""
+    """The ratio θ, where failures promised at each point of a grid of ln θ, ascending, are Gamma(shape, 1)."""
     weight = np.diff(gamma.cdf(promised, shape))
     middle = np.exp((grid[1:] + grid[:-1]) / 2)
     wanted = (shape - unseen, *gamma.ppf((0.05, 0.95), shape))
@@ -240,7 +240,7 @@ def _known(grid: Array, promised: Array, shape: float, unseen: float = 0.0) -> R
 
 
 class _Lives(NamedTuple):
-    """Of all robots, alike ones of one robot together, robot by robot; shapes (stretches,)."""
+    """Stretches of life of all robots, alike ones of one robot together, robot by robot; shapes (stretches,)."""
 
     robot: npt.NDArray[np.intp]
     start: Array

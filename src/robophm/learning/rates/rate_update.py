@@ -1,4 +1,4 @@
-"""What was seen of a robot's failure modes, as rates: how far each stated rate is off, and how sure that is."""
+"""Updated rates of failure modes from field failures: how far each stated rate is off, and how sure that is."""
 
 from __future__ import annotations
 
@@ -23,41 +23,41 @@ USUAL_PRIOR = 1.0
 
 @dataclass(frozen=True)
 class LearnedRate:
-    """What the field says of the rate of one failure mode."""
+    """The updated rate of one failure mode."""
 
     mode: FailureMode
     stated: float
     """Rate as stated, whatever was learned before [1 per unit of its clock]."""
     failures: float
     expected: float
-    """By the stated rate."""
+    """Failures expected by the stated rate."""
     exposure: float
-    """[unit of its clock]"""
+    """Exposure of all parts together [unit of its clock]."""
     of_fleet: FleetPosterior
-    """Of the hazard, as times the stated one, of lives that are no power of age of the rate; robots in the order of
+    """Posterior of the hazard over the stated one (lives that are no power of age: of the rate); robots in the order of
     ``robots``."""
     robots: tuple[str, ...]
     factor: float
     """The rate is so many times the stated one: that at which the hazard is what is now to be expected."""
     shape: float
-    """As sure as if so many failures had been seen."""
+    """Shape of a gamma as sure as this: the failures that it counts as."""
     low: float
     high: float
-    """The factor of one robot of this fleet is between them with 90 %."""
+    """Upper end of the 90 % interval of the factor of one robot of this fleet."""
 
     @property
     def posterior(self) -> Posterior:
-        """Of the fleet's mean hazard."""
+        """Return the posterior of the fleet's mean hazard."""
         return self.of_fleet.mean
 
     @property
     def rate(self) -> float:
-        """[1 per unit of its clock]"""
+        """Return the updated rate [1 per unit of its clock]."""
         return self.stated * self.factor
 
 
 def learn(robot: Robot, seen: Iterable[Seen], prior: str | None = None, of: str | None = None) -> list[LearnedRate]:
-    """How far each stated rate is off, of the failure modes of which anything was seen; in design order.
+    """Return how far each stated rate is off, for failure modes of which anything was seen; in design order.
 
     What was seen of one failure mode in one robot adds up. A rate that is unknown cannot be off: see ``unstated``.
     ``prior``: what stated rates count as, such as '10000 h' or '2 failures'; else what the design's ``uncertainty``
@@ -78,22 +78,21 @@ def learn(robot: Robot, seen: Iterable[Seen], prior: str | None = None, of: str 
 
 @dataclass(frozen=True)
 class UnstatedRate:
-    """What the field alone says of a failure mode whose rate is unknown, as if that were constant."""
+    """The field's estimate of a failure mode whose stated rate is unknown, as if its rate were constant."""
 
     mode: FailureMode
     failures: float
     exposure: float
-    """[unit of its clock]"""
+    """Exposure of all parts together [unit of its clock]."""
 
     @property
     def rate(self) -> float:
-        """The likeliest [1 per unit of its clock]; not a number where nothing was gone through."""
+        """Return the likeliest rate [1 per unit of its clock]; not a number where nothing was gone through."""
         return self.failures / self.exposure if self.exposure > 0 else math.nan
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Within which it lies with 90 %, exactly (Garwood, Biometrika 28, 1936); of no failure, below the second with
-        95 %."""
+        """Return its 90 % interval, exact (Garwood, Biometrika 28, 1936); of no failure, below the second with 95 %."""
         if not self.exposure > 0:
             return 0.0, math.inf
         low = float(chi2.ppf(0.05, 2 * self.failures)) if self.failures else 0.0
@@ -101,7 +100,7 @@ class UnstatedRate:
 
 
 def unstated(robot: Robot, seen: Iterable[Seen]) -> list[UnstatedRate]:
-    """Of the failure modes of unknown rate of which anything was seen, all robots together; in design order."""
+    """Return estimates of the unknown rates of which anything was seen, all robots together; in design order."""
     found: dict[str, list[Seen]] = {}
     for one in merged(seen):
         if one.mode.unknown:
@@ -129,7 +128,8 @@ _Told = tuple[float, FleetPosterior, Ratio, tuple[Ratio, ...]]
 
 
 def _by_count(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str | None) -> _Told:
-    """Of a life whose hazard is a power of age: failures expected, the fleet, any robot of it, each robot."""
+    """The result for a life whose hazard is a power of age: failures expected, the fleet, any robot of it, each
+    robot."""
     beta = mode.life.degree or 1.0
     expected = [one.expected / factor**beta for one in seen]
     found = fleet([one.failures for one in seen], expected, _strength(mode, mode.rate / factor, beta, prior))
@@ -141,7 +141,7 @@ def _by_count(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str
 
 
 def _by_lives(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str | None) -> _Told:
-    """The same, of a life whose hazard is no power of age."""
+    """The result for a life whose hazard is no power of age, as of ``_by_count``."""
     try:
         life = at_rate(mode.life, 1 / factor)
         beta = information(life)

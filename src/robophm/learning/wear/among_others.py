@@ -1,4 +1,4 @@
-"""When wear reaches its threshold, by the unit's own past and by others of its kind, worn out or still running.
+"""Forecasts of wear from the unit's own past and from others of its kind, worn out or still running.
 
 Three ways of foretelling are weighed by how well each foretells the others, one by one, from where the unit is now:
 
@@ -21,10 +21,10 @@ from robophm.learning.wear.averaging import DRAWS, Forecast, checked, forecast
 from robophm.learning.wear.log_regression import Array, LogStudent, lasting
 
 PARTS = (0.0, 0.5, 0.8)
-"""From which share of the present level on the way to it is looked at."""
+"""Shares of the present level from which the way to it is looked at."""
 
 ASKED = 8
-"""Of how many others the unit's own models foretell what is known by now, to be weighed."""
+"""The most others whose present state the unit's own models foretell, to be weighed."""
 
 STEADY = 0.02
 """Noise of a level, as a share of the way to the threshold, down to which readings are averaged."""
@@ -43,9 +43,9 @@ class Unit:
     times: Array
     values: Array
     threshold: float | None = None
-    """Its own; None: that of the unit that is asked about."""
+    """Threshold of this unit; None: that of the unit that is asked about."""
     failed: float | None = None
-    """When it failed, if that is known from elsewhere; None: when its readings first are at the threshold, if ever."""
+    """Time of failure, if known from elsewhere; None: when its readings first are at the threshold, if ever."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class _Trajectory:
         return float(self.times[k - 1] + share * (self.times[k] - self.times[k - 1]) - self.times[0])
 
     def until(self, time: float) -> _Trajectory:
-        """What was known of it at a time since its first reading."""
+        """Return the part of the trajectory that was known at a time since its first reading."""
         known = max(int(np.searchsorted(self.times - self.times[0], time, side="right")), 2)
         return replace(self, times=self.times[:known], wear=self.wear[:known], level=self.level[:known])
 
@@ -78,7 +78,7 @@ def forecast_among(
     others: Sequence[Unit], times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, *, falls: bool = False,
     deviation: float = 0.0, seed: int = 0, draws: int = DRAWS,
 ) -> Forecast:  # fmt: skip
-    """When readings will reach a threshold, with others of the same kind as teachers; else as ``forecast``.
+    """Forecast when readings will reach a threshold, with others of the kind as teachers; else as ``forecast``.
 
     ``weights`` of what is returned has "others' lives" and "others from here" beside the unit's own models. Raises
     DataError as ``forecast`` does, and for others without two readings.
@@ -111,7 +111,7 @@ def forecast_among(
 
 
 class _Own:
-    """What the unit's own models say, as draws of what remains."""
+    """The forecast of the unit's own models, as draws of the remaining time."""
 
     def __init__(self, passage: Array, prior: LogStudent | None = None) -> None:
         ends = np.sort(passage[np.isfinite(passage)])
@@ -126,7 +126,7 @@ class _Own:
         self.ends = ends
 
     def quantile(self, share: Array) -> Array:
-        """Infinite for the share of draws that never reach the threshold."""
+        """Return quantiles; infinite for the share of draws that never reach the threshold."""
         if not len(self.ends):
             return np.full(share.shape, np.inf)
         at = np.minimum((share / self.share * len(self.ends)).astype(int), len(self.ends) - 1)
@@ -134,7 +134,7 @@ class _Own:
         return result
 
     def log_density(self, remaining: npt.ArrayLike) -> Array:
-        """Of ln(remaining), as Student's t of five degrees through the quartiles and more of the draws."""
+        """Return the log density of ln(remaining): a Student's t of five degrees through quantiles of the draws."""
         logs = np.log(self.ends[self.ends > 0])
         if len(logs) < 20:
             return np.full(np.shape(remaining), WORST)
@@ -180,7 +180,7 @@ def _level(wear: Array, width: int) -> Array:
 
 
 def _spikes(wear: Array) -> npt.NDArray[np.bool_]:
-    """Which readings are far off the four before them and the one before: those that are not noise of a usual kind."""
+    """Whether each reading is far off the four before it and the one before: noise of no usual kind."""
     steps = np.abs(np.diff(wear, prepend=wear[0]))
     usual = SPIKE * _before(steps, 50) + 1e-12
     found: npt.NDArray[np.bool_] = (np.abs(wear - _before(wear, 4)) > usual) & (steps > usual)
@@ -198,14 +198,14 @@ def _before(values: Array, count: int) -> Array:
 
 
 def _width(levels: Sequence[Array]) -> int:
-    """How many readings make a level: so many that their mean is steady, of a tenth of the readings at most."""
+    """The number of readings that make a steady level, a tenth of all readings at most."""
     rough = [1.4826 / np.sqrt(6) * np.median(np.abs(np.diff(one, 2))) for one in levels if len(one) > 4]
     wanted = (float(np.median(rough)) / STEADY) ** 2 if rough else 1.0
     return max(1, min(int(np.ceil(wanted)), int(np.median([len(one) for one in levels])) // 10))
 
 
 def _ways(now: _Trajectory, others: Sequence[_Trajectory], own: _Own | None) -> dict[str, _Way]:
-    """All that can be said of what remains, by name."""
+    """Every forecast of the remaining time, by name of the way in which it is made."""
     passed = float(now.times[-1] - now.times[0])
     ended = np.array([one.ended for one in others], dtype=bool)
     lives = np.array([one.duration for one in others])
@@ -256,7 +256,7 @@ def _took(one: _Trajectory, came: float, start: float | None) -> Array:
 
 
 def _weights(now: _Trajectory, others: Sequence[_Trajectory], ways: dict[str, _Way]) -> dict[str, float]:
-    """How well each way foretells the others that ended, from where they were as the unit is; they sum to 1."""
+    """Weights of the ways, by how well each foretells others that ended, from where the unit is; they sum to 1."""
     from_here = [name for name in ways if name.startswith("from")]
     prior = {name: 1 / 3 / (len(from_here) if name in from_here else 1) for name in ways}
     scores: dict[str, list[float]] = {name: [] for name in ways}
@@ -284,7 +284,7 @@ def _weights(now: _Trajectory, others: Sequence[_Trajectory], ways: dict[str, _W
 
 
 def _own_of(then: _Trajectory) -> _Own | None:
-    """What another's own models had said of it; None where they had too little to go by."""
+    """The forecast that another unit's own models had given; None where they had too few readings."""
     try:
         return _Own(forecast(then.times, then.wear, 1.0, draws=1000).passage)
     except DataError:

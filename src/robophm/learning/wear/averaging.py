@@ -1,4 +1,4 @@
-"""When wear reaches its threshold, by all degradation models, weighted by how well each foretold the unit's past.
+"""Forecasts of wear by all degradation models, weighted by how well each foretold the unit's own past.
 
 No model is picked by its fit: each foretells, from earlier readings of the unit, the next one and several at once, and
 the logarithmic scores of that weigh them (Dawid, J. R. Stat. Soc. A 147, 1984). That wear goes on by the law that it
@@ -38,8 +38,8 @@ UNFOLLOWED = 0.01
 keeps its law 0 to 5 % fall below it (``tests/learning/wear/test_averaging.py``)."""
 
 EVENT, RENEWED, MATTERS = 5.0, 0.5, 0.2
-"""By how much wear falls back at once: deviations of a step after a rest; after maintenance also shares of all wear so
-far, and of that from the first reading to the threshold."""
+"""The smallest sudden falls of wear that count. A rest: deviations of a step; after maintenance also shares of all wear
+so far, and of that from the first reading to the threshold."""
 
 AWAY = 0.5
 """Share of draws that never reach the threshold, from which on no remaining life is said."""
@@ -54,36 +54,37 @@ class Interval(NamedTuple):
 
 
 def interval_of(draws: Array) -> Interval:
-    """Of draws, some of which may be infinite."""
+    """Return the interval of draws, some of which may be infinite."""
     low, median, high = np.quantile(draws, [0.05, 0.5, 0.95], method="inverted_cdf")
     return Interval(float(low), float(median), float(high))
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """What is known of the wear of a part now, as equally likely draws; shapes (draws,)."""
+    """A forecast of a part's wear, as equally likely draws; shapes (draws,)."""
 
     threshold: float
-    """Upwards, as wear counts."""
+    """The threshold, upwards, as wear counts."""
     passage: Array
     """Times from now to the threshold; infinite where it is never reached."""
     drift: Array
-    """Wear per unit of time, now."""
+    """Wear per unit of time now."""
     noise: float
     """Median standard deviation of a reading."""
     bend: Bend
-    """Whether the trend so far is straight."""
+    """The test whether the trend so far is straight."""
     weights: Mapping[str, float]
-    """Of models, by name; they sum to 1."""
+    """Weights of the models, by name; they sum to 1."""
     surprise: float
     """Probability that the last reading, or the one before, lies so far from what was foretold of it."""
     reached: float | None = None
-    """When readings first came to the threshold and stayed there for more than one of them, or the last of them, beyond
-    all noise; None: not yet."""
+    """Time when readings first came to the threshold and stayed there; None: not yet. More than one must stay, or the
+    last of them lie beyond all noise.
+    """
     recovered: float | None = None
-    """Since when they have been short of it again, as a battery's that rested: it had reached it all the same."""
+    """Time since when they are short of it again, as a battery's that rested: it had reached it all the same."""
     renewed: float | None = None
-    """Since when it is as if new, after maintenance; what was read before does not count for what is to come."""
+    """Time since when it is as if new, after maintenance; earlier readings do not count for what is to come."""
     events: tuple[float, ...] = ()
     """Times of sudden recoveries."""
     turned: bool = False
@@ -102,7 +103,7 @@ class Forecast:
 
     @property
     def followed(self) -> bool:
-        """Whether the models foretell what was read last."""
+        """Whether the models foretell the last readings."""
         return self.surprise >= UNFOLLOWED
 
     @property
@@ -122,7 +123,7 @@ class Forecast:
 
     @property
     def said(self) -> bool:
-        """Whether a remaining life can be said at all: the threshold is reached more likely than not."""
+        """Whether a remaining life can be stated at all: the threshold is reached more likely than not."""
         return self.never <= AWAY
 
     def reached_by(self, time: npt.ArrayLike) -> Array:
@@ -148,7 +149,7 @@ def forecast(
     times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, *, falls: bool = False, deviation: float = 0.0,
     seed: int = 0, draws: int = DRAWS,
 ) -> Forecast:  # fmt: skip
-    """When readings will reach a threshold, itself known to a ``deviation``; ``falls``: the signal falls as wear grows.
+    """Forecast when readings reach a threshold, known to a ``deviation``; ``falls``: the signal falls as wear grows.
 
     Raises DataError where there are too few readings, or they cannot be wear towards that threshold.
     """
@@ -172,7 +173,7 @@ def forecast(
 
 
 def _to_come(t: Array, y: Array, threshold: float, deviation: float, rng: np.random.Generator, draws: int) -> Forecast:
-    """Of wear that has yet to reach its threshold."""
+    """The forecast for wear that has yet to reach its threshold."""
     course = course_of(t, y, threshold, float(t[-1]))
     found = _candidates(course)
     weights = averaged(list(found.values()))
@@ -209,7 +210,7 @@ def _goals(deviation: float, now: float, rng: np.random.Generator, draws: int) -
 
 
 def _surprise(course: DegradationPath) -> float:
-    """Of the last two readings the larger: one alone that lies far off is a bad reading.
+    """The surprise of the last two readings, the larger: one alone that lies far off is a bad reading.
 
     Models are weighted by what they had foretold when the reading was foretold, and not by itself.
     """
@@ -223,14 +224,14 @@ def _surprise(course: DegradationPath) -> float:
 
 
 def _candidates(course: DegradationPath) -> dict[str, Candidates]:
-    """Of all models that apply, by name."""
+    """Candidates of all models that apply, by name."""
     return {name: one for name in degradation_models() if (one := candidates_of(name, course)) is not None}
 
 
 def checked(
     times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, deviation: float = 0.0, *, falls: bool = False
 ) -> tuple[Array, Array, float]:
-    """Times, and values and threshold turned so that wear grows. Raises DataError for what is no course of wear."""
+    """Return times, and values and threshold turned so that wear grows. Raises DataError for impossible readings."""
     t, y = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
     if t.shape != y.shape or t.ndim != 1:
         raise DataError(f"{t.size} times and {y.size} values; expected as many")
@@ -259,7 +260,7 @@ def checked(
 
 
 def first_passage(times: Array, wear: Array, threshold: float) -> float | None:
-    """When readings first came to the threshold, between two of them, whether they stayed there since or not.
+    """Return when readings first came to the threshold, between two of them, whether they stayed there or not.
 
     One reading beyond it among others that are not is noise: of three, from that one on, most must be beyond. None
     where they never came.
@@ -270,7 +271,7 @@ def first_passage(times: Array, wear: Array, threshold: float) -> float | None:
 
 
 def _lasts(wear: Array, threshold: float) -> npt.NDArray[np.bool_]:
-    """Which readings are at the threshold with most of the three from them on, or of the last three."""
+    """Whether each reading is at the threshold with most of the three from it on, or of the last three."""
     over = wear >= threshold
     width = min(3, len(over))
     of_three = np.convolve(over, np.ones(width), "valid")
@@ -279,7 +280,7 @@ def _lasts(wear: Array, threshold: float) -> npt.NDArray[np.bool_]:
 
 
 def _crossing(times: Array, wear: Array, threshold: float, k: int) -> float:
-    """When wear passed the threshold before its reading k, which is beyond."""
+    """The time when wear passed the threshold before its reading k, which is beyond."""
     if k == 0 or not wear[k] > wear[k - 1]:
         return float(times[k])
     share = (threshold - wear[k - 1]) / (wear[k] - wear[k - 1])
@@ -287,7 +288,7 @@ def _crossing(times: Array, wear: Array, threshold: float, k: int) -> float:
 
 
 def _recovered(times: Array, wear: Array, threshold: float, reached: float) -> float | None:
-    """Since when wear has been short again of a threshold that it had reached; None where it is not."""
+    """The time since when wear is short again of a threshold that it had reached; None where it is not."""
     if times[0] > reached:  # renewed since
         return float(times[0])
     short = np.flatnonzero(wear < threshold)
@@ -298,7 +299,7 @@ def _recovered(times: Array, wear: Array, threshold: float, reached: float) -> f
 
 
 def averaged(found: list[Candidates]) -> list[Array]:
-    """Weights of candidates of each model, which together sum to 1; models are alike a priori."""
+    """Return the weights of each model's candidates, which together sum to 1; models are alike a priori."""
     logs = [np.log(np.maximum(one.prior, 1e-300)) + one.scores for one in found]
     top = max(float(one.max()) for one in logs)
     shares = [np.exp(one - top) for one in logs]
@@ -307,7 +308,7 @@ def averaged(found: list[Candidates]) -> list[Array]:
 
 
 def recoveries(times: Array, wear: Array, threshold: float) -> tuple[Array, float]:
-    """When wear fell back at once, by more than ``EVENT`` deviations of its steps, and since when it is as if renewed.
+    """Return times of sudden falls, by more than ``EVENT`` deviations of a step, and the time since when it is renewed.
 
     After maintenance, which takes off ``RENEWED`` of all wear and ``MATTERS`` of the way to the threshold or more, what
     was before says nothing of what comes; a battery that rested goes on as before, and its recoveries are part of its
@@ -324,6 +325,6 @@ def recoveries(times: Array, wear: Array, threshold: float) -> tuple[Array, floa
 
 
 def _ended(t: Array, y: Array, threshold: float, draws: int) -> Forecast:
-    """Of wear that is at its threshold: there is nothing to foretell."""
+    """The forecast for wear that is at its threshold: there is nothing to foretell."""
     speed = (y[-1] - y[0]) / (t[-1] - t[0])
     return Forecast(threshold, np.zeros(draws), np.full(draws, speed), 0.0, bend_of_wiener(t, y), {}, 1.0)

@@ -1,4 +1,4 @@
-"""What would have been said of wear at earlier readings, and what came: a unit's forecasts against its own course.
+"""Backtest of wear forecasts: those that earlier readings would have given, against what then came.
 
 At each cut only what was read until then is known. Where the unit has come to its threshold, that is what was to be
 foretold; where it has not, when it would be where it is now. The metrics are those of Saxena and others (2010,
@@ -25,19 +25,19 @@ DRAWS = 1000
 
 @dataclass(frozen=True)
 class Cut:
-    """What was foretold at one reading, and what came."""
+    """The forecast at one reading, and what then came."""
 
     time: float
     readings: int
-    """That were known."""
+    """Number of readings that were known."""
     forecast: Forecast | None
-    """None where nothing could be foretold."""
+    """The forecast; None where nothing could be foretold."""
     left: float
-    """How long it truly took."""
+    """Time that it truly took from there."""
 
     @property
     def said(self) -> bool:
-        """Whether a remaining life was said."""
+        """Whether a remaining life was stated."""
         return self.forecast is not None and self.forecast.said
 
     @property
@@ -47,12 +47,12 @@ class Cut:
 
     @property
     def median(self) -> float:
-        """Of what was foretold; infinite where nothing was."""
+        """Return the median of the forecast; infinite where there was none."""
         return self.forecast.remaining.median if self.forecast is not None else np.inf
 
     @property
     def near(self) -> bool:
-        """Whether that was within ± ``ALPHA`` of what was truly left: the α–λ criterion, of medians."""
+        """Whether the median was within ± ``ALPHA`` of what was truly left: the α–λ criterion."""
         return abs(self.median - self.left) <= ALPHA * self.left
 
     @property
@@ -61,7 +61,7 @@ class Cut:
         return 1 - abs(self.median - self.left) / self.left if self.said else None
 
     def quantiles(self, levels: Sequence[float]) -> Array:
-        """Of what was foretold; what is beyond the models' horizon is the horizon. Raises DataError where nothing was.
+        """Return quantiles of the forecast, beyond the horizon the horizon. Raises DataError where there was none.
 
         The horizon is ``FAR`` times the part's age, or the last that was drawn.
         """
@@ -79,21 +79,21 @@ class Backtest:
     """A unit's forecasts against its own course."""
 
     threshold: float
-    """Of the signal, to which it was foretold."""
+    """Threshold of the signal, to which it was foretold."""
     reached: bool
-    """Whether that is its threshold; else it is where the unit is now."""
+    """Whether that is the signal's own threshold; else it is where the unit is now."""
     end: float
-    """When it came there."""
+    """Time when it came there."""
     cuts: tuple[Cut, ...]
 
     @property
     def told(self) -> tuple[Cut, ...]:
-        """Cuts at which a life was said."""
+        """Return the cuts at which a remaining life was stated."""
         return tuple(cut for cut in self.cuts if cut.said)
 
     @property
     def foretold(self) -> tuple[Cut, ...]:
-        """Cuts at which at least an interval could be said, which may be open upwards."""
+        """Return the cuts at which at least an interval could be stated, which may be open upwards."""
         return tuple(cut for cut in self.cuts if cut.forecast is not None)
 
     @property
@@ -108,7 +108,7 @@ class Backtest:
 
     @property
     def horizon(self) -> float | None:
-        """How long before the end a median was first within ± ``ALPHA`` of all life from the clock's zero."""
+        """Return the time before the end when a median was first within ± ``ALPHA`` of all life."""
         return prognostic_horizon(self._history) if self.told else None
 
     @property

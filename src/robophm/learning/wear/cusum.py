@@ -25,16 +25,16 @@ FEWEST = 30
 """Readings of a baseline."""
 
 INDEPENDENT, SURE = 20.0, 0.9
-"""What a baseline must be worth, in independent readings, for a rate of false alarms to be promised, and how surely."""
+"""Independent readings that a baseline must be worth for a promised rate of false alarms, and how surely."""
 
 MOST_ORDER = 8
-"""Of the autoregression."""
+"""The highest order of the autoregression."""
 
 NEAREST_TO_WALK = 0.995
 """Root of an autoregression beyond which it is drawn back: past it readings wander for ever."""
 
 COURSES = 300
-"""That are drawn; fewer of long baselines."""
+"""Courses that are drawn; fewer for long baselines."""
 
 EXACT = 1e-6
 """Deviation of residuals, in deviations of the baseline, below which there is no chance in it."""
@@ -45,27 +45,27 @@ _SETTLING = 200  # readings of a course before its first
 
 @dataclass(frozen=True)
 class Cusum:
-    """A detector."""
+    """A two-sided CUSUM detector, designed on a baseline."""
 
     mean: float
     deviation: float
-    """Of the baseline."""
+    """Standard deviation of the baseline."""
     reference: float
-    """k: half of the shift that it is for [deviations]."""
+    """Reference value k: half of the shift to be detected [deviations]."""
     limit: float
-    """h [deviations]."""
+    """Decision limit h [deviations]."""
     between_false_alarms: float
-    """Readings, in the mean."""
+    """Mean number of readings between false alarms."""
     delay: float
     """Readings within which half of all shifts of 2·k are seen; infinite where fewer are in as many as were drawn."""
     correlation_length: float
     """Readings of the baseline that are worth one independent one, at most: so sure as ``SURE``."""
     readings: int
-    """Of the baseline."""
+    """Number of readings of the baseline."""
 
     @property
     def independent(self) -> float:
-        """How many independent readings the baseline is worth, at least."""
+        """Return how many independent readings the baseline is worth, at least."""
         return self.readings / self.correlation_length
 
     @property
@@ -141,7 +141,7 @@ def highest_sums(z: Array, reference: float) -> Array:
 
 
 def false_alarm_rate(highest: Array, limit: float) -> float:
-    """Per reading, on average over courses; ``highest``: of parts of courses, shape (courses, parts, readings)."""
+    """Return false alarms per reading; ``highest``: of parts of courses, shape (courses, parts, readings)."""
     length = highest.shape[-1]
     quiet = np.sum(highest <= limit, axis=-1)
     alarms, time = np.sum(quiet < length, axis=-1), np.sum(np.minimum(quiet + 1, length), axis=-1)
@@ -165,7 +165,7 @@ class Autoregression:
 
     @classmethod
     def of(cls, z: Array) -> Autoregression:
-        """Of a centred series, with the order of the least AIC; all orders are compared on the same readings."""
+        """Fit a centred series, with the order of the least AIC; all orders are compared on the same readings."""
         most = min(MOST_ORDER, len(z) // 8)
         seen = z[most:]
         before = np.column_stack([z[most - j : len(z) - j] for j in range(1, most + 1)])
@@ -184,7 +184,7 @@ class Autoregression:
         return best
 
     def unbiased(self, count: int, readings: int, rng: np.random.Generator) -> Autoregression:
-        """Less what a fit to so few readings is off by, as fits to a ``count`` of its own series show (Kilian 1998)."""
+        """Return it less the bias of a fit to so few readings, as a ``count`` of its own series show (Kilian 1998)."""
         order = len(self.coefficients)
         near = np.tile(_drawn_back(self.coefficients[None, :]), (count, 1))
         series = self.courses(near, readings, rng)
@@ -211,7 +211,7 @@ class Autoregression:
 
 
 def correlation_length(coefficients: Array) -> float:
-    """Of an autoregression, the variance of a long mean times its readings over that of a reading; at least 1."""
+    """Return the variance of a long mean times its readings, over that of a reading; at least 1."""
     answer = lfilter([1.0], np.concatenate(([1.0], -coefficients)), np.eye(1, 4000)[0])
     return max(float(answer.sum() ** 2 / (answer @ answer)), 1.0)
 

@@ -1,4 +1,4 @@
-"""What remains of a unit of which many signals are read and none has a threshold, by others that ran until they failed.
+"""Remaining life of a unit of many signals without thresholds, learned from others that ran until they failed.
 
 An index of health is learned: what the signals of the last readings, how they moved within them, and age foretell of
 the remaining life, as the mean of a Gaussian process with a squared exponential kernel, on inducing readings (the
@@ -24,14 +24,14 @@ FEWEST_UNITS = 5
 """Units that failed, from which an index can be learned."""
 
 HORIZON = 2 / 3
-"""Of the median life: remaining lives above it are not told apart by the index, for nothing shows by then."""
+"""Share of the median life above which remaining lives are not told apart: nothing shows by then."""
 
 WINDOWS = (5, 10, 20, 30, 50)
 """Readings that are looked at together; that which foretells best is taken."""
 
 INDUCING, NOISE, FOLDS = 1000, 1.0, 5
 NEAR, AGE_NEAR = 0.06, 0.2
-"""Of the horizon: how far apart two indices, and two ages, are that are still alike, as a standard deviation."""
+"""Distances of two indices and of two ages that are still alike, as shares of the horizon (standard deviations)."""
 
 
 @dataclass(frozen=True)
@@ -44,10 +44,10 @@ class SignalHistory:
 
 @dataclass(frozen=True)
 class Remaining:
-    """What remains of a unit, as equally likely draws."""
+    """The remaining life of a unit, as equally likely draws."""
 
     index: float
-    """Its index of health: remaining life as far as signals can tell it, in units of time."""
+    """Index of health: remaining life as far as signals can tell it, in units of time."""
     draws: Array
 
     @property
@@ -72,22 +72,23 @@ class _Process:
 
 @dataclass(frozen=True)
 class HealthIndex:
-    """An index of health that is learned."""
+    """An index of health, learned from units that failed."""
 
     horizon: float
     window: int
     centre: Array
     spread: Array
-    """Of signals that vary; of others 0."""
+    """Standard deviation of each signal; 0 for those that do not vary."""
     process: _Process
     indices: Array
-    """Of readings of units that failed, each by an index that had not seen it; shape (readings,)."""
+    """Indices of readings of units that failed, each by an index that had not seen it; shape (readings,)."""
     ages: Array
     remained: Array
-    """How old these were, and how long they then went on."""
+    """Remaining lives of these units at those readings; shape (readings,)."""
 
     def remaining(self, times: npt.ArrayLike, values: npt.ArrayLike, *, draws: int = DRAWS) -> Remaining:
-        """What remains after the last reading of a unit. Raises DataError for readings unlike those it learned from."""
+        """Return what remains after a unit's last reading. Raises DataError for readings unlike those it learned
+        from."""
         course = _checked(SignalHistory(np.asarray(times, dtype=float), np.asarray(values, dtype=float)), "the unit")
         if course.values.shape[1] != len(self.centre):
             raise DataError(
@@ -189,7 +190,7 @@ def _kernel(x: Array, z: Array) -> Array:
 
 
 def _unseen(features: Sequence[Array], rest: Sequence[Array], limit: float, seed: int) -> list[Array]:
-    """What is foretold of each unit by others: a fold of units is left out at a time."""
+    """Forecasts for each unit by others: a fold of units is left out at a time."""
     order = np.random.default_rng(seed).permutation(len(features))
     folds = [set(order[k::FOLDS].tolist()) for k in range(FOLDS)]
     found: dict[int, Array] = {}

@@ -13,12 +13,12 @@ from scipy.linalg import cholesky_banded, solve_banded
 Array = npt.NDArray[np.float64]
 
 RATIOS = np.geomspace(1e-4, 1e4, 41)
-"""Of the variance of the noise to that of wandering between two readings, over which is integrated."""
+"""Ratios of the variance of the noise to that of wandering between two readings, over which is integrated."""
 
 PRIOR = 1 / np.sqrt(1 + RATIOS)
-"""Of each, by decades: all alike where noise is small, and falling where it is not, as a half-Cauchy deviation of
-wandering over noise does (Gelman, Bayesian Analysis 1, 2006). Were it flat there too, most of it would lie where wear
-does not wander at all, and intervals would be too narrow."""
+"""Prior weight of each ratio, by decades: all alike where noise is small, and falling where it is not, as a half-Cauchy
+deviation of wandering over noise does (Gelman, Bayesian Analysis 1, 2006). Were it flat there too, most of it would lie
+where wear does not wander at all, and intervals would be too narrow."""
 
 
 def root_of_covariance(dt: Array, tau: float) -> Array:

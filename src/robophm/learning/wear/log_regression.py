@@ -1,4 +1,4 @@
-"""How long something lasts, by what is known of it and of others that lasted: a Bayesian regression of the logarithm.
+"""Bayesian regression of the logarithm of a duration, on its features and on others that lasted.
 
 ln(duration) = intercept + slopes·(features − their mean) + error. Slopes are normal and the error's variance is inverse
 gamma a priori (Gelman and others, Bayesian Data Analysis, 3rd ed., §14.2 and §14.8), so that a duration yet to come is
@@ -22,7 +22,7 @@ SCATTER, COUNTS = 0.25, 3.0
 """Deviation of ln(duration) that is expected before others are seen, and how many of them that is worth."""
 
 SLOPE, SLOPE_DEVIATION = 0.8, 0.4
-"""Of all features together: a unit that was slow so far mostly stays slow, if not quite as slow."""
+"""Mean and deviation of the slopes together a priori: a unit that was slow so far mostly stays slow, if less so."""
 
 _ROUNDS, _SETTLED = 200, 1e-9
 
@@ -37,7 +37,7 @@ class LogStudent:
     passed: float = 0.0
 
     def quantile(self, share: Array) -> Array:
-        """What remains, given that it has not ended yet; shape of ``share``."""
+        """Return quantiles of what remains, given that it has not ended yet; shape of ``share``."""
         over = (1 - share) * stats.t.sf(self._start, self.degrees)
         with np.errstate(over="ignore"):
             total = np.exp(self.centre + self.deviation * stats.t.isf(over, self.degrees))
@@ -60,7 +60,7 @@ class LogStudent:
 def lasting(
     durations: Array, ended: npt.NDArray[np.bool_], features: Array, own: Array, passed: float
 ) -> LogStudent | None:
-    """What is known of a duration with features of its ``own`` of which ``passed`` has gone by; None where none ended.
+    """Fit a duration with ``own`` features, of which ``passed`` has gone by; None where none of the others ended.
 
     ``durations`` > 0 of others, shape (others,), each ended or going on still; ``features``, shape (others, features).
     """

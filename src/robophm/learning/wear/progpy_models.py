@@ -16,20 +16,20 @@ Load = Mapping[str, float] | Callable[[float], Mapping[str, float]]
 
 @dataclass(frozen=True)
 class Simulated:
-    """A run of a model."""
+    """The result of running a model."""
 
     times: tuple[float, ...]
-    """[s]"""
+    """Times of the outputs [s]."""
     outputs: tuple[dict[str, float], ...]
     event: str
-    """What ended it; "" where nothing did."""
+    """The event that ended the run; "" where none did."""
 
 
 class ProgpyModel:
-    """One of progpy's models by name, such as BatteryCircuit, BatteryElectroChemEOL or DCMotor."""
+    """A model of progpy by name, such as BatteryCircuit, BatteryElectroChemEOL or DCMotor."""
 
     def __init__(self, name: str, **parameters: Any) -> None:
-        """Raises RobophmError where progpy is not installed, DataError for a model or parameter that it has not."""
+        """Set up the model. Raises RobophmError without progpy, DataError for a model or parameter that it has not."""
         try:
             models = import_module("progpy.models")
         except ImportError as error:
@@ -45,11 +45,11 @@ class ProgpyModel:
 
     @property
     def events(self) -> tuple[str, ...]:
-        """What may end its life, e.g. EOD; none of a motor, whose model says what a healthy one does."""
+        """Return the events that may end its life, e.g. EOD; a motor's model has none, as it models a healthy one."""
         return tuple(self.model.events)
 
     def run(self, load: Load, until: float, *, step: float = 1.0) -> Simulated:
-        """What it does under a load until an event, or a time [s]. Raises DataError for an input that it has not."""
+        """Simulate a load until an event, or a time [s]. Raises DataError for an input that the model has not."""
 
         def loading(t: float, _: Any = None) -> Any:
             values = load(t) if callable(load) else load

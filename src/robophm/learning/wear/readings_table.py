@@ -23,12 +23,12 @@ COLUMNS: Mapping[str, Sequence[str]] = {
     "ambient": (),
     "unit": ("specimen",),
 }
-"""What a table may say of a signal; ``ambient`` is taken off its value, as of a bearing's temperature; ``unit``: of
-which of several equal things the row is."""
+"""Columns of a table of readings; ``ambient`` is subtracted from the value, as for a bearing's temperature; ``unit``:
+which of several equal things the row is of."""
 
 
 WIDEST = 1e60
-"""What a reading may be, up or down: its powers are numbers too."""
+"""The largest magnitude of a reading: its powers are numbers too."""
 
 
 @dataclass(frozen=True)
@@ -36,13 +36,13 @@ class Readings:
     """A signal; shapes (readings,)."""
 
     times: Array
-    """On the part's clock; of dates, hours since the first."""
+    """Times on the part's clock; for dates, hours since the first."""
     values: Array
     load: Array | None
     dated: bool
     """Whether its times are dates, and so the calendar's."""
     when: npt.NDArray[np.int64] | None = None
-    """Of recordings, and of a table with dates [ns since the epoch]."""
+    """Times of recordings, and of a table with dates [ns since the epoch]."""
 
 
 def read_readings(path: Path, unit: str) -> Readings:

@@ -25,14 +25,15 @@ Array = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]
 
 MOST_STRETCHES = 200_000
-"""Of one signal."""
+"""The most stretches of one signal."""
 
 FEW = 0.25
-"""Of the usual number of samples, below which a stretch makes no reading."""
+"""Share of the usual number of samples below which a stretch makes no reading."""
 
 
 class Moments(NamedTuple):
-    """Of the samples of one stretch: how many, their mean time in it [ns], mean, sums of powers about it, ends."""
+    """Moments of the samples of one stretch: how many, their mean time in it [ns], mean, sums of powers about it,
+    ends."""
 
     samples: float
     time: float
@@ -44,7 +45,7 @@ class Moments(NamedTuple):
     highest: float
 
     def joined(self, other: Moments) -> Moments:
-        """Of both together."""
+        """Return the moments of both sets of samples together."""
         a, b, n = self.samples, other.samples, self.samples + other.samples
         d = other.mean - self.mean
         squares = self.squares + other.squares + d**2 * a * b / n
@@ -66,7 +67,7 @@ READINGS: Mapping[str, Callable[[Moments], float]] = {
     "highest": lambda one: one.highest,
     "lowest": lambda one: one.lowest,
 }
-"""What is made of a stretch. An rms is about the mean; a kurtosis is 3 of noise."""
+"""The statistics of a stretch, by name. An rms is about the mean; a kurtosis is 3 of noise."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,7 @@ class Stretches:
             )
 
     def readings(self, reading: str, notes: Counter[str]) -> Reduced:
-        """One of each stretch that has enough samples; the notes count the others."""
+        """Return a reading of each stretch that has enough samples; the notes count the others."""
         keys = sorted(self._found)
         usual = float(np.median([self._found[key].samples for key in keys])) if keys else 0.0
         kept = [key for key in keys if self._found[key].samples >= FEW * usual]
@@ -123,7 +124,7 @@ class Stretches:
 
 
 class _Beside:
-    """What another signal said last before each of some times."""
+    """The last values of another signal, before each of some times."""
 
     def __init__(self, gauge: Gauge, *, within: bool) -> None:
         self._gauge, self._within = gauge, within
@@ -139,7 +140,7 @@ class _Beside:
         self._values = np.concatenate((self._values[-1:], values[known]))
 
     def at(self, times: Times) -> Array:
-        """NaN where it is not known."""
+        """Return the last value before each time; NaN where it is not known."""
         if not len(self._times):
             return np.full(len(times), np.nan)
         index = np.searchsorted(self._times, times, side="right") - 1
@@ -148,13 +149,13 @@ class _Beside:
 
 
 class Reducer:
-    """One signal of wear, with what is measured beside it; takes samples in blocks that follow one another."""
+    """Reduces one signal of wear, with what is measured beside it; takes samples in blocks that follow one another."""
 
     def __init__(self, wear: WearSignal) -> None:
         self.wear = wear
         self.stretches = Stretches(wear.every)
         self.notes: Counter[str] = Counter()
-        """What did not count, and how often."""
+        """Samples and stretches that did not count, with why and how often."""
         self.signals = tuple(dict.fromkeys(one.signal for one in (wear.gauge, wear.ambient, wear.load) if one))
         self._ambient = _Beside(wear.ambient, within=True) if wear.ambient else None
         self._load = _Beside(wear.load, within=False) if wear.load else None
@@ -190,9 +191,9 @@ class OnClock(NamedTuple):
     """Readings on a clock; shapes (readings,)."""
 
     rows: npt.NDArray[np.intp]
-    """Those that are later on it than the one before."""
+    """Rows of the readings that are later on the clock than the one before."""
     ages: Array
-    """Where it stood."""
+    """Ages that the clock showed at these readings."""
 
 
 def on_a_clock(reduced: Reduced, looks: Sequence[tuple[int, float]], notes: Counter[str]) -> OnClock:

@@ -1,4 +1,4 @@
-"""Whether the trend of wear so far bends.
+"""A test of whether the trend of wear so far bends.
 
 A drift that itself changes with time, steadily, is put beside one that does not, both of a Wiener process with noise.
 The change is told by Student's t at each ratio of noise to wandering, exactly, and the probabilities are averaged over
@@ -19,11 +19,11 @@ from robophm.learning.wear.increment_covariance import PRIOR, RATIOS, root_of_co
 Array = npt.NDArray[np.float64]
 
 FALSE_ALARMS = 0.05
-"""Of straight trends the share that is taken for bent, at most about."""
+"""The share of straight trends that is taken for bent, at most about."""
 
 
 class Bend(NamedTuple):
-    """How clearly the trend of wear, counted upwards, bends."""
+    """The result of the test, with wear counted upwards: how clearly the trend bends."""
 
     p_value: float
     """P(readings bend so much | the trend is straight)."""
@@ -32,14 +32,14 @@ class Bend(NamedTuple):
 
     @property
     def direction(self) -> Literal["accelerating", "slowing"] | None:
-        """None where no bend is told."""
+        """Return how the trend bends; None where no bend is told."""
         if not self.p_value < FALSE_ALARMS:
             return None
         return "accelerating" if self.rises else "slowing"
 
 
 def bend_of_wiener(t: Array, y: Array) -> Bend:
-    """Of readings that wander and are noisy."""
+    """Test the trend of readings that wander and are noisy."""
     dt = np.diff(t)
     n, typical = len(dt), float(np.median(dt))
     columns = np.column_stack((dt, np.diff((t - t.mean()) ** 2), np.diff(y)))  # steady, changing, seen

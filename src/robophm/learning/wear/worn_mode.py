@@ -23,48 +23,48 @@ FIRST = 8
 
 @dataclass(frozen=True)
 class WearOptions:
-    """How readings are taken."""
+    """Options of how readings are judged."""
 
     baseline: int = 100
     """Readings at the start that were sound."""
     between_false_alarms: float = 1000.0
-    """Readings, in the mean."""
+    """Mean number of readings between false alarms."""
     shift: float = 1.0
-    """That shall be seen [deviations]."""
+    """Shift that is to be seen [deviations]."""
     seed: int = 0
-    """Of what is drawn."""
+    """Seed of all that is drawn."""
 
 
 @dataclass(frozen=True)
 class WornMode:
-    """What readings say of a failure mode."""
+    """The wear of a failure mode, from its readings."""
 
     mode: FailureMode
     source: str
-    """Where the readings are from, in words."""
+    """The source of the readings, in words."""
     readings: Readings
     values: Array
     """The readings, as they would be at the load at which they are compared; shape (readings,)."""
     deviation: float
-    """How well the threshold is known."""
+    """Standard deviation of the threshold."""
     wear: Forecast
     detector: Cusum | None
-    """Of change; None where it could not be looked for."""
+    """The detector of changes; None where changes could not be looked for."""
     unlooked: str
-    """Why it could not; empty where it could."""
+    """The reason why changes could not be looked for; empty where they could."""
     alarms: tuple[int, ...]
-    """Which readings say that something has changed."""
+    """Indices of the readings that say that something has changed."""
     others: tuple[Unit, ...] = ()
     """Units of its kind, as teachers."""
 
     @property
     def unit(self) -> str:
-        """Of the time of the readings."""
+        """Return the unit of the readings' time."""
         return "h" if self.readings.dated else CLOCK_UNITS[self.mode.clock]
 
     @property
     def alarmed(self) -> list[float]:
-        """When something had changed [``unit``]."""
+        """Return the times when something had changed [``unit``]."""
         return [float(self.readings.times[i]) for i in self.alarms]
 
     @property
@@ -73,7 +73,8 @@ class WornMode:
         return self.wear.worn_out or not self.wear.followed
 
     def backtested(self, seed: int = 0) -> Backtest:
-        """What would have been foretold at earlier readings. Raises DataError, with the source, where nothing could."""
+        """Return the forecasts at earlier readings against what came. Raises DataError, with the source, if
+        impossible."""
         times, threshold = self.readings.times, self.wear.signal_threshold
         try:
             return backtest(
@@ -98,7 +99,7 @@ def worn_mode(
     mode: FailureMode, source: str, readings: Readings, threshold: float, *, deviation: float = 0.0,
     load: float | None = None, options: WearOptions = _USUAL, others: Sequence[Unit] = (),
 ) -> WornMode:  # fmt: skip
-    """Of readings that begin below or above the threshold, and so rise or fall to it.
+    """Judge the wear of a mode by readings that begin below or above the threshold, and so rise or fall to it.
 
     ``deviation``: how well the threshold is known; ``load``: that at which readings are compared, where they come with
     their loads; ``others``: units of its kind, as teachers. Raises DataError, with the source, where readings are too
@@ -121,7 +122,7 @@ def worn_mode(
 
 
 def _changes(values: Array, options: WearOptions) -> tuple[Cusum | None, str, tuple[int, ...]]:
-    """What looks for changes, or why none are looked for, and which readings alarm."""
+    """The detector of changes, or why there is none, and the readings that alarm."""
     baseline = options.baseline
     if len(values) <= baseline:
         return None, f"{len(values)} readings, and a baseline needs {baseline} before the first one judged", ()
@@ -136,7 +137,7 @@ def worn_mode_of_table(
     robot: Robot, path: Path, part: str, *, threshold: float | None = None, deviation: float | None = None,
     load: float | None = None, options: WearOptions = _USUAL, fleet: Path | None = None,
 ) -> WornMode:  # fmt: skip
-    """Of a table of readings of one part, or failure mode, by its path; the threshold is the design's unless given.
+    """Judge the wear of a part, or failure mode, by a table of readings; ``threshold``: the design's unless given.
 
     ``fleet``: a table of the same signal of other units, with a column ``unit``. Raises DataError where a table is
     none, the part is several, or what would be needed is not said.

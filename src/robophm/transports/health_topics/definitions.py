@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 Generation = Literal[1, 2]
-"""Of ROS."""
+"""The generation of ROS: 1 or 2."""
 
 PACKAGE = "phm_msgs"
 """The package of those that are not ROS's own (ros/phm_msgs)."""
@@ -20,7 +20,7 @@ PACKAGE = "phm_msgs"
 
 @cache
 def typestore(generation: Generation) -> Typestore:
-    """All types of one generation of ROS, those of phm_msgs among them."""
+    """Return all types of one generation of ROS, those of phm_msgs among them."""
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     store = get_typestore(Stores.ROS1_NOETIC if generation == 1 else Stores.LATEST)
@@ -37,5 +37,5 @@ def typestore(generation: Generation) -> Typestore:
 
 @cache
 def definition(type_: str, generation: Generation) -> str:
-    """The text of a type, ``phm_msgs/msg/Health``."""
+    """Return the text of a type, ``phm_msgs/msg/Health``."""
     return str(typestore(generation).generate_msgdef(type_, ros_version=generation)[0])

@@ -14,7 +14,7 @@ _DTYPES = {"byte": np.uint8, "char": np.uint8, "octet": np.uint8}
 
 
 def compose(store: Typestore, type_: str, fields: Mapping[str, Any]) -> Any:
-    """A message of this type, ``phm_msgs/msg/Health``; what is not among its fields is zero, empty or False.
+    """Return a message of this type, ``phm_msgs/msg/Health``; what is not among its fields is zero, empty or False.
 
     A field that the generation of ROS does not have, ``header.seq`` or a texture, is thereby right as well.
     Raises KeyError where the type has no such field.

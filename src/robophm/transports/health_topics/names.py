@@ -1,4 +1,4 @@
-"""Topics of paths: as they are in the design, in letters that ROS takes."""
+"""Names of topics, made of paths in the design in letters that ROS takes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 
 def topics_of(paths: Iterable[str], root: str) -> dict[str, str]:
-    """A topic for each path, ``Power/Battery Control Board`` being ``root/power/battery_control_board``.
+    """Return a topic for each path: ``root/power/battery_control_board`` for ``Power/Battery Control Board``.
 
     Paths that would have the same topic are numbered in their order.
     """
@@ -25,6 +25,6 @@ def topics_of(paths: Iterable[str], root: str) -> dict[str, str]:
 
 
 def _step(name: str) -> str:
-    """One step of a topic: letters, digits and single underscores, a letter first."""
+    """A name as one step of a topic: letters, digits and single underscores, a letter first."""
     plain = re.sub("[^a-z0-9]+", "_", name.lower()).strip("_")
     return plain if plain[:1].isalpha() else f"n{plain}"

@@ -1,4 +1,4 @@
-"""How either generation of ROS is published to, by the names of nodes."""
+"""The outlet to either generation of ROS: nodes by name, and their publishers."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Outlet:
         self._nodes: dict[str, Any] = {}
 
     def publisher(self, node: str, topic: str, type_: str, *, latched: bool) -> Publisher:
-        """A publisher in the node of this name; raises SourceError where it cannot be."""
+        """Return a publisher in the node of this name; raises SourceError where it cannot be."""
         if node not in self._nodes:
             self._nodes[node] = self._node(node)
         spelled = type_.replace("/msg/", "/") if self.generation == 1 else type_

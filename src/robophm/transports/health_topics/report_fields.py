@@ -1,4 +1,4 @@
-"""What of a report goes into which message, as mappings of the messages' fields."""
+"""The contents of messages, made of a report, as mappings of the messages' fields."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from robophm.transports.signals.sink import JudgedTask
 Fields = Mapping[str, Any]
 
 LEVELS: dict[State, int] = {"ok": 0, "warn": 1, "error": 2, "stale": 3}
-"""As diagnostic_msgs/DiagnosticStatus and phm_msgs/Health have them."""
+"""Levels of diagnostic_msgs/DiagnosticStatus and phm_msgs/Health for each state."""
 
 MOST_STATUSES = 50
-"""In one message of /diagnostics (REP-107), beyond which only the outermost modules are told."""
+"""The most statuses in one message of /diagnostics (REP-107), beyond which only the outermost modules are told."""
 
 COLOURS: dict[State, tuple[float, float, float]] = {
     "ok": (0.0, 0.62, 0.45),
@@ -35,24 +35,25 @@ _NAN = float("nan")
 
 
 def stamp(time: int | None) -> Fields:
-    """builtin_interfaces/Time, or ``time`` of ROS 1."""
+    """Return the fields of builtin_interfaces/Time, or ``time`` of ROS 1."""
     seconds, nanoseconds = divmod(time or 0, SECOND)
     return {"sec": seconds, "nanosec": nanoseconds}
 
 
 def hazard_rates(report: HealthReport) -> Fields:
-    """phm_msgs/HazardRate of the 2020 tool [1/h]: the robot and its outermost modules."""
+    """Return the fields of phm_msgs/HazardRate of the 2020 tool [1/h]: the robot and its outermost modules."""
     return _of_modules(report, "hazard_rate")
 
 
 def reliabilities(report: HealthReport) -> Fields:
-    """phm_msgs/Reliability of the 2020 tool: survival since new."""
+    """Return the fields of phm_msgs/Reliability of the 2020 tool: survival since new."""
     return _of_modules(report, "reliability")
 
 
 _SAYS_NOTHING = {"hazard_rate": 0.0, "reliability": 1.0, "unreliability": 0.0, "completion": 1.0, "failure": 0.0,
                  "remaining_life": float("inf")}  # fmt: skip
-"""Where parts of unknown rate are left out: a rate of at least 0, a life of at most for ever."""
+"""Bounds that say nothing, where parts of unknown rate are left out: a rate of at least 0, a life of at most for
+ever."""
 
 
 def _said(name: str, value: float, left_out: PartsOfUnknownRate | bool | None) -> float:
@@ -76,7 +77,7 @@ def _of_modules(report: HealthReport, figure: str) -> Fields:
 
 
 def task_completions(time: int, actual: JudgedTask | None, predicted: JudgedTask | None) -> Fields:
-    """phm_msgs/Potc of the 2020 tool: time in h, distance in m; zero before there is any."""
+    """Return the fields of phm_msgs/Potc of the 2020 tool: time in h, distance in m; zero before there is any."""
     return {"stamp": stamp(time), "actual_potc": _potc(actual), "predict_potc": _potc(predicted)}
 
 
@@ -93,7 +94,7 @@ def _potc(task: JudgedTask | None) -> Fields:
 
 
 def task_completion(task: JudgedTask) -> Fields:
-    """The fields of a phm_msgs/TaskCompletion message of one task."""
+    """Return the fields of a phm_msgs/TaskCompletion message of one task."""
     return {
         "header": {"stamp": stamp(task.time)},
         "topic": task.topic,
@@ -107,7 +108,7 @@ def task_completion(task: JudgedTask) -> Fields:
 
 
 def health(report: HealthReport, of: Subject | ComponentHealth) -> Fields:
-    """phm_msgs/Health; the remaining life of a component is sensor-based alone."""
+    """Return the fields of phm_msgs/Health; the remaining life of a component is sensor-based alone."""
     if isinstance(of, Subject):
         views = {view: getattr(of, view) for view in VIEWS}
         rates, survival, failed, lives = (
@@ -153,7 +154,7 @@ def _quantiles(life: RemainingLife | None) -> Mapping[str, float]:
 
 
 def diagnostics(report: HealthReport, node: str) -> Fields:
-    """diagnostic_msgs/DiagnosticArray by REP-107: one status for the robot and each module."""
+    """Return the fields of diagnostic_msgs/DiagnosticArray by REP-107: one status for the robot and each module."""
     told = [one for one in report.subjects if one.kind in ("robot", "module")]
     if len(told) > MOST_STATUSES:
         told = [one for one in told if "/" not in one.path][:MOST_STATUSES]
@@ -176,7 +177,7 @@ def diagnostics(report: HealthReport, node: str) -> Fields:
 
 
 def _words(one: Subject) -> str:
-    """All that is to be said, what parts of unknown rate make of the values in full."""
+    """All remarks on a subject, with the effect of parts of unknown rate in full."""
     marks = [one.unknown.sentence if one.unknown and mark == one.unknown.words else mark for mark in one.marks]
     return "; ".join((*one.breaches, *one.warnings, *marks)) or "OK"
 
@@ -205,7 +206,9 @@ def _values(one: Subject) -> dict[str, float | str]:
 
 
 def markers(report: HealthReport, frame: str) -> Fields:
-    """visualization_msgs/MarkerArray: a column of boxes above the robot, one for it and each module, and names."""
+    """Return the fields of visualization_msgs/MarkerArray: boxes above the robot, one for it and each module, with
+    names.
+    """
     told = [one for one in report.subjects if one.kind in ("robot", "module")]
     numbers = count()
     found = []
@@ -240,12 +243,12 @@ _BOX, _TEXT = 1, 9
 """Marker.CUBE and Marker.TEXT_VIEW_FACING."""
 
 _HEIGHT = 0.16
-"""Of a text [m]."""
+"""Height of a text [m]."""
 
 _LETTER = 0.44
 """Width of a letter in RViz, on average, by its height."""
 
 
 def told_of(report: HealthReport) -> Sequence[Subject | ComponentHealth]:
-    """All that has a topic of its own: robot and modules, then components; not functions, whose names may be theirs."""
+    """Return all that has a topic of its own: robot, modules, components; not functions, whose names may be theirs."""
     return [*(one for one in report.subjects if one.kind in ("robot", "module")), *report.components]

@@ -1,4 +1,4 @@
-"""The sink: what is published, and when."""
+"""The sink that publishes a robot's health as topics of ROS."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MOST_TOPICS = 200
 HAZARD_RATE_NODE = "phm_hazard_rate_calculation_node"
 RELIABILITY_NODE = "phm_reliability_estimation_node"
 COMPLETION_NODE = "phm_robot_task_completion_node"
-"""As the paper names them (Figure 18)."""
+"""Names of the nodes, as in the paper (Figure 18)."""
 
 DIAGNOSTICS_EVERY = SECOND
 """Nanoseconds between two messages on /diagnostics (REP-107)."""
@@ -80,7 +80,7 @@ class HealthTopics(ReportSink):
             self._publishers[topic] = publisher, type_
 
     def publish(self, report: HealthReport) -> None:
-        """Hazard rates and reliabilities, then all else."""
+        """Publish hazard rates and reliabilities, then all else."""
         self._send(f"{self._root}/phm_hazard_rate", report_fields.hazard_rates(report))
         self._send(f"{self._root}/phm_reliability", report_fields.reliabilities(report))
         for one in report_fields.told_of(report):

@@ -1,1 +1,3 @@
-"""What live transports share: ``receiving.py`` gives messages their time, ``decoding.py`` makes numbers of them."""
+"""The common base of live transports: ``receiving.py`` gives messages their time, ``decoding.py`` makes numbers of
+them.
+"""

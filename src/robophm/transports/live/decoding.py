@@ -1,4 +1,4 @@
-"""How live messages of one type become numbers, within bounds of memory."""
+"""Decoding of live messages of one type to numbers, within bounds of memory."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ class Numbers(NamedTuple):
     """The wanted numbers of one message, and what of it tells which element they are of."""
 
     stamp: int
-    """Of the header [ns]; 0 where there is none."""
+    """Header stamp [ns]; 0 where there is none."""
     sequence: int | None
-    """Header.seq; None where there is none."""
+    """Header.seq of the message; None where there is none."""
     values: list[tuple[str, float]]
     absent: list[str]
     """Signals whose array has no such element in this message."""
@@ -41,7 +41,7 @@ class Numbers(NamedTuple):
     at_index: Sequence[tuple[str, str]] = ()
     """Signals by an index, and the name of the element there."""
     message: Any = None
-    """As rosbags decodes it, where it is wanted whole; None of one that is large."""
+    """The message as rosbags decodes it, where it is wanted whole; None for one that is large."""
 
 
 class Reading:
@@ -57,7 +57,7 @@ class Reading:
         self._getters = []
         self._namers = []
         self._elements: dict[str, tuple[str, int | str | None]] = {}
-        """Of each signal the first step of its field."""
+        """First step of the field of each signal."""
         self._told = {signal for signal in signals if named(split_signal(signal)[1])}
         for signal in sorted(signals):
             path = self.type.definitions, self.type.name, split_signal(signal)[1]
@@ -91,13 +91,13 @@ class Reading:
         return program
 
     def read(self, raw: bytes, *, whole: bool) -> Numbers:
-        """The numbers of one message. Raises whatever the decoder raises where it is not of the type."""
+        """Return the numbers of one message. Raises whatever the decoder raises where it is not of the type."""
         if self._single and not whole and (found := self._single.read(raw)) is not None:
             return self._numbers(found)
         return self._walked(raw) if len(raw) > self._longest_decoded else self._decoded(raw)
 
     def _numbers(self, found: Sequence[float], absent: Collection[int] = ()) -> Numbers:
-        """Of what was found, by slot."""
+        """The numbers of a message from those found, by slot."""
         stamp, sequence = 0, None
         if self.type.stamp:
             stamp = int(found[self._seconds]) * SECOND + int(found[self._nanoseconds])

@@ -1,4 +1,4 @@
-"""What a robot that runs says in a while: of each topic the last value of each of its numbers."""
+"""Listening to a running robot for a while: the last value of each number of each topic."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from robophm.transports.signals.source import LiveSource, TopicInfo, WholeMessag
 
 @dataclass(frozen=True)
 class HeardTopic:
-    """One topic after the while."""
+    """One topic as it was heard in the while."""
 
     info: TopicInfo
     fields: Sequence[str]
-    """That were listened to: of an array its first element, ``effort[0]``."""
+    """Fields that were listened to; for an array its first element, ``effort[0]``."""
     values: Mapping[str, float]
-    """The last of each field of which one was heard."""
+    """Last value of each field of which one was heard."""
     names: Mapping[str, Sequence[str]]
-    """What messages call the elements of an array, by its field, ``effort[]``."""
+    """Names that messages give the elements of an array, by its field, ``effort[]``."""
 
 
 def listen_for(source: LiveSource, seconds: float) -> list[HeardTopic]:
-    """What comes on all topics in so many seconds, all numbers but the stamps by which messages are ordered.
+    """Return what comes on all topics in so many seconds, all numbers but the stamps by which messages are ordered.
 
     Raises SourceError as ``listen``.
     """

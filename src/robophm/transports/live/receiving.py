@@ -1,4 +1,4 @@
-"""What all live sources do with a message that has come: its numbers get their time, and wait to be taken."""
+"""Receipt of live messages, common to all live sources: numbers get their time, and wait to be taken."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from robophm.transports.signals.incidents import Incidents
 from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSource, WholeMessage
 
 CLOCK_TOPIC = "/clock"
-"""Where the time comes from under use_sim_time (wiki.ros.org/Clock, design.ros2.org/articles/clock_and_time)."""
+"""The topic of time under use_sim_time (wiki.ros.org/Clock, design.ros2.org/articles/clock_and_time)."""
 
 QUEUE = 100_000
 """Samples that may wait to be taken; further ones are dropped and counted."""
@@ -59,7 +59,7 @@ class Receiver:
         self, notes: Incidents, put: Callable[[Sequence[LiveItem]], None], whole: Collection[str], *, simulated: bool
     ) -> None:
         self.simulated = simulated
-        """Receipt is the time of /clock."""
+        """Whether receipt is the time of /clock."""
         self.whole = frozenset(whole)
         """Topics whose messages are wanted as they are."""
         self.counts: dict[str, Count] = {}
@@ -73,7 +73,7 @@ class Receiver:
         self._latest = 0
         self._began = time.time_ns() - _elapsed()
         self._set = 0
-        """By how much the clock of this machine has been set since [ns], as far as it was said."""
+        """Nanoseconds by which this machine's clock was set since listening began, as far as it was said."""
 
     def messages(self, reading: Reading, raws: Sequence[bytes], before: int | None) -> int | None:
         """Messages of one publisher have come, one after the other.
@@ -139,7 +139,7 @@ class Receiver:
         self._put([Gap(topic, why)])
 
     def tell(self) -> None:
-        """A clock sample: silence is heard too."""
+        """Put a clock sample: silence is heard too."""
         if now := self._receipt():
             self._told = now
             self._put([Sample(now, CLOCK, math.nan)])
@@ -149,7 +149,7 @@ class Receiver:
         return self._now if self.simulated else self._steady()
 
     def _steady(self) -> int:
-        """This machine's time when listening began, and what has passed since, however its clock is set meanwhile."""
+        """The machine's time when listening began plus what has passed since, however its clock is set meanwhile."""
         now = self._began + _elapsed()
         off = time.time_ns() - now
         if abs(off - self._set) > SECOND:
@@ -179,7 +179,7 @@ class Queue:
         self._most = most
         self._gathered: list[LiveItem] = []
         self._gaps: set[Gap] = set()
-        """Since there was room last."""
+        """Gaps since there was room last."""
         self._waiting: SimpleQueue[list[LiveItem] | None] = SimpleQueue()
         self._put = self._taken = 0  # each by one thread alone
         self._whole_put = self._whole_taken = 0
@@ -231,7 +231,7 @@ class Queue:
         self._waiting.put(None)
 
     def taken(self, close: Callable[[], None]) -> Iterator[LiveItem]:
-        """The items, until the queue is ended or the caller stops, which then calls ``close``."""
+        """Yield the items until the queue is ended or the caller stops, which then calls ``close``."""
         try:
             while (some := self._waiting.get()) is not None:
                 for heard in some:
@@ -261,7 +261,7 @@ class Run:
         self._closed = False
 
     def heard(self) -> Iterator[LiveItem]:
-        """The items that were received, until the run ends."""
+        """Yield the items that were received, until the run ends."""
         return self._queue.taken(self.close)
 
     def end(self) -> None:
@@ -295,7 +295,7 @@ class RosSource(LiveSource):
             self._stopped = True
 
     def _begin(self, run: Run) -> None:
-        """From now on this is what ``stop`` ends."""
+        """Make this run the one that ``stop`` ends."""
         self._run = run
         if self._stopped:
             self._stopped = False
@@ -303,7 +303,8 @@ class RosSource(LiveSource):
 
 
 def by_topic(signals: Collection[str]) -> dict[str, list[str]]:
-    """The signals of each topic, those of the clock left out. Raises SourceError where one has no topic of ROS."""
+    """Return the signals of each topic, without those of the clock. Raises SourceError where one has no topic of
+    ROS."""
     wanted: dict[str, list[str]] = {}
     for signal in sorted({*signals} - {CLOCK}):
         topic, _ = split_signal(signal)
@@ -314,5 +315,5 @@ def by_topic(signals: Collection[str]) -> dict[str, list[str]]:
 
 
 def tick_of(period: float) -> float:
-    """Seconds between two clock samples: a whole part of the period, TICK at most."""
+    """Return the seconds between two clock samples: a whole part of the period, TICK at most."""
     return period / math.ceil(period / TICK)

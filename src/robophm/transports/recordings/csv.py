@@ -96,7 +96,7 @@ class CsvRecording(TextSource):
 
 
 def parse_time(text: str) -> int:
-    """Time [ns since the epoch] of decimal seconds or an ISO 8601 date and time, to the nearest nanosecond.
+    """Return the time [ns since the epoch] of decimal seconds or an ISO 8601 date and time, to the nearest nanosecond.
 
     Raises ValueError where it is neither, or beyond what 64 bits hold.
     """

@@ -16,7 +16,7 @@ PACKED = ".zstd"
 """Suffix behind one of those, of a file in a rosbag2 folder that is compressed as a whole."""
 
 METADATA = "metadata.yaml"
-"""What makes a folder a rosbag2 folder."""
+"""Name of the file that makes a folder a rosbag2 folder."""
 
 _EDGE = 64 * 1024
 
@@ -34,7 +34,7 @@ def holds_messages(path: Path) -> bool:
 
 
 def parts_of(path: Path) -> list[Path]:
-    """The files to open: a rosbag2 folder is opened as one, a folder without its metadata file by file."""
+    """Return the files to open: a rosbag2 folder is opened as one, a folder without its metadata file by file."""
     with reading(path):
         if not path.is_dir():
             if path.suffix not in SUFFIXES:
@@ -54,7 +54,7 @@ def parts_of(path: Path) -> list[Path]:
 
 
 def recordings_in(paths: Iterable[Path]) -> tuple[Path, ...]:
-    """Recordings as they are named, and those in folders in the order of their names.
+    """Return recordings as they are named, and those in folders in the order of their names.
 
     Raises SourceError where there is no such file, or none in a folder.
     """
@@ -62,7 +62,7 @@ def recordings_in(paths: Iterable[Path]) -> tuple[Path, ...]:
 
 
 def check_whole(path: Path) -> None:
-    """SQLite opens a database that was cut or not closed, and passes over what is missing: refuse it here."""
+    """Refuse a database that was cut or not closed: SQLite opens it, and passes over what is missing."""
     unsaved = path.with_name(path.name + "-wal")
     if unsaved.exists() and unsaved.stat().st_size:
         raise SourceError(f"{unsaved}: holds messages that the recorder did not save; expected a closed one")
@@ -72,7 +72,7 @@ def check_whole(path: Path) -> None:
 
 
 def pages_of(path: Path) -> tuple[int, int]:
-    """Bytes of a page of an SQLite file, and how many it says to have: sqlite.org/fileformat2.html, bytes 16 and 28."""
+    """Return the page size and page count that an SQLite file states (sqlite.org/fileformat2.html, bytes 16 and 28)."""
     with path.open("rb") as file:
         head = file.read(100)
     page = int.from_bytes(head[16:18], "big")
@@ -80,7 +80,7 @@ def pages_of(path: Path) -> tuple[int, int]:
 
 
 def fingerprint_of(path: Path) -> str:
-    """Digest of the size and the first, middle and last 64 KiB of each file of messages, names left out."""
+    """Return a digest of the size and the first, middle and last 64 KiB of each file of messages, names left out."""
     files = [path]
     if path.is_dir():
         files = [part for part in path.iterdir() if holds_messages(part)]
@@ -109,7 +109,7 @@ def reading(path: Path) -> Iterator[None]:
 
 
 def existing(path: Path) -> Path:
-    """The path itself. Raises SourceError, with the nearest name beside it that could be meant, where there is nothing.
+    """Return the path itself. Raises SourceError, with the nearest name beside it, where there is nothing.
 
     That is a recording, a folder with some, or a file of the same suffix.
     """

@@ -88,16 +88,16 @@ class Journal:
             self._unflushed = 0
 
     def gap(self, topic: str, why: str) -> None:
-        """Say that something of a topic was not heard here, or may not have been."""
+        """Record that something of a topic was not heard here, or may not have been."""
         self._file.write(f"{_GAP}{why} on {topic}\n")
 
     @property
     def position(self) -> int:
-        """Bytes of the file, once it is synced."""
+        """Return the number of bytes of the file, once it is synced."""
         return self._file.tell()
 
     def since(self, position: int) -> Iterator[Sample]:
-        """The samples that were in the file behind a position when it was opened, with those written since."""
+        """Yield the samples that were in the file behind a position when it was opened, then those written since."""
         self.sync()
         recording = JournalRecording(self.path)
         read = 0

@@ -1,16 +1,16 @@
-"""Which source reads a file."""
+"""The choice of the source that reads a file, by its suffix."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import SourceError
-from robophm.core.given import path as given_path
 from robophm.transports.signals.source import SignalSource
 
 
 def open_source(*paths: str | Path) -> SignalSource:
-    """The source that reads these files, by suffix: one .csv, one .journal, or any number of recordings.
+    """Open the source that reads these files, by suffix: one .csv, one .journal, or any number of recordings.
 
     Of a damaged recording what is whole is read, and the notes say what is lost.
 

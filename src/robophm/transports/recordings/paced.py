@@ -31,11 +31,11 @@ class Paced(SignalSource):
         self.notes = Counter()
 
     def topics(self) -> list[TopicInfo]:
-        """The topics of the source that is paced."""
+        """Return the topics of the source that is paced."""
         return self._source.topics()
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
-        """The samples of these signals; raises SourceError as the source does."""
+        """Yield the samples of these signals; raises SourceError as the source does."""
         samples = self._source.samples(signals)
         self.notes = self._source.notes
         return self._paced(samples)

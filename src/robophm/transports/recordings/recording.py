@@ -33,7 +33,7 @@ LONGEST_NAMING = 1 << 18
 
 
 class Recording(SignalSource):
-    """One drive: any number of files and folders, merged in order of receipt; a context manager.
+    """A recording of one drive: any number of files and folders, merged in order of receipt; a context manager.
 
     A sample's time is the message's header stamp, or its receipt where there is no header, or the stamp is
     zero or more than STAMP_LIMIT from receipt. ``notes`` counts those, and messages that do not decode.
@@ -42,7 +42,7 @@ class Recording(SignalSource):
     """
 
     _salvages = False
-    """Whether what is lost of files is no error."""
+    """Whether a file of which something is lost is no error."""
 
     def __init__(self, *paths: str | Path) -> None:
         from robophm.transports.recordings.columns.drive import opened  # which ask here what a recording is
@@ -65,7 +65,7 @@ class Recording(SignalSource):
         self.fingerprint = hashlib.sha256(digests.encode()).hexdigest()
 
     def lost(self) -> list[str]:
-        """The notes that tell of files of which something is lost."""
+        """Return the notes that tell of files of which something is lost."""
         found = []
         for note in self.notes:
             if note.startswith("lost: "):
@@ -81,17 +81,17 @@ class Recording(SignalSource):
         self._files.clear()
 
     def topics(self) -> list[TopicInfo]:
-        """The topics of the recording. ``fields`` is empty where the messages of one cannot be decoded."""
+        """Return the topics of the recording. ``fields`` is empty where the messages of one cannot be decoded."""
         return list(self._topics)
 
     def spans(self) -> list[tuple[int, int]]:
-        """When the messages of each file begin and end, and so those behind a jump of its clock, on any topic."""
+        """Return when the messages of each file begin and end, and those behind a jump of its clock, on any topic."""
         each = ([span for one in told.values() for span in one.spans] for _, told in self._told)
         return [span for spans in each for span in stretches(spans, CLOCK_JUMP)]
 
     @cached_property
     def _told(self) -> list[tuple[PiecedFile, dict[int, TopicExtent]]]:
-        """What there is of each connection of each file."""
+        """The extent of each connection of each file."""
         found = []
         for file in self._files:
             notes, file.notes = file.notes, Counter()  # what is lost is said when messages are read
@@ -114,7 +114,7 @@ class Recording(SignalSource):
         return [found[topic] for topic in sorted(found)]
 
     def names(self) -> dict[str, dict[str, list[str]]]:
-        """By topic and field, ``effort[]``, the names of its elements in the first message, if that is short."""
+        """Return, by topic and field (``effort[]``), names of its elements in the first message, if that is short."""
         from robophm.transports.recordings.columns.rows import one_by_one
 
         found: dict[str, dict[str, list[str]]] = {}
@@ -130,7 +130,7 @@ class Recording(SignalSource):
         return found
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
-        """The samples of these signals, in receipt order; raises SourceError as the interface says."""
+        """Yield the samples of these signals, in receipt order; raises SourceError as the interface says."""
         wanted: dict[str, list[tuple[str, str]]] = {}
         for signal in sorted(set(signals)):
             topic, field = split_signal(signal)
@@ -138,7 +138,7 @@ class Recording(SignalSource):
         return self._samples(self._raw(wanted))
 
     def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, SignalColumns]]:
-        """The samples of these signals, straight from the files; what of a file is damaged is in the notes."""
+        """Yield the samples of these signals, straight from the files; what of a file is damaged is in the notes."""
         from robophm.transports.recordings.columns.columns import read_columns  # which asks here what a recording is
         from robophm.transports.recordings.columns.topic_columns import by_signal
 
@@ -147,7 +147,7 @@ class Recording(SignalSource):
             yield from map(by_signal, columns)
 
     def messages(self, topics: Collection[str], longest: int) -> Iterator[tuple[int, str, Any]]:
-        """Receipt time [ns], topic and message, as rosbags decodes it, of these topics, in receipt order.
+        """Yield receipt time [ns], topic and message, as rosbags decodes it, of these topics, in receipt order.
 
         In place of a message that does not decode, or is more than ``longest`` bytes long, comes None.
 
@@ -200,7 +200,7 @@ class Recording(SignalSource):
             self._refuse()
 
     def _refuse(self) -> None:
-        """Raises SourceError where something of a file is lost, and that is not what was asked for."""
+        """Raise SourceError where something of a file is lost, and that is not what was asked for."""
         if not self._salvages and (lost := self.lost()):
             raise SourceError(lost[0])
 
@@ -239,20 +239,20 @@ class Recording(SignalSource):
 
 @dataclass(frozen=True)
 class _Reading:
-    """How the messages of one connection become samples."""
+    """The way in which the messages of one connection become samples."""
 
     topic: str
     decode: Callable[[bytes], Any]
     stamp: Callable[[Any], tuple[int, int]] | None
     values: list[tuple[str, Callable[[Any], Any]]]
     names: list[tuple[str, Callable[[Any], str]]]
-    """Of signals by an index, what takes the name of the element there."""
+    """Functions that take the name of the element at a signal's index."""
 
 
 def readings_of(
     file: PiecedFile, wanted: Mapping[str, list[tuple[str, str]]], notes: Counter[str]
 ) -> dict[int, _Reading]:
-    """By connection of a file that carries a wanted topic, how its messages are read."""
+    """Return how messages are read, for each connection of a file that carries a wanted topic."""
     readings = {}
     for connection in file.connections:
         if connection.topic in wanted:

@@ -1,4 +1,4 @@
-"""What can be read of recordings, damaged or not: the messages that are whole, with notes of what is lost."""
+"""Reading of damaged recordings: the messages that are whole, with notes of what is lost."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Salvage(Recording):
         self._found.update(self._damage)
 
     def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, SignalColumns]]:
-        """The samples of these signals that are whole."""
+        """Yield the samples of these signals that are whole."""
         for block in super().columns(signals, since):
             self.notes.update(set(self._damage) - self.notes.keys())
             yield block

@@ -38,7 +38,8 @@ class TextSource(SignalSource):
     def _samples(self) -> Iterator[Sample]: ...
 
     def topics(self) -> list[TopicInfo]:
-        """The topics of the file, which is read once for it. A topic's messages are the rows that have a value."""
+        """Return the topics of the file, which is read once for it. A topic's messages are the rows that have a
+        value."""
         rows: Counter[str] = Counter()
         first: dict[str, int] = {}
         last: dict[str, int] = {}
@@ -61,13 +62,13 @@ class TextSource(SignalSource):
         ]
 
     def spans(self) -> list[tuple[int, int]]:
-        """When the recording began and ended [ns]; reads the file unless ``topics()`` has."""
+        """Return when the recording began and ended [ns]; reads the file unless ``topics()`` has."""
         if self.ends and not self._spans:
             self.topics()
         return self._spans if self.ends else []
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
-        """The samples of these signals, in the file's order; raises SourceError as the interface says."""
+        """Yield the samples of these signals, in the file's order; raises SourceError as the interface says."""
         wanted = {*signals, CLOCK}
         for signal in sorted(wanted - self.signals - {CLOCK}):
             raise SourceError(f"{self.path}: no signal '{signal}'{nearest(signal, self.signals)}")

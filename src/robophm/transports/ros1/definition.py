@@ -26,7 +26,8 @@ _TYPE_NAME = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*\Z", re.ASCII)
 
 
 def compiled(topic: str, type_: str, text: str) -> MessageType:
-    """The decoder of a message type, ``sensor_msgs/Temperature``. Raises SourceError where it cannot be decoded."""
+    """Return the decoder of a message type, ``sensor_msgs/Temperature``. Raises SourceError where it cannot be
+    decoded."""
     from rosbags.interfaces import Connection, ConnectionExtRosbag1, MessageDefinition, MessageDefinitionFormat
 
     if not _TYPE_NAME.match(type_):
@@ -37,12 +38,12 @@ def compiled(topic: str, type_: str, text: str) -> MessageType:
 
 
 def ros2_name(type_: str) -> str:
-    """``sensor_msgs/Temperature`` as recordings and rosbags spell it, ``sensor_msgs/msg/Temperature``."""
+    """Return ``sensor_msgs/msg/Temperature`` for ``sensor_msgs/Temperature``, as recordings and rosbags spell it."""
     return type_.replace("/", "/msg/", 1)
 
 
 def known_definition(type_: str) -> str:
-    """The text of a type that came with ROS Noetic. Raises SourceError where it did not."""
+    """Return the text of a type that came with ROS Noetic. Raises SourceError where it did not."""
     from rosbags.typesys import Stores, get_typestore
 
     try:
@@ -52,7 +53,7 @@ def known_definition(type_: str) -> str:
 
 
 def reading_of(topic: str, header: Mapping[str, str], signals: Collection[str], notes: Incidents) -> Reading:
-    """The reader of a connection's messages, by the header that its publisher sent.
+    """Return the reader of a connection's messages, by the header that its publisher sent.
 
     Raises TypeRefusedError where the header has no type whose definition can be found and read, or it has no such
     field; PeerError where its md5 sum is not that of its definition.
@@ -61,7 +62,7 @@ def reading_of(topic: str, header: Mapping[str, str], signals: Collection[str], 
 
 
 def type_of(topic: str, header: Mapping[str, str], notes: Incidents) -> MessageType:
-    """The type that a publisher's header names and defines. Raises PeerError as ``reading_of``."""
+    """Return the type that a publisher's header names and defines. Raises PeerError as ``reading_of``."""
     name = header.get("type", "")
     text = header.get("message_definition", "")
     damaged = "definition missing or damaged"
@@ -88,7 +89,7 @@ def type_of(topic: str, header: Mapping[str, str], notes: Incidents) -> MessageT
 
 @lru_cache(maxsize=256)
 def md5_of(type_: str, text: str) -> str:
-    """The md5 sum of a type by the full text of its definition, as genmsg makes it (genmsg/gentools.py).
+    """Return the md5 sum of a type by the full text of its definition, as genmsg makes it (genmsg/gentools.py).
 
     Of the text, not of what rosbags reads in it: constants count as they are written, ``1e3`` is not ``1000``.
     Raises ValueError where a line is none, or a part is missing or contains itself.

@@ -1,4 +1,4 @@
-"""What ROS takes from the environment: where the master is, and by which address others reach us."""
+"""Settings of ROS 1 from the environment: where the master is, and by which address others reach us."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from urllib.parse import urlsplit
 from robophm.core.errors import SourceError
 
 LOOPBACK = "127.0.0.1"
-"""Where servers are bound unless ROS_HOSTNAME or ROS_IP says otherwise."""
+"""Address to which servers are bound unless ROS_HOSTNAME or ROS_IP says otherwise."""
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where a node is in the network: its master, the address it tells others, and the one it is bound to."""
+    """The place of a node in the network: its master, the address it tells others, and the one it is bound to."""
 
     master: str
     host: str
@@ -22,7 +22,7 @@ class Place:
 
 
 def place(master: str | None = None) -> Place:
-    """The place of our nodes by ROS_MASTER_URI, ROS_HOSTNAME and ROS_IP, as ROS's page of environment variables has it.
+    """Return the place of our nodes by ROS_MASTER_URI, ROS_HOSTNAME and ROS_IP, as ROS documents them.
 
     Without ROS_HOSTNAME and ROS_IP the node is at loopback. Raises SourceError where the master's address is none.
     """
@@ -34,7 +34,7 @@ def place(master: str | None = None) -> Place:
 
 
 def address(uri: str) -> tuple[str, int]:
-    """Host and port of an XML-RPC address. Raises SourceError where it is none."""
+    """Return host and port of an XML-RPC address. Raises SourceError where it is none."""
     try:
         parts = urlsplit(uri)
         if parts.scheme == "http" and parts.hostname and parts.port:

@@ -1,4 +1,4 @@
-"""One thread that serves all sockets of a node; none of them can hold it up."""
+"""The thread that serves all sockets of a node; none of them can hold it up."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ system each time, which for a small message takes longer than all that is done w
 
 
 class Peer:
-    """One connection served by a loop. A subclass takes what it can from ``received``; its methods run in the loop."""
+    """A connection served by a loop. A subclass takes what it can from ``received``; its methods run in the loop."""
 
     guest = True
-    """Others have made it."""
+    """Whether others have made the connection."""
     deadline: float | None = None
-    """By time.monotonic(): when it is closed if it is still there."""
+    """Time, by time.monotonic(), when it is closed if it is still there."""
 
     def __init__(self, loop: Loop, connection: socket.socket) -> None:
         self.loop = loop
@@ -123,7 +123,7 @@ class Loop(threading.Thread):
         self.tick = TICK
         self.ticks: list[Callable[[], None]] = []
         self.behind = False
-        """There is more to receive of somebody than was received at once."""
+        """Whether there is more to receive of somebody than was received at once."""
         self.served: Callable[[], None] = lambda: None
         """Called whenever all have been served that had something to say."""
         self.peers: set[Peer] = set()
@@ -138,7 +138,7 @@ class Loop(threading.Thread):
         self._selector.register(self._ear, selectors.EVENT_READ, self._heard)
 
     def listen(self, host: str, make: Callable[[socket.socket], Peer]) -> int:
-        """A port where each connection becomes a peer. To be called before the loop starts."""
+        """Listen at a port, which is returned; each connection becomes a peer. To be called before the loop starts."""
         server = socket.create_server((host, 0), backlog=128)
         server.setblocking(False)
         self._listening.append(server)
@@ -179,7 +179,7 @@ class Loop(threading.Thread):
             max(self.peers, key=lambda other: len(other.received)).close()
 
     def run(self) -> None:
-        """Serve until ``close``."""
+        """Serve all connections until ``close``."""
         latest = awake = 0.0
         while not self._stopped:
             if not self.behind and (pause := awake + TOGETHER - time.monotonic()) > 0:

@@ -1,4 +1,4 @@
-"""What the master knows (wiki.ros.org/ROS/Master_API), in the shape that it should have."""
+"""Calls to the master (wiki.ros.org/ROS/Master_API), whose answers are checked for their shape."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from robophm.transports.ros1.xmlrpc import call
 from robophm.transports.signals.incidents import PeerError
 
 Nodes = dict[str, list[str]]
-"""By topic: the names of nodes."""
+"""Names of nodes by topic."""
 
 
 def published_topics(master: str, caller: str) -> list[tuple[str, str]]:
-    """Topics that are published, and their types, ``sensor_msgs/Temperature``. Raises PeerError."""
+    """Return topics that are published, and their types, ``sensor_msgs/Temperature``. Raises PeerError."""
     table = call(master, "getPublishedTopics", caller, "")
     if not _pairs(table) or not all(isinstance(type_, str) for _, type_ in table):
         raise PeerError(f"{master}: getPublishedTopics: no list of topics and types", "malformed answer")
@@ -20,7 +20,7 @@ def published_topics(master: str, caller: str) -> list[tuple[str, str]]:
 
 
 def system_state(master: str, caller: str) -> tuple[Nodes, Nodes]:
-    """Publishers and subscribers of each topic. Raises PeerError."""
+    """Return publishers and subscribers of each topic. Raises PeerError."""
     tables = call(master, "getSystemState", caller)
     if not isinstance(tables, list) or len(tables) < 2 or not all(map(_pairs, tables[:2])):
         raise PeerError(f"{master}: getSystemState: no lists of topics and nodes", "malformed answer")

@@ -1,4 +1,4 @@
-"""A node: a name that the master knows, kept known also when the master is started anew."""
+"""A node of ROS 1: a name that the master knows, kept known also when the master is started anew."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robophm.core.errors import SourceError
 from robophm.transports.ros1.environment import place
 from robophm.transports.ros1.loop import Loop
 from robophm.transports.ros1.master import system_state
-from robophm.transports.ros1.served_subscriber import Greeting, Publication
+from robophm.transports.ros1.served_subscriber import PendingSubscriber, Publication
 from robophm.transports.ros1.slave import Caller, Slave, believed
 from robophm.transports.ros1.xmlrpc import call
 from robophm.transports.signals.incidents import Incidents, PeerError
@@ -45,12 +45,12 @@ class Node:
         except PeerError as error:
             raise SourceError(f"no ROS master: {error}; start roscore, or set ROS_MASTER_URI") from None
         self.subscribed: dict[str, Callable[[list[str]], None]] = {}
-        """By topic: who wants to know its publishers."""
+        """Functions by topic that are told its publishers."""
         self.published: dict[str, Publication] = {}
         self.told_to_end: Callable[[], None] = lambda: None
-        """What happens when the node retires."""
+        """Function that is called when the node retires."""
         self.bus: Callable[[], list[list[Any]]] = list
-        """Its connections, as getBusInfo has them."""
+        """Function that returns the node's connections, as getBusInfo has them."""
         self._registering = threading.Lock()
         self._stale: set[str] = set()
         self._registered: set[str] = set()
@@ -62,14 +62,14 @@ class Node:
         self.loop = Loop(f"ros1 {self.name}", self.notes)
         slave = Slave(self)
         slave_port = self.loop.listen(self.place.bind, lambda each: Caller(self.loop, each, slave.answer))
-        self.port = self.loop.listen(self.place.bind, lambda each: Greeting(self.loop, each, self.published))
+        self.port = self.loop.listen(self.place.bind, lambda each: PendingSubscriber(self.loop, each, self.published))
         self.uri = f"http://{self.place.host}:{slave_port}/"
         self._keeper = threading.Thread(target=self._keep, name=f"ros1 {self.name} registration", daemon=True)
         self.loop.start()
         self._keeper.start()
 
     def ask(self, method: str, *arguments: Any) -> Any:
-        """The master's answer to a call. Raises PeerError as ``call``."""
+        """Return the master's answer to a call. Raises PeerError as ``call``."""
         return call(self.place.master, method, self.name, *arguments)
 
     def subscribe(self, topic: str, heard: Callable[[list[str]], None]) -> None:
@@ -106,7 +106,7 @@ class Node:
             self.loop.close()
 
     def retire(self) -> None:
-        """The master, or ``rosnode kill``, ends the node: it unregisters, and whoever has it is told."""
+        """Retire the node, as the master or ``rosnode kill`` asks: it unregisters, and whoever has it is told."""
         self.notes.add("ended through ROS")
         self._retired = True
         self._woken.set()

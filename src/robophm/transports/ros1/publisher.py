@@ -65,7 +65,7 @@ class Publisher:
 
     @property
     def subscribers(self) -> int:
-        """How many subscribers are connected now."""
+        """Return how many subscribers are connected now."""
         return len(self._subscribers)
 
     def publish(self, message: Any) -> None:
@@ -83,7 +83,7 @@ class Publisher:
             self.node.notes.add(f"slow subscriber, dropped {self.topic}", dropped)
 
     def welcome(self, connection: socket.socket) -> None:
-        """A new subscriber; called in the loop."""
+        """Take in a new subscriber; called in the loop."""
         subscriber = Subscriber(self.node.loop, connection, self)
         self.node.loop.add(subscriber)
         with self._lock:
@@ -93,7 +93,7 @@ class Publisher:
             self._subscribers = (*self._subscribers, subscriber)
 
     def farewell(self, subscriber: Subscriber) -> None:
-        """A subscriber is gone; called in the loop."""
+        """Forget a subscriber that is gone; called in the loop."""
         with self._lock:
             self._subscribers = tuple(other for other in self._subscribers if other is not subscriber)
 

@@ -20,18 +20,18 @@ class Publication(Protocol):
 
     type: str
     header: dict[str, str]
-    """What a connection begins with."""
+    """Header with which a connection begins."""
     queue: int
     """Messages that may wait for one subscriber."""
 
     def welcome(self, connection: socket.socket) -> None:
-        """A new subscriber; called in the loop."""
+        """Take in a new subscriber; called in the loop."""
 
     def farewell(self, subscriber: Subscriber) -> None:
-        """A subscriber is gone; called in the loop."""
+        """Forget a subscriber that is gone; called in the loop."""
 
 
-class Greeting(Peer):
+class PendingSubscriber(Peer):
     """A connection before it has said of which topic it is."""
 
     def __init__(self, loop: Loop, connection: socket.socket, published: Mapping[str, Publication]) -> None:

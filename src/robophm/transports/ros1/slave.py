@@ -1,4 +1,4 @@
-"""What a node answers to the master and to tools, by XML-RPC (wiki.ros.org/ROS/Slave_API)."""
+"""Answers of a node to the master and to tools, by XML-RPC (wiki.ros.org/ROS/Slave_API)."""
 
 from __future__ import annotations
 
@@ -54,33 +54,33 @@ class Caller(Peer):
         raise ValueError("malformed call")
 
 
-class Callee(Protocol):
+class CalledNode(Protocol):
     """A node, as those who call it meet it."""
 
     notes: Incidents
     place: Place
     port: int
-    """Where subscribers connect."""
+    """Port where subscribers connect."""
     subscribed: dict[str, Callable[[list[str]], None]]
-    """By topic: who wants to know its publishers."""
+    """Functions by topic that are told its publishers."""
     published: dict[str, Publication]
     bus: Callable[[], list[list[Any]]]
-    """Its connections, as getBusInfo has them."""
+    """Function that returns the node's connections, as getBusInfo has them."""
 
     def retire(self) -> None:
-        """The master, or ``rosnode kill``, ends the node."""
+        """Retire the node, as the master or ``rosnode kill`` asks."""
 
 
 class Slave:
     """The server of a node's slave API: answers calls of the master and of tools."""
 
-    def __init__(self, node: Callee) -> None:
+    def __init__(self, node: CalledNode) -> None:
         self._node = node
         self._dispatcher = SimpleXMLRPCDispatcher(allow_none=True)
         self._dispatcher.register_instance(_Methods(node))
 
     def answer(self, body: bytes) -> bytes:
-        """The answer to a call, or the fault that it is."""
+        """Return the answer to a call, or the fault that it is."""
         try:
             parsed(body)
         except Exception:  # the parser raises whatever it comes upon
@@ -92,7 +92,7 @@ class Slave:
 class _Methods:
     """The methods by their names in ROS; each answers code, message, value."""
 
-    def __init__(self, node: Callee) -> None:
+    def __init__(self, node: CalledNode) -> None:
         self._node = node
 
     def getPid(self, _: str) -> tuple[int, str, int]:  # noqa: N802
@@ -136,6 +136,6 @@ class _Methods:
 
 
 def believed(publishers: Any) -> list[str]:
-    """The addresses in a list that somebody sent."""
+    """Return the addresses in a list that somebody sent."""
     found = publishers if isinstance(publishers, list) else []
     return [uri for uri in found if isinstance(uri, str) and len(uri) < 1000][:MOST_PUBLISHERS]

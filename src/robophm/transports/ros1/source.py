@@ -21,10 +21,10 @@ from robophm.transports.signals.message_type import MessageType, numeric_fields
 from robophm.transports.signals.source import LiveItem, TopicInfo
 
 START_SECONDS = 8.0
-"""Within which what is published when listening begins is connected, or is left for later."""
+"""Seconds within which what is published when listening begins is connected, or is left for later."""
 
 CALLER = "/robophm"
-"""By which we ask before we have a node."""
+"""Name under which the master is asked before there is a node."""
 
 
 class Ros1(RosSource):
@@ -53,7 +53,7 @@ class Ros1(RosSource):
             raise SourceError(f"no ROS master: {error}; start roscore, or set ROS_MASTER_URI") from None
 
     def topics(self) -> list[TopicInfo]:
-        """The topics published now; their messages and times are counted since they are listened to.
+        """Return the topics published now; their messages and times are counted since they are listened to.
 
         ``fields`` is empty where no publisher tells the definition. Raises SourceError where the master is gone.
         """
@@ -83,7 +83,7 @@ class Ros1(RosSource):
         return TopicInfo(topic, name, count.messages, count.first, count.last, fields)
 
     def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
-        """The samples of these signals in order of arrival, clock samples, and the messages on these topics.
+        """Yield the samples of these signals in order of arrival, clock samples, and the messages on these topics.
 
         What an earlier call gave ends. Raises SourceError where a signal is none, a topic that is published has no
         such field or its type cannot be read, or there is no master.

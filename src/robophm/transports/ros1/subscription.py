@@ -1,4 +1,4 @@
-"""Listening to topics: connections to all their publishers, made again when they end, and the time that samples get."""
+"""Subscriptions of topics: connections to all their publishers, made again when they end."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Subscription:
         self.mistake: SourceError | None = None
         """The first signal that a topic does not have, or type that cannot be read."""
         self.settled = threading.Event()
-        """No connection is being made."""
+        """Set while no connection is being made."""
         self._node = node
         self._notes = node.notes
         self._wanted = dict.fromkeys(hearing.whole, ()) | dict(wanted)
@@ -51,7 +51,7 @@ class Subscription:
         self._streams: dict[tuple[str, str], Stream] = {}
         self._connecting: set[tuple[str, str]] = set()
         self._failures: dict[tuple[str, str], tuple[int, float]] = {}
-        """How often in a row, and when to try again."""
+        """Number of failures in a row, and when to try again."""
         self._types: dict[str, str] = {}
         """The md5 sum of what was last heard on a topic."""
         self._pool = ThreadPoolExecutor(CONNECTORS, f"ros1 {node.name} connecting")
@@ -108,7 +108,7 @@ class Subscription:
                     self._connecting.add(key)
 
     def _connect(self, topic: str, uri: str) -> None:
-        """In a thread of the pool: all that may take its time."""
+        """Connect in a thread of the pool: this may take its time."""
         try:
             connection, header = connect(self._node.name, topic, uri)
             try:
@@ -169,5 +169,5 @@ class Subscription:
 
 
 def wait_after(failures: int) -> float:
-    """Seconds before a connection is tried again."""
+    """Return the seconds before a connection is tried again."""
     return min(FIRST_WAIT * 2.0 ** min(failures, 30), LONGEST_WAIT)

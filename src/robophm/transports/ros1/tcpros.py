@@ -1,4 +1,4 @@
-"""TCPROS: the header that opens a connection, and how one to a publisher is made (wiki.ros.org/ROS/TCPROS)."""
+"""TCPROS: the header that opens a connection, and connecting to a publisher (wiki.ros.org/ROS/TCPROS)."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ ANY = "*"
 
 
 def encoded(fields: Mapping[str, str]) -> bytes:
-    """A header in the form of TCPROS: its length, then its fields."""
+    """Return a header in the form of TCPROS: its length, then its fields."""
     parts = [f"{name}={value}".encode() for name, value in fields.items()]
     body = b"".join(struct.pack("<I", len(part)) + part for part in parts)
     return struct.pack("<I", len(body)) + body
 
 
 def decoded(body: bytes) -> dict[str, str]:
-    """The fields of a header without its length. Raises ValueError where it is none."""
+    """Return the fields of a header without its length. Raises ValueError where it is none."""
     fields = {}
     at = 0
     while at < len(body):
@@ -46,7 +46,7 @@ def decoded(body: bytes) -> dict[str, str]:
 
 
 def connect(caller: str, topic: str, uri: str) -> tuple[socket.socket, dict[str, str]]:
-    """A connection to a publisher, open for its messages, and the header it answered.
+    """Return a connection to a publisher, open for its messages, and the header it answered.
 
     Raises PeerError where it does not come about within twice CALL_SECONDS.
     """
@@ -86,7 +86,7 @@ def connect(caller: str, topic: str, uri: str) -> tuple[socket.socket, dict[str,
 
 
 def _exactly(connection: socket.socket, length: int, deadline: float) -> bytes:
-    """So many bytes and not one of the message behind them."""
+    """Exactly so many bytes, and none of the message behind them."""
     received = bytearray()
     while len(received) < length:
         receive(connection, received, deadline, min(length - len(received), 1 << 16))

@@ -18,11 +18,11 @@ LONGEST_HEAD = 16 << 10
 """Bytes of an HTTP head."""
 
 CALL_SECONDS = 3.0
-"""From the beginning of a call to the end of its answer."""
+"""Seconds from the beginning of a call to the end of its answer."""
 
 
 def call(uri: str, method: str, *arguments: Any) -> Any:
-    """The value that a ROS node answers: the third of code, message, value (wiki.ros.org/ROS/Master_Slave_APIs).
+    """Return the value that a ROS node answers: the third of code, message, value (ROS/Master_Slave_APIs).
 
     Raises PeerError where there is no answer in CALL_SECONDS, it is not ROS's, or its code is not 1.
     """
@@ -41,7 +41,7 @@ def call(uri: str, method: str, *arguments: Any) -> Any:
 
 
 def parsed(body: bytes) -> tuple[tuple[Any, ...], str | None]:
-    """Arguments and method of a call, or the answer to one.
+    """Return arguments and method of a call, or the answer to one.
 
     Raises ValueError where it declares entities, which XML-RPC has none of, and whatever the parser raises.
     """
@@ -51,7 +51,7 @@ def parsed(body: bytes) -> tuple[tuple[Any, ...], str | None]:
 
 
 def body_length(head: bytes) -> int:
-    """Bytes that follow an HTTP head. Raises ValueError where it does not say, or more than LONGEST_BODY."""
+    """Return the bytes that follow an HTTP head. Raises ValueError where it does not say, or more than LONGEST_BODY."""
     for line in head.split(b"\r\n")[1:]:
         name, _, value = line.partition(b":")
         if name.strip().lower() == b"content-length":

@@ -1,4 +1,4 @@
-"""What is used of the cyclonedds wheel, in one place: it has few types, and two functions here are its own affair.
+"""All use of the cyclonedds wheel, in one place: it has few types, and two functions here are its own affair.
 
 Messages go in and come out as bytes, CDR with its encapsulation; that they are of their type Cyclone sees to.
 """
@@ -39,11 +39,11 @@ class Offer(NamedTuple):
     """A publisher's offer of a topic, as discovery tells of it."""
 
     key: int
-    """By which messages say whose they are."""
+    """Number by which messages say whose they are."""
     topic: str
-    """As DDS spells it, ``rt/battery``."""
+    """Topic as DDS spells it, ``rt/battery``."""
     type: str
-    """As DDS spells it, ``std_msgs::msg::dds_::Float64_``."""
+    """Type as DDS spells it, ``std_msgs::msg::dds_::Float64_``."""
     reliable: bool
     latched: bool
     user_data: bytes
@@ -54,13 +54,13 @@ class Message(NamedTuple):
 
     raw: bytes
     key: int
-    """Of its publisher's offer."""
+    """Key of its publisher's offer."""
     number: int | None = None
-    """In the sequence of its publisher; Cyclone does not tell."""
+    """Number in the sequence of its publisher; Cyclone does not tell."""
 
 
 def wheel() -> Any:
-    """The package. Raises SourceError, which says what to install, where it is not there or not whole."""
+    """Return the package cyclonedds. Raises SourceError, which says what to install, where it cannot be had."""
     try:
         import cyclonedds.builtin
         import cyclonedds.core
@@ -113,7 +113,7 @@ class Log(threading.Thread):
 
 
 class Participant:
-    """One participant of a DDS domain, with the domain's settings, which hold for the whole process."""
+    """A participant of a DDS domain, with the domain's settings, which hold for the whole process."""
 
     def __init__(self, domain: int, config: str) -> None:
         dds = wheel()
@@ -136,11 +136,11 @@ class Participant:
             self._log.start()
 
     def refused(self) -> Counter[str]:
-        """Messages of each topic, by its name in DDS, that were not of its type."""
+        """Return the messages of each topic, by its name in DDS, that were not of its type."""
         return self._log.refused.copy() if self._log else Counter()
 
     def topic(self, name: str, definition: Definition) -> Any:
-        """The topic of this name, spelled as in DDS, and of this type."""
+        """Return the topic of this name, spelled as in DDS, and of this type."""
         dds = wheel()
         key = name, definition.hash
         with self._making:
@@ -213,7 +213,7 @@ class Writer:
 
     @property
     def readers(self) -> int:
-        """How many readers are connected now."""
+        """Return how many readers are connected now."""
         return len(self._entity.get_matched_subscriptions())
 
     def close(self) -> None:
@@ -246,7 +246,7 @@ class Reader:
         self.gid: bytes = self.entity.guid.bytes
 
     def take(self) -> list[Message]:
-        """The messages that have come, at most AT_ONCE; an empty list where there are none."""
+        """Return the messages that have come, at most AT_ONCE; an empty list where there are none."""
         taken = self._take(self.entity._ref, _ANY_STATE, AT_ONCE)
         if isinstance(taken, int):
             return []
@@ -259,18 +259,18 @@ class Reader:
         return [Message(raw, info.publication_handle) for raw, info in taken if info.valid_data]
 
     def lost(self) -> int:
-        """Messages that Cyclone dropped since this was asked last."""
+        """Return the number of messages that Cyclone dropped since this was asked last."""
         lost = self.entity.get_sample_lost_status().total_count_change
         rejected = self.entity.get_sample_rejected_status().total_count_change
         return cast(int, lost + rejected)
 
     def overrun(self) -> int:
-        """How often since the last call more messages came at once than the history keeps."""
+        """Return how often since the last call more messages came at once than the history keeps."""
         overrun, self._overrun = self._overrun, 0
         return overrun
 
     def refused(self) -> int:
-        """Publishers that came since this was asked last, and whose quality of service does not go with ours."""
+        """Return the publishers since this was asked last whose quality of service does not go with ours."""
         return cast(int, self.entity.get_requested_incompatible_qos_status().total_count_change)
 
     def close(self) -> None:
@@ -288,7 +288,7 @@ class Discovery:
         self.offers: dict[int, Offer] = {}
 
     def look(self) -> bool:
-        """Take what is new into ``offers``; whether there was something."""
+        """Take what is new into ``offers``; return whether there was something."""
         changed = False
         while taken := self.entity.take(AT_ONCE):
             for each in taken:

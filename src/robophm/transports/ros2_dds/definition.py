@@ -28,7 +28,7 @@ LONGEST_FILE = 1 << 20
 """Bytes of a definition's file, beyond which it is not believed to be one."""
 
 DISTRIBUTIONS = ("LATEST", "ROS2_KILTED", "ROS2_JAZZY", "ROS2_IRON", "ROS2_HUMBLE")
-"""Where types are looked for that are not installed, by rosbags' names."""
+"""Distributions whose types are searched if they are not installed, by rosbags' names."""
 
 _NAME = re.compile(r"[A-Za-z]\w*/(msg|srv|action)/[A-Za-z]\w*\Z", re.ASCII)
 _DDS_NAME = re.compile(r"([A-Za-z]\w*)::(msg|srv|action)::dds_::([A-Za-z]\w*)_\Z", re.ASCII)
@@ -41,18 +41,18 @@ class Definition:
 
     type: MessageType
     hash: str
-    """``RIHS01_`` and a digest of the structure, as rosidl makes it."""
+    """Hash of the type: ``RIHS01_`` and a digest of the structure, as rosidl makes it."""
     origin: str
-    """Where it was found."""
+    """Place where the definition was found."""
 
     @property
     def user_data(self) -> bytes:
-        """The user data by which a reader or writer tells others the hash of the type."""
+        """Return the user data by which a reader or writer tells others the hash of the type."""
         return f"typehash={self.hash};".encode()
 
 
 def ros2_name(name: str) -> str:
-    """``std_msgs/msg/Float64``, also of a name without the middle, as ROS 1 spells it. Raises SourceError."""
+    """Return ``std_msgs/msg/Float64``, also for a name without the middle, as ROS 1 spells it. Raises SourceError."""
     full = name if name.count("/") != 1 else name.replace("/", "/msg/")
     if not _NAME.match(full):
         raise SourceError(f"'{name[:200]}' is not a type; expected e.g. 'std_msgs/msg/Float64'")
@@ -60,24 +60,25 @@ def ros2_name(name: str) -> str:
 
 
 def dds_name(name: str) -> str:
-    """``std_msgs::msg::dds_::Float64_`` of ``std_msgs/msg/Float64``."""
+    """Return ``std_msgs::msg::dds_::Float64_`` for ``std_msgs/msg/Float64``."""
     package, kind, last = name.split("/")
     return f"{package}::{kind}::dds_::{last}_"
 
 
 def name_of_dds(name: str) -> str | None:
-    """``std_msgs/msg/Float64`` of ``std_msgs::msg::dds_::Float64_``; None where it is no type of ROS."""
+    """Return ``std_msgs/msg/Float64`` for ``std_msgs::msg::dds_::Float64_``; None where it is no type of ROS."""
     match = _DDS_NAME.match(name)
     return "/".join(match.groups()) if match else None
 
 
 def defined(topic: str, name: str, text: str) -> Definition:
-    """A type by the text of its definition, as recordings have it. Raises SourceError where it cannot be read."""
+    """Return a type by the text of its definition, as recordings have it. Raises SourceError where it cannot be
+    read."""
     return _compiled(topic, ros2_name(name), text, "its publisher")
 
 
 def known(topic: str, name: str, told: str = "", *, newest: bool = False) -> Definition:
-    """The definition of a type that has the hash which was told; the first that is found where none was.
+    """Return the definition of a type that has the hash which was told; the first that is found where none was.
 
     Where it is not installed that is Humble's, which tells no hashes, or the ``newest``.
 

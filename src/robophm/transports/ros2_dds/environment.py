@@ -1,4 +1,4 @@
-"""What ROS 2 takes from the environment: the domain, and how far nodes look for each other; in Cyclone's words."""
+"""Settings of ROS 2 from the environment: the domain, and how far nodes look for each other; in Cyclone's words."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MOST_PARTICIPANTS = 32
 """Processes of a machine that are looked for without multicast; ROS's own Cyclone looks for as many."""
 
 RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
-"""Values of ROS_AUTOMATIC_DISCOVERY_RANGE."""
+"""Values of ROS_AUTOMATIC_DISCOVERY_RANGE that are known."""
 
 LONGEST_MESSAGE = 64 << 20
 """Bytes of a message, beyond which it is not put together."""
@@ -23,15 +23,15 @@ LONGEST_MESSAGE = 64 << 20
 
 @dataclass(frozen=True)
 class Place:
-    """Where our nodes are in the network of ROS 2: their domain and its settings."""
+    """The place of our nodes in the network of ROS 2: their domain and its settings."""
 
     domain: int
     config: str
-    """Of Cyclone DDS: XML fragments, and what CYCLONEDDS_URI names."""
+    """Configuration of Cyclone DDS: XML fragments, and what CYCLONEDDS_URI names."""
 
 
 def place(domain: int | None = None) -> Place:
-    """The place of our nodes by ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS and the like.
+    """Return the place of our nodes by ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS and the like.
 
     As rmw_cyclonedds maps them, so that both find each other. Raises SourceError where a value is none.
     """

@@ -1,4 +1,4 @@
-"""Node names: DDS knows participants only; of each, ROS 2 tells on a topic of its own which nodes are in it."""
+"""Names of nodes: DDS knows participants only; ROS 2 tells on a topic which nodes are in each."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from robophm.transports.ros2_dds.environment import Place, place
 from robophm.transports.signals.message_type import serialized
 
 TOPIC = "ros_discovery_info"
-"""Where every participant tells of its nodes (rmw_dds_common)."""
+"""Topic on which every participant tells of its nodes (rmw_dds_common)."""
 
 DISCOVERY_SECONDS = 2.0
-"""From the making of a participant until those who were there before are taken to be known."""
+"""Seconds from the making of a participant until those who were there before are taken to be known."""
 
 _INFO = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 _OPEN: dict[int, Graph] = {}
@@ -54,23 +54,23 @@ class Graph:
         time.sleep(max(0.0, self._born + DISCOVERY_SECONDS - time.monotonic()))
 
     def reader(self, node: str, topic: str, definition: Definition, *, reliable: bool, latched: bool) -> Reader:
-        """A reader of a topic, spelled as in DDS, for a node."""
+        """Return a reader of a topic, spelled as in DDS, for a node."""
         return Reader(self.participant, topic, definition, reliable=reliable, latched=latched)
 
     def writer(self, node: str, topic: str, definition: Definition, *, latched: bool) -> Writer:
-        """A writer of a topic, spelled as in DDS, for a node."""
+        """Return a writer of a topic, spelled as in DDS, for a node."""
         return Writer(self.participant, topic, definition, latched=latched)
 
     def discovery(self) -> Discovery:
-        """A new discovery of publishers in this domain."""
+        """Return a new discovery of publishers in this domain."""
         return Discovery(self.participant)
 
     def waiting(self) -> Waiting:
-        """A new wait set for readers and discoveries of this domain."""
+        """Return a new wait set for readers and discoveries of this domain."""
         return Waiting(self.participant)
 
     def refused(self) -> Counter[str]:
-        """How many messages of each topic, spelled as in DDS, were not of its type."""
+        """Return how many messages of each topic, spelled as in DDS, were not of its type."""
         return self.participant.refused()
 
     def add(self, name: str) -> None:
@@ -125,7 +125,7 @@ class Graph:
 
 
 def join(domain: int | None = None) -> Graph:
-    """The graph of this process in a domain, or that of ROS_DOMAIN_ID.
+    """Return the graph of this process in a domain, or in that of ROS_DOMAIN_ID.
 
     Raises SourceError where DDS cannot be had, or this process is in the domain with other settings.
     """

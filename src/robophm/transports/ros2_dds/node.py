@@ -1,4 +1,4 @@
-"""A node: a name that ``ros2 node list`` shows; any number of them share this process's participant."""
+"""A node of ROS 2: a name that ``ros2 node list`` shows; any number of them share this process's participant."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Publication(Protocol):
     gid: bytes
 
     def close(self) -> None:
-        """Publish no longer."""
+        """Stop publishing the topic."""
 
 
 class Node:
@@ -46,7 +46,9 @@ class Node:
 
     @staticmethod
     def join(domain: int | None) -> Graph:
-        """The graph that nodes of a domain, by default ROS_DOMAIN_ID's, share in this process; to be left as often."""
+        """Return the graph that nodes of a domain (default: ROS_DOMAIN_ID's) share in this process; to be left as
+        often.
+        """
         return join(domain)
 
     def publish(self, topic: str, publisher: Publication) -> None:

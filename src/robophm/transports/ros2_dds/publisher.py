@@ -46,7 +46,7 @@ class Publisher:
 
     @property
     def subscribers(self) -> int:
-        """How many subscribers are connected now."""
+        """Return how many subscribers are connected now."""
         return int(self._writer.readers)
 
     def publish(self, message: Any) -> None:

@@ -54,7 +54,7 @@ class Ros2(RosSource):
         self._fields: dict[tuple[str, str], tuple[str, ...]] = {}
 
     def topics(self) -> list[TopicInfo]:
-        """The topics published now; their messages and times are counted since they are listened to.
+        """Return the topics published now; their messages and times are counted since they are listened to.
 
         ``fields`` is empty where the definition of the type is not known.
         """
@@ -88,7 +88,7 @@ class Ros2(RosSource):
         return self._fields[key]
 
     def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
-        """The samples of these signals in order of arrival, clock samples, and the messages on these topics.
+        """Yield the samples of these signals in order of arrival, clock samples, and the messages on these topics.
 
         What an earlier call gave ends. Raises SourceError where a signal is none, or a topic that is published has no
         such field or its type's definition is not known.
@@ -123,6 +123,6 @@ class Ros2(RosSource):
 
 
 class Ros2Dds(Ros2):
-    """Over DDS, from the cyclonedds wheel."""
+    """Live topics of ROS 2 over DDS, from the cyclonedds wheel."""
 
     _node = Node

@@ -1,4 +1,4 @@
-"""Listening to topics: a reader for each type that a topic is published in, made when publishers come and change."""
+"""Subscriptions of topics: a reader for each type that a topic is published in, made as publishers come and change."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ FAIR = 4
 """Times that one topic is taken from before the others have their turn."""
 
 MOST_DEFINITIONS = 10_000
-"""That are remembered: publishers can tell any hash they like."""
+"""The most definitions that are remembered: publishers can tell any hash they like."""
 
 _DAMAGED = "definition missing or damaged"
 
 
 @dataclass
-class Ear:
+class TopicReader:
     """A reader of one topic in one type, and how its messages are decoded."""
 
     reader: Reader
@@ -34,7 +34,7 @@ class Ear:
     reliable: bool
     latched: bool
     number: int | None = None
-    """Of the latest message, where the transport numbers them."""
+    """Number of the latest message, where the transport numbers them."""
 
 
 class Subscription(threading.Thread):
@@ -58,12 +58,12 @@ class Subscription(threading.Thread):
         self._discovery = self._graph.discovery()
         self._waiting = self._graph.waiting()
         self._waiting.add(self._discovery.entity)
-        self._ears: dict[tuple[str, str], Ear] = {}
-        """By topic and hash of the type."""
+        self._ears: dict[tuple[str, str], TopicReader] = {}
+        """Readers by topic and hash of the type."""
         self._published: dict[str, dict[int, str]] = {}
-        """Of each topic that was ever published: its publishers, and the hash of what each publishes."""
+        """Publishers of each topic that was ever published, and the hash of what each publishes."""
         self._types: dict[str, set[str]] = {}
-        """Of each, the hashes of what was published when somebody came last."""
+        """Hashes of what was published on each topic when somebody came last."""
         self._definitions: dict[tuple[str, str], Definition | TypeRefusedError] = {}
         self._refused: set[int] = set()
         """Publishers that were refused, each counted once."""
@@ -74,7 +74,7 @@ class Subscription(threading.Thread):
         self._match()
 
     def run(self) -> None:
-        """Listen until ``close``."""
+        """Listen to the topics until ``close``."""
         latest = awake = 0.0
         while not self._over.is_set():
             try:
@@ -107,7 +107,7 @@ class Subscription(threading.Thread):
             ear.reader.close()
         self._discovery.close()
 
-    def _hear(self, ear: Ear, rounds: int = FAIR) -> None:
+    def _hear(self, ear: TopicReader, rounds: int = FAIR) -> None:
         for _ in range(rounds):
             if self._over.is_set() or not (taken := ear.reader.take()):
                 return
@@ -119,7 +119,7 @@ class Subscription(threading.Thread):
             for message in ours:
                 self._count(ear, message.number, alone=len(here) == 1)
 
-    def _count(self, ear: Ear, number: int | None, *, alone: bool) -> None:
+    def _count(self, ear: TopicReader, number: int | None, *, alone: bool) -> None:
         """Say what is missing before a message, where the transport numbers those of the only publisher."""
         if number is not None and alone and ear.number is not None and number > ear.number + 1:
             self._hearing.missing(ear.reading.topic, "sequence gap", number - ear.number - 1)
@@ -185,7 +185,7 @@ class Subscription(threading.Thread):
         assert isinstance(found, Definition)
         reader = self._graph.reader(self._node.name, f"rt{topic}", found, reliable=reliable, latched=latched)
         self._waiting.add(reader.entity)
-        self._ears[topic, hash_] = Ear(reader, reading, reliable, latched)
+        self._ears[topic, hash_] = TopicReader(reader, reading, reliable, latched)
 
     def _end(self, key: tuple[str, str]) -> None:
         """Take what is there, and listen no more."""
@@ -195,7 +195,7 @@ class Subscription(threading.Thread):
         ear.reader.close()
 
     def _reading(self, topic: str, signals: Collection[str], offer: Offer) -> Reading | None:
-        """How what is offered is read; None, and counted once for each publisher, where it cannot be."""
+        """The reading of what is offered; None, and counted once for each publisher, where it cannot be read."""
         found = self._definition(topic, offer)
         try:
             if isinstance(found, TypeRefusedError):
@@ -226,7 +226,7 @@ class Subscription(threading.Thread):
 
 
 def definition_of(topic: str, offer: Offer) -> Definition:
-    """The definition of what a publisher offers. Raises SourceError where none is known that can be its own."""
+    """Return the definition of what a publisher offers. Raises SourceError where none is known that can be its own."""
     name = name_of_dds(offer.type)
     if name is None:
         raise SourceError(f"topic '{topic}': its type '{offer.type[:200]}' is none of ROS 2")
@@ -234,7 +234,7 @@ def definition_of(topic: str, offer: Offer) -> Definition:
 
 
 def told_hash(offer: Offer) -> str:
-    """The type's hash, as publishers since Iron tell it in their user data; empty where none is told."""
+    """Return the type's hash, as publishers since Iron tell it in their user data; empty where none is told."""
     for part in offer.user_data.decode("ascii", "replace").split(";"):
         if part.startswith("typehash=RIHS"):
             return part.removeprefix("typehash=")[:100]

@@ -1,1 +1,1 @@
-"""What all transports share: the interfaces of sources and sinks, their records, and how messages decode."""
+"""The common base of all transports: interfaces of sources and sinks, their records, and the decoding of messages."""

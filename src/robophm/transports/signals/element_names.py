@@ -21,7 +21,7 @@ from robophm.core.signal import REORDERED
 _NAMES = ("name", "names", "key", "keys")
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*\Z", re.ASCII)
 MOST_NAMES = 50
-"""That are kept to say which there are."""
+"""The most names that are kept to say which there are."""
 
 
 class Field(NamedTuple):
@@ -31,7 +31,7 @@ class Field(NamedTuple):
     attribute: str
     type: str
     length: int | None
-    """None is no array, 0 any length."""
+    """Length of an array; None: it is no array, 0: any length."""
 
 
 class NotNamedError(IndexError):
@@ -48,17 +48,18 @@ class Namer:
 
     attribute: str
     depth: int | None
-    """Of the message, from the outermost, that has the array of names; None: each element has its own."""
+    """Depth of the message, from the outermost, that has the array of names; None: each element has its own."""
 
     def names(self, chain: Sequence[Any], elements: Sequence[Any]) -> Sequence[str]:
-        """The name of each element; none where there are not as many names. ``chain``: the messages around it."""
+        """Return the name of each element; none where there are not as many names. ``chain``: the messages around
+        it."""
         if self.depth is None:
             return [getattr(one, self.attribute) for one in elements]
         names: Sequence[str] = getattr(chain[self.depth], self.attribute)
         return names if len(names) == len(elements) else ()
 
     def element(self, chain: Sequence[Any], elements: Sequence[Any], name: str) -> Any:
-        """The first element of this name. Raises NotNamedError."""
+        """Return the first element of this name. Raises NotNamedError."""
         names = self.names(chain, elements)
         for element, one in zip(elements, names, strict=False):
             if one == name:
@@ -67,7 +68,7 @@ class Namer:
 
 
 def namer_of(around: Sequence[Iterable[Field]], array: str, within: Iterable[Field]) -> Namer | None:
-    """The place of the names of an array's elements; None where nothing names them.
+    """Return the place of the names of an array's elements; None where nothing names them.
 
     ``around``: the fields of the messages that it is in, the outermost first; ``within``: those of an element.
     """
@@ -86,7 +87,7 @@ def namer_of(around: Sequence[Iterable[Field]], array: str, within: Iterable[Fie
 
 
 def number(value: Any) -> float:
-    """A value as a number; a text that is none is not a number (NaN), which is no sample."""
+    """Return a value as a number; a text that is none is not a number (NaN), which is no sample."""
     if isinstance(value, str):
         return float(value) if _NUMBER.match(value) else math.nan
     return float(value)
@@ -101,7 +102,7 @@ class Way(NamedTuple):
 
 
 def getter(ways: Sequence[Way]) -> Callable[[Any], Any]:
-    """Takes what is there out of a message; raises IndexError where an array has no such element."""
+    """Return what takes a number out of a message; it raises IndexError where an array has no such element."""
 
     def value_of(message: Any) -> Any:
         chain = [message]
@@ -118,7 +119,7 @@ def getter(ways: Sequence[Way]) -> Callable[[Any], Any]:
 
 
 def name_getter(ways: Sequence[Way]) -> Callable[[Any], str] | None:
-    """Takes the names of the elements at the indices of a path out of a message; None where nothing names them.
+    """Return what takes the names of a path's elements by index out of a message; None where nothing names them.
 
     Raises IndexError where there are no such elements, or no names.
     """
@@ -147,14 +148,14 @@ class Names:
 
     notes: Counter[str]
     lock: AbstractContextManager[Any] = field(default_factory=nullcontext)
-    """Of the notes, where several threads write to them."""
+    """Lock of the notes, where several threads write to them."""
     _found: set[str] = field(default_factory=set)
     _missing: dict[str, str] = field(default_factory=dict)
-    """What is noted of signals whose element was never named."""
+    """Notes on signals whose element was never named, by signal."""
     _first: dict[str, tuple[int, str]] = field(default_factory=dict)
-    """When a message came first that names the element at a signal's index, and how."""
+    """First message that names the element at a signal's index: when it came, and the name."""
     _orders: dict[str, Counter[str]] = field(default_factory=dict)
-    """How often there was which."""
+    """Number of messages with each name, by signal."""
 
     def found(self, signal: str) -> None:
         """Note that a message has the element of this signal."""
@@ -165,7 +166,7 @@ class Names:
                     del self.notes[said]
 
     def missing(self, signal: str, names: Sequence[str], count: int = 1) -> None:
-        """Messages have no element of its name, but these: of two publishers one may; none at all is said."""
+        """Note that messages have no element of its name, but these: of two publishers one may; none at all is said."""
         if signal in self._found:
             return
         if signal not in self._missing:
@@ -191,7 +192,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def names_in(message: Any, most: int = MOST_NAMES) -> dict[str, list[str]]:
-    """The names by which elements of a decoded message can be told, by field: {"effort[]": ["pan", "lift"]}.
+    """Return the names of elements of a decoded message by field: {"effort[]": ["pan", "lift"]}.
 
     At most so many fields, and so many names of each.
     """
@@ -219,7 +220,7 @@ def names_in(message: Any, most: int = MOST_NAMES) -> dict[str, list[str]]:
 
 
 def _fields_of(message: Any) -> list[Field]:
-    """Its fields, as far as its values tell what they are."""
+    """The fields of a message, as far as its values tell what they are."""
     found = []
     for one in fields(message) if is_dataclass(message) else ():
         if one.name.startswith("__"):  # what rosbags adds

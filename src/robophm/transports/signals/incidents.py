@@ -1,4 +1,4 @@
-"""What live transports count, and what they say of others that do not do as they should."""
+"""Counts of live transports, and errors about others that do not do as they should."""
 
 from __future__ import annotations
 
@@ -37,6 +37,6 @@ class Incidents(Counter[str]):
             self[text] += count
 
     def copy(self) -> Counter[str]:  # type: ignore[override]
-        """The counts so far, as a plain Counter."""
+        """Return the counts so far, as a plain Counter."""
         with self.lock:
             return Counter(self)

@@ -1,4 +1,4 @@
-"""How a type of message decodes, from the definition in the recording, and which numbers it has."""
+"""Types of messages: how they decode, from the definition in the recording, and which numbers they have."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ LARGEST_TYPE = 5000
 is taken to be damaged: a few lines can double them forty times over."""
 
 MOST_LINES = 2000
-"""Of a definition, beyond which it is taken to be damaged: rosbags takes a second for a thousand."""
+"""Lines of a definition beyond which it is taken to be damaged: rosbags takes a second for a thousand."""
 
 _NUMBERS = {"bool", "byte", "char", "float32", "float64", "float128"} | {
     f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
@@ -43,30 +43,30 @@ _COMPILING = threading.Lock()
 
 @dataclass(frozen=True)
 class MessageType:
-    """How messages of one type are decoded."""
+    """A type of messages, and how they are decoded."""
 
     name: str
     definitions: Typesdict
     """Every type of message that it is made of, by name, as rosbags holds them."""
     packed: bool
-    """As ROS 1 writes it, without padding; otherwise CDR."""
+    """Whether messages are packed as ROS 1 writes them, without padding; otherwise they are CDR."""
     decode: Callable[[bytes], Any]
     stamp: Callable[[Any], tuple[int, int]] | None
     borrowed: bool
-    """The recording does not define the type; Humble's is taken."""
+    """Whether the recording does not define the type, so that Humble's is taken."""
     store: Typestore
-    """What rosbags has compiled."""
+    """Types that rosbags has compiled."""
     bounded: bool
     """A message decodes to no more than its bytes say; otherwise ``decode`` refuses: four bytes can say 4 billion."""
 
     @property
     def types(self) -> dict[str, Any]:
-        """The classes that its messages are made of, by name."""
+        """Return the classes that its messages are made of, by name."""
         return cast(dict[str, Any], self.store.types)
 
 
 def message_type(connection: Connection) -> MessageType:
-    """How the messages of a connection are decoded. Raises SourceError where they cannot be."""
+    """Return the type by which a connection's messages are decoded. Raises SourceError where they cannot be."""
     encoding = getattr(connection.ext, "serialization_format", "ros1")
     if encoding not in ("cdr", "ros1"):
         raise SourceError(f"topic '{connection.topic}' is encoded as '{encoding}'; expected cdr or ros1")
@@ -94,7 +94,7 @@ def _compiled_type(name: str, definition: MessageDefinition, encoding: str) -> M
 
 
 def serialized(type_: MessageType, message: Any) -> bytes:
-    """The bytes of a message. Raises whatever rosbags raises where it is not of the type."""
+    """Return the bytes of a message. Raises whatever rosbags raises where it is not of the type."""
     serialize = type_.store.serialize_ros1 if type_.packed else type_.store.serialize_cdr
     return bytes(serialize(message, type_.name))
 
@@ -167,7 +167,7 @@ def _typestore(name: str, definition: MessageDefinition) -> tuple[Typestore, boo
 
 
 def numeric_fields(definitions: Typesdict, type_: str, prefix: str = "") -> Iterator[str]:
-    """Paths of the numeric leaves of a message type, in order; ``[]`` stands for the index of an element."""
+    """Yield paths of the numeric leaves of a message type, in order; ``[]`` stands for the index of an element."""
     for name, _, part, array in _fields(definitions, type_):
         path = f"{prefix}{name}{'' if array is None else '[]'}"
         if part in definitions:
@@ -177,7 +177,7 @@ def numeric_fields(definitions: Typesdict, type_: str, prefix: str = "") -> Iter
 
 
 def fields_of(connection: Connection) -> tuple[str, ...]:
-    """The numeric fields of a connection's messages; none where they cannot be decoded."""
+    """Return the numeric fields of a connection's messages; none where they cannot be decoded."""
     try:
         type_ = message_type(connection)
         return tuple(numeric_fields(type_.definitions, type_.name))
@@ -186,7 +186,7 @@ def fields_of(connection: Connection) -> tuple[str, ...]:
 
 
 def field_getter(definitions: Typesdict, type_: str, field: str) -> Callable[[Any], Any]:
-    """The function that takes one number, ``pose.x``, ``effort[2]`` or ``effort[elbow]``, out of a decoded message.
+    """Return what takes one number, ``pose.x``, ``effort[2]`` or ``effort[elbow]``, out of a decoded message.
 
     It raises IndexError where the message has no such element. A text in an element that is told by its name, as of
     diagnostics, is read as a number.
@@ -222,7 +222,7 @@ def _getter(ways: Sequence[Way]) -> Callable[[Any], Any]:
 
 
 def ways_to(definitions: Typesdict, type_: str, field: str) -> list[Way]:
-    """The steps to a number in a decoded message, and what names the elements on the way.
+    """Return the steps to a number in a decoded message, and what names the elements on the way.
 
     Raises SourceError as ``field_getter``.
     """

@@ -85,7 +85,7 @@ _PARTS: dict[str, dict[str, str]] = {
 
 
 def field_unit(type: str, field: str) -> str | None:  # noqa: A002  the message's type, as ROS calls it
-    """Unit of a field of a message, spelled as pint reads it; "" is a ratio, None is not known.
+    """Return the unit of a field of a message, spelled as pint reads it; "" is a ratio, None is not known.
 
     Takes ``sensor_msgs/Temperature`` and ``sensor_msgs/msg/Temperature``, and fields with or without indices.
     """

@@ -19,16 +19,16 @@ class JudgedTask:
 
     done: bool
     time: int
-    """When it arrived, or was done [ns since the epoch]."""
+    """Time when it arrived, or was done [ns since the epoch]."""
     topic: str
-    """Which told of it."""
+    """Topic that told of it."""
     duration: float
-    """[h]"""
+    """Duration of the task [h]."""
     distance: float
-    """[m]"""
+    """Distance of the task [m]."""
     completion: Mapping[View, Completion]
     unknown: PartsOfUnknownRate | None = None
-    """What parts of unknown rate make of it."""
+    """The effect of parts of unknown rate on its completion."""
 
 
 class ReportSink(ABC):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from robophm.core.signal import SECOND, Sample
 
 STAMP_LIMIT = 10 * SECOND
-"""How far [ns] a header stamp may be from receipt and still be believed."""
+"""Nanoseconds that a header stamp may be from receipt and still be believed."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class TopicInfo:
 
     @property
     def rate(self) -> float | None:
-        """Messages a second; None where fewer than two came, or all at once."""
+        """Return messages a second; None where fewer than two came, or all at once."""
         if self.messages < 2 or self.first is None or self.last is None or self.last <= self.first:
             return None
         return (self.messages - 1) / ((self.last - self.first) / SECOND)
@@ -42,13 +42,13 @@ class SignalColumns(NamedTuple):
     """Samples of one signal, in order of arrival."""
 
     arrived: NDArray[np.int64]
-    """[ns]; the times themselves where they are those of arrival."""
+    """Times of arrival [ns]; the same array as ``times`` where they are those."""
     times: NDArray[np.int64]
-    """[ns]"""
+    """Times of the samples [ns]."""
     values: NDArray[np.float64]
 
     def rows(self, rows: Any) -> SignalColumns:
-        """Some of the samples, given by ``rows``."""
+        """Return some of the samples, given by ``rows``."""
         times = self.times[rows]
         return SignalColumns(times if self.arrived is self.times else self.arrived[rows], times, self.values[rows])
 
@@ -59,17 +59,17 @@ class SignalSource(ABC):
     fingerprint: str
     """Identifies the content wherever it lies, so that a replay can be resumed and is never counted twice."""
     notes: Counter[str]
-    """What had to be decided on the way of the latest ``samples()``, and how often."""
+    """Notes on what had to be decided on the way of the latest ``samples()``, and how often."""
     ends: ClassVar[bool] = True
     """Whether with its last message it is known to be over: a recording. What is live, or kept of it, falls silent."""
 
     @abstractmethod
     def topics(self) -> list[TopicInfo]:
-        """The topics of the source, in order of their names."""
+        """Return the topics of the source, in order of their names."""
 
     @abstractmethod
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
-        """The samples of exactly these signals, ``/topic.field[2]``, in receipt order.
+        """Yield the samples of exactly these signals, ``/topic.field[2]``, in receipt order.
 
         All samples of one message carry the same time and come in the order of their names. Clock samples
         come along, wanted or not, from a source that has them.
@@ -78,14 +78,14 @@ class SignalSource(ABC):
         """
 
     def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, SignalColumns]] | None:
-        """The samples by signal, in blocks that arrived one after the other; None where a source has no columns.
+        """Yield the samples by signal, in blocks that arrived one after the other; None where a source has no columns.
 
         ``since`` [ns] leaves out what arrived before. Raises SourceError as ``samples``.
         """
         return None
 
     def spans(self) -> list[tuple[int, int]]:
-        """When each recording in it began and ended [ns], by its messages on all topics; empty where none is known.
+        """Return when each recording in it began and ended [ns], by messages on all topics; empty where none is known.
 
         One that has messages more than LEAP apart has several: its clock may have jumped.
         """
@@ -109,10 +109,10 @@ class WholeMessage(NamedTuple):
     """A message that is given as a whole."""
 
     time: int
-    """Of receipt [ns]."""
+    """Time of receipt [ns]."""
     topic: str
     message: Any
-    """As rosbags decodes it; None where it cannot be decoded, or is too long."""
+    """Message as rosbags decodes it; None where it cannot be decoded, or is too long."""
 
 
 class Gap(NamedTuple):
@@ -120,11 +120,11 @@ class Gap(NamedTuple):
 
     topic: str
     why: str
-    """As the notes count it: ``connection lost``."""
+    """Reason as the notes count it: ``connection lost``."""
 
 
 LiveItem = Sample | WholeMessage | Gap
-"""What a live source gives."""
+"""An item that a live source gives: a sample, a whole message, or a gap."""
 
 
 class LiveSource(SignalSource):
@@ -134,13 +134,13 @@ class LiveSource(SignalSource):
 
     @abstractmethod
     def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
-        """Samples of signals, in the order of their arrival, and between them the messages on other topics, and gaps.
+        """Yield samples of signals in the order of their arrival, and between them messages on other topics, and gaps.
 
         Raises SourceError as ``samples``.
         """
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
-        """The samples of these signals in order of arrival, and clock samples, until ``close``.
+        """Yield the samples of these signals in order of arrival, and clock samples, until ``close``.
 
         What an earlier call gave ends. Raises SourceError where a signal is none, a topic that is published has no
         such field or its type cannot be read, or nothing can be heard at all.

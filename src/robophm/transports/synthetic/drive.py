@@ -1,4 +1,4 @@
-"""What the robot sets out to do: its shifts, the stations that it drives between, and how fast."""
+"""The plan of the robot's day: its shifts, the stations that it drives between, and how fast."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 STATIONS = ((4.25, 2.18), (5.55, 3.54), (10.34, 3.91), (8.16, 0.82))
-"""Where the robot loads and unloads, x and y [m]; it charges at the first."""
+"""Positions x and y where the robot loads and unloads [m]; it charges at the first."""
 
 CAPACITY = 40.0
 """Capacity of the battery [A·h]."""
 
 DAY = 24 * HOUR
-"""[ns]."""
+"""A day in nanoseconds [ns]."""
 
 
 class Trip(NamedTuple):
@@ -35,7 +35,7 @@ class Trip(NamedTuple):
 
 
 def working_shifts(start: int, duration: int, working_hours: tuple[float, float]) -> list[tuple[int, int]]:
-    """Begin and end [ns] of the times that the robot is switched on."""
+    """Return begin and end [ns] of the times that the robot is switched on."""
     on, off = (int(hours * HOUR) for hours in working_hours)
     days = range(start - start % DAY, start + duration, DAY)
     shifts = [(max(day + on, start), min(day + off, start + duration)) for day in days]
@@ -43,7 +43,7 @@ def working_shifts(start: int, duration: int, working_hours: tuple[float, float]
 
 
 def plan_drive(rng: np.random.Generator, shifts: list[tuple[float, float]]) -> tuple[Floats, list[list[Trip]]]:
-    """The drive that the robot sets out on: a row at each change of acceleration or rate of turn; and its tasks.
+    """Return the drive that the robot sets out on: a row at each change of acceleration or rate of turn; and its tasks.
 
     Columns: time [s], speed [m/s], heading [rad], x, y [m]; from then on payload [kg] and charging (0, 1).
     """

@@ -18,17 +18,17 @@ MEASURED_TYPES = {f"/ota/{module}/temperature": "sensor_msgs/msg/Temperature" fo
     "/ota/battery": "sensor_msgs/msg/BatteryState",
     "/ota/odom": "nav_msgs/msg/Odometry",
 }
-"""By topic, what its sensors send at every look."""
+"""Types of the topics on which its sensors send at every look."""
 TOLD_TYPES = {
     "/ota/task_time": "std_msgs/msg/String",
     "/ota/task_position": "std_msgs/msg/String",
     "/ota/robot_task_list": "std_msgs/msg/String",
     "/ota/plan": "nav_msgs/msg/Path",
 }
-"""By topic, what it sends of its tasks."""
+"""Types of the topics on which it tells of its tasks."""
 ALL_TYPES = MEASURED_TYPES | TOLD_TYPES
 LATENCY = {topic: 100_000 + place * 200_000 // len(MEASURED_TYPES) for place, topic in enumerate(ALL_TYPES)}
-"""By topic, from stamp to receipt [ns]: more for each further topic."""
+"""Time from stamp to receipt by topic [ns]: more for each further topic."""
 _TEXTS = {
     "/ota/battery": {"header.frame_id": "battery"},
     "/ota/odom": {"header.frame_id": "odom", "child_frame_id": "base_link"},
@@ -41,7 +41,7 @@ _FORMATS = {"bool": "?", "byte": "u1", "char": "u1", "float32": "<f4", "float64"
 
 @cache
 def typestore(ros: Literal[1, 2]) -> Typestore:
-    """The message types of ROS 1 Noetic or ROS 2 Humble."""
+    """Return the message types of ROS 1 Noetic or ROS 2 Humble."""
     from rosbags.typesys import Stores, get_typestore
 
     return get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
@@ -49,7 +49,7 @@ def typestore(ros: Literal[1, 2]) -> Typestore:
 
 @cache
 def message_layout(ros: Literal[1, 2], topic: str) -> list[tuple[str, Any, int, Any]]:
-    """Name, NumPy format, offset and constant value of each field of a serialised message.
+    """Return name, NumPy format, offset and constant value of each field of a serialised message.
 
     The layout is fixed since the texts are. ROS 1 packs; CDR aligns every number to its own size, counted
     from after the four bytes that announce little-endian CDR (OMG DDSI-RTPS 2.3, chapter 10).

@@ -69,9 +69,9 @@ class SyntheticOta(SignalSource):
     times: NDArray[np.int64]
     """Header stamps [ns since the epoch]."""
     x: Floats
-    """Position [m]."""
+    """Position x of the robot [m]."""
     y: Floats
-    """Position [m]."""
+    """Position y of the robot [m]."""
     heading: Floats
     """Heading [rad], not wrapped."""
     speed: Floats
@@ -79,11 +79,11 @@ class SyntheticOta(SignalSource):
     turn_rate: Floats
     """Rate of turn [rad/s]."""
     payload: Floats
-    """Mass carried [kg]."""
+    """Mass carried by the robot [kg]."""
     current: Floats
     """Battery current [A], negative when it discharges."""
     voltage: Floats
-    """Battery voltage [V]."""
+    """Voltage of the battery [V]."""
     state_of_charge: Floats
     """State of charge, 0 to 1."""
     ambient: Floats
@@ -126,7 +126,7 @@ class SyntheticOta(SignalSource):
         plan: Floats,
         step: float,
     ) -> None:
-        """Follow the plan: kinematics, loads, battery, heat; then keep what happens while switched on."""
+        """Simulate the plan: kinematics, loads, battery, heat; then keep what happens while switched on."""
         t = (grid - grid[0]) / SECOND
         at, speed, heading, x, y, payload, charging = plan.T
         leg = np.clip(np.searchsorted(at, t, side="right") - 1, 0, len(at) - 2)
@@ -173,7 +173,7 @@ class SyntheticOta(SignalSource):
         self.voltage = 22.5 + 4.0 * self.state_of_charge + 0.05 * self.current
 
     def _measure(self, rng: np.random.Generator) -> None:
-        """What the sensors say of it: the fields of each topic that are not constant zero."""
+        """Make the readings of the sensors: the fields of each topic that are not constant zero."""
         n = len(self.times)
         stamp = {"header.stamp.sec": self.times // SECOND, "header.stamp.nanosec": self.times % SECOND}
         nan = np.full(n, np.nan)
@@ -213,7 +213,7 @@ class SyntheticOta(SignalSource):
         self.fingerprint = digest.hexdigest()
 
     def _tell(self, tasks: list[list[Trip]], start: int, period: int) -> Iterator[_Told]:
-        """What the robot says of its tasks, each at the first look after it; nothing where it does not look in time."""
+        """Tell of tasks, each at the first look after it; nothing where the robot does not look in time."""
         for trips in tasks:
             due = [start + math.ceil(at * SECOND) for at in (trips[0].begin, *(trip.arrived for trip in trips))]
             looks = np.searchsorted(self.times, due).tolist()
@@ -232,7 +232,7 @@ class SyntheticOta(SignalSource):
                 yield _Told(looks[0], "/ota/plan", stations)
 
     def topics(self) -> list[TopicInfo]:
-        """The topics that the robot sends; times are receipt times [ns]."""
+        """Return the topics that the robot sends; times are receipt times [ns]."""
         from robophm.transports.signals.message_type import numeric_fields
 
         definitions = typestore(2).fielddefs
@@ -248,7 +248,7 @@ class SyntheticOta(SignalSource):
         return sorted(found, key=lambda info: info.topic)
 
     def tasks(self) -> list[PlannedTask | DoneTask]:
-        """The tasks that it tells of, as a listener to its texts hears them."""
+        """Return the tasks that it tells of, as a listener to its texts hears them."""
         from robophm.transports.tasks import TaskListener
 
         listener = TaskListener(self.notes)
@@ -257,7 +257,7 @@ class SyntheticOta(SignalSource):
         return [task for task in heard if task]
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
-        """The samples of these signals, as a recording of the drive yields them."""
+        """Yield the samples of these signals, as a recording of the drive yields them."""
         from robophm.transports.signals.message_type import field_getter
 
         wanted: dict[str, list[tuple[str, str]]] = {}
@@ -304,7 +304,7 @@ class SyntheticOta(SignalSource):
                 yield from map(partial(Sample, time), names, row)
 
     def record(self, path: str | Path) -> Path:
-        """Write the drive as a recording; returns the file, or the rosbag2 folder, that was written.
+        """Write the drive as a recording; return the file, or the rosbag2 folder, that was written.
 
         The suffix says which: ``.mcap`` (ROS 2, zstd), ``.bag`` (ROS 1), or ``.db3``, which makes a rosbag2
         folder of that name without the suffix.

@@ -1,4 +1,4 @@
-"""What robots say of their tasks: what is planned, and what was done.
+"""Tasks that robots tell of: what is planned, and what was done.
 
 Read are the three topics of the 2020 tool, std_msgs/String with a list in it, found by the last step of their name:
 

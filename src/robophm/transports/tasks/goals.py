@@ -17,7 +17,7 @@ from robophm.core.signal import HOUR, SECOND
 from robophm.transports.tasks.told import DoneLeg, DoneTask, PlannedLeg, PlannedTask
 
 SUCCEEDED = {1: 3, 2: 4}
-"""By the generation of ROS (actionlib_msgs/GoalStatus, action_msgs/GoalStatus)."""
+"""Numbers of the state "succeeded", by generation of ROS (actionlib_msgs/GoalStatus, action_msgs/GoalStatus)."""
 
 FAILED = {1: (2, 4, 5, 8, 9), 2: (5, 6)}
 """Preempted, aborted, rejected, recalled and lost; cancelled and aborted."""
@@ -30,7 +30,7 @@ Place = tuple[float, float]
 
 @dataclass
 class _Goal:
-    """One that is under way."""
+    """A goal that is under way."""
 
     name: bytes | str
     start: int
@@ -38,9 +38,9 @@ class _Goal:
     planned: bool = False
     place: Place | None = None
     driven: float | None = None
-    """By the poses in its feedback [m]."""
+    """Distance driven by the poses in its feedback [m]."""
     odometer: float | None = None
-    """When it began [m]."""
+    """Odometer when the goal began [m]."""
 
 
 class GoalListener:
@@ -64,7 +64,7 @@ class GoalListener:
             self._place = place
 
     def hear(self, time: int, topic: str, message: Any) -> PlannedTask | DoneTask | None:
-        """The task that this message plans or completes."""
+        """Return the task that this message plans or completes."""
         action = topic.rpartition("/_action/")[0] or topic.rpartition("/")[0]
         if action not in self._goals and len(self._goals) >= MOST_ACTIONS:
             self.notes[f"more than {MOST_ACTIONS} actions: {topic}"] += 1
@@ -138,7 +138,7 @@ def _status(one: Any) -> tuple[bytes | str, int, int]:
 
 
 def _place_in(part: Any, name: str) -> Place | None:
-    """Of a PoseStamped, where it is finite."""
+    """The position in a PoseStamped, where it is finite."""
     position = getattr(getattr(getattr(part, name, None), "pose", None), "position", None)
     if position is None or not (math.isfinite(position.x) and math.isfinite(position.y)):
         return None

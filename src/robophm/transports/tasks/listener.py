@@ -1,4 +1,4 @@
-"""All topics that tell of tasks, whatever their type."""
+"""Topics that tell of tasks, whatever their type."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LONGEST_MESSAGE = 16 * LONGEST_LITERAL
 TEXT, PATH, ODOMETRY = "std_msgs/msg/String", "nav_msgs/msg/Path", "nav_msgs/msg/Odometry"
 
 ACTIONS = ("/navigate_to_pose", "/navigate_through_poses", "/follow_waypoints", "/move_base")
-"""Whose goals are listened to unless it is said otherwise."""
+"""Actions whose goals are listened to unless it is said otherwise."""
 
 _TYPES_OF_ACTIONS = ("_FeedbackMessage", "/GoalStatusArray", "ActionFeedback", "ActionGoal", "ActionResult")
 _OF_ACTION = ("_action/feedback", "_action/status", "goal", "feedback", "status", "result")
@@ -32,7 +32,7 @@ class TaskTopics:
         self._goals = GoalListener(self.notes)
 
     def hear(self, time: int, topic: str, message: Any) -> PlannedTask | DoneTask | None:
-        """The task that this message, received at ``time`` [ns], completes; None is one that came and is unreadable."""
+        """Return the task that this message, received at ``time`` [ns], completes; None came and is unreadable."""
         type_ = getattr(message, "__msgtype__", None)
         if type_ == PATH:
             places = ((pose.pose.position.x, pose.pose.position.y) for pose in message.poses)
@@ -53,20 +53,20 @@ class TaskTopics:
 
 
 def tells_of_tasks(topic: str, type_: str) -> bool:
-    """Whether messages of this type on this topic do."""
+    """Whether messages of this type on this topic tell of tasks."""
     if type_ == TEXT:
         return last_step(topic) in TEXT_TOPICS
     return type_ == PATH or type_.endswith(_TYPES_OF_ACTIONS)
 
 
 def known_topics(*roots: str) -> list[str]:
-    """The topics that tell of tasks by their names, at each root: the 2020 tool's, and those of ACTIONS."""
+    """Return the topics that tell of tasks by their names, at each root: the 2020 tool's, and those of ACTIONS."""
     texts = [f"{root}/{name}" for root in roots for name in TEXT_TOPICS]
     return texts + topics_of(f"{root}{name}" for root in roots for name in ACTIONS)
 
 
 def topics_to_hear(named: Collection[str] = (), namespace: str = "") -> list[str]:
-    """What to listen to for tasks: topics and actions as they are named; where none is, those known by their names.
+    """Return the topics and actions to listen to for tasks as they are named; where none is, those known by name.
 
     Of these both the ones in a robot's ``namespace`` and the ones outside it.
     """
@@ -74,5 +74,5 @@ def topics_to_hear(named: Collection[str] = (), namespace: str = "") -> list[str
 
 
 def topics_of(named: Iterable[str]) -> list[str]:
-    """All topics that may be meant: those named so, and those of actions of that name."""
+    """Return all topics that may be meant: those named so, and those of actions of that name."""
     return [topic for name in named for topic in (name, *(f"{name}/{part}" for part in _OF_ACTION))]

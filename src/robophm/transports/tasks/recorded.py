@@ -30,7 +30,7 @@ _POSITIONS = ("pose.pose.position.", "pose.position.", "position.", "transform.t
 
 
 def tasks_of(recording: Recording, topics: Collection[str] | None = None) -> Iterator[PlannedTask | DoneTask]:
-    """The tasks that these topics tell of, in the order in which they were told.
+    """Yield the tasks that these topics tell of, in the order in which they were told.
 
     A topic may be an action of navigation, ``/navigate_to_pose`` or ``/move_base``. Without topics, all of the 2020
     tool's and of Nav2's and move_base's own names. A nav_msgs/Path is read where it is asked for: navigation publishes
@@ -57,11 +57,11 @@ def tasks_of(recording: Recording, topics: Collection[str] | None = None) -> Ite
     messages = recording.messages(wanted - strange, LONGEST_MESSAGE)
     for topic in strange:
         recording.notes[f"{topic} is left out: {types[topic] or 'of unknown type'}; expected {TEXT}"] += 1
-    return told_in(messages, TaskTopics(recording.notes))
+    return tasks_in(messages, TaskTopics(recording.notes))
 
 
 def told_by(recording: Recording, topics: Sequence[str] = ()) -> tuple[list[PlannedTask | DoneTask], Counter[str]]:
-    """All tasks that a recording tells of, by the time at which each came or ended, and what could not be read.
+    """Return all tasks that a recording tells of, by the time at which each came or ended, and what is unreadable.
 
     ``topics`` may tell of tasks, as those of ``tasks_of``, or say where the robot was: all that it drove is then one
     task (``driven_task``). Raises SourceError as these do, and where there is no task.
@@ -76,20 +76,20 @@ def told_by(recording: Recording, topics: Sequence[str] = ()) -> tuple[list[Plan
         raise SourceError(f"the recording tells of no task that can be read: {min(unread)}")
     if not told:
         raise SourceError(
-            f"the recording tells of no task; expected topics named {', '.join(TEXT_TOPICS)}, or --topic with a path "
-            "or with where the robot was"
+            f"the recording tells of no task; expected topics named {', '.join(TEXT_TOPICS)}, or another topic "
+            "with a path or with where the robot was"
         )
     return sorted(told, key=lambda one: one.time if isinstance(one, PlannedTask) else one.end), unread
 
 
 def _says_where(topic: str, types: Mapping[str, str]) -> bool:
-    """Whether it is asked for what was driven, not for what is told of tasks."""
+    """Whether a topic is asked what was driven, and not for what is told of tasks."""
     meant = [each for each in topics_of([topic]) if each in types]
     return types.get(topic) not in (TEXT, PATH) and not any(tells_of_tasks(each, types[each]) for each in meant)
 
 
-def told_in(messages: Iterable[tuple[int, str, Any]], topics: TaskTopics) -> Iterator[PlannedTask | DoneTask]:
-    """The tasks that these messages tell of; None in place of a message is one that cannot be read."""
+def tasks_in(messages: Iterable[tuple[int, str, Any]], topics: TaskTopics) -> Iterator[PlannedTask | DoneTask]:
+    """Yield the tasks that these messages tell of; None in place of a message is one that cannot be read."""
     for time, topic, message in messages:
         if task := topics.hear(time, topic, message):
             yield task
@@ -97,7 +97,7 @@ def told_in(messages: Iterable[tuple[int, str, Any]], topics: TaskTopics) -> Ite
 
 
 def driven_task(source: SignalSource, topic: str, start: int | None = None, end: int | None = None) -> DoneTask:
-    """All that the robot drove from ``start`` to ``end`` [ns since the epoch] as one task of one leg.
+    """Return all that the robot drove from ``start`` to ``end`` [ns since the epoch] as one task of one leg.
 
     The topic says where the robot is: nav_msgs/Odometry, geometry_msgs/PoseStamped, turtlesim/Pose, any type with x
     and y in such a place. The task begins and ends with the first and the last pose of that time; its distance is the

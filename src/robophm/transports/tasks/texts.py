@@ -33,7 +33,7 @@ class TaskListener:
         self._reasons: dict[str, str] = {}
 
     def hear(self, time: int, topic: str, text: str | None) -> PlannedTask | DoneTask | None:
-        """The task that this text on one of TEXT_TOPICS completes; None is one that came and cannot be read."""
+        """Return the task that this text on one of TEXT_TOPICS completes; None is one that came and cannot be read."""
         name = last_step(topic)
         half = _Half(time, topic, name == _TIME)
         try:
@@ -50,7 +50,7 @@ class TaskListener:
         return None if name == _LIST else self._pair(half)
 
     def hear_path(self, time: int, topic: str, places: Iterable[tuple[float, float]]) -> PlannedTask | None:
-        """The task to follow a path: one leg, since no speed is said by which they would differ."""
+        """Return the task to follow a path: one leg, since no speed is said by which they would differ."""
         try:
             return PlannedTask(time, topic, (PlannedLeg(finite(sum(_distances([*places]))), None),))
         except SourceError as error:
@@ -158,12 +158,12 @@ def _distances(places: Sequence[tuple[float, float]]) -> list[float]:
 
 
 def finite(distance: float) -> float:
-    """The distance itself. Raises SourceError where it is not finite."""
+    """Return the distance itself. Raises SourceError where it is not finite."""
     if not math.isfinite(distance):
         raise SourceError(f"a distance of {distance} m; expected a finite one")
     return distance
 
 
 def last_step(topic: str) -> str:
-    """The last step of a topic's name."""
+    """Return the last step of a topic's name."""
     return topic.rpartition("/")[2]

@@ -1,4 +1,4 @@
-"""What is told of tasks: one that is planned, one that is done."""
+"""Tasks as robots tell of them: one that is planned, one that is done."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ class PlannedLeg(NamedTuple):
     """A straight way, or a whole path, that is to be driven."""
 
     distance: float
-    """[m]"""
+    """Distance of the leg [m]."""
     speed: float | None
-    """[m/s], None where the robot did not say."""
+    """Speed of the leg [m/s]; None where the robot did not say."""
 
 
 class DoneLeg(NamedTuple):
     """A leg that was driven."""
 
     distance: float
-    """[m]"""
+    """Distance of the leg [m]."""
     duration: float
-    """[h]"""
+    """Duration of the leg [h]."""
 
 
 @dataclass(frozen=True)

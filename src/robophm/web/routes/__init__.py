@@ -1,1 +1,1 @@
-"""What can be asked of the service, by subject."""
+"""Routes of the service, by subject."""

@@ -19,7 +19,7 @@ from robophm.health.report import VIEWS, plain
 from robophm.health.unknown_rates import unknown
 from robophm.report.minimal_sets import MOST_PARTS, STEPS, counted, left_out
 from robophm.web.health import Life, life_of
-from robophm.web.prepared import Prepared, finite, unknown_of
+from robophm.web.prepared_robot import PreparedRobot, finite, unknown_of
 from robophm.web.routes.design import REFUSED, apply
 from robophm.web.service import Served, Service
 from robophm.web.shapes import Operation, Shape, UnknownRates
@@ -39,7 +39,7 @@ class CurveOf(Shape):
     density: Numbers
     remaining_life: Life
     hazard_rate_now: float | None
-    """Given that it works now."""
+    """Hazard rate now, given that it works now."""
 
 
 class Curves(Shape):
@@ -48,11 +48,12 @@ class Curves(Shape):
     path: str
     state: int
     hours: list[float]
-    """Of operation from now on."""
+    """Hours of operation from now on."""
     nominal: CurveOf
     sensor_based: CurveOf
     unknown: UnknownRates | None
-    """Of its figures now and ahead; of survivors since new the hazard rate is then as if they never failed."""
+    """The effect of parts of unknown rate on figures now and ahead; survivors' hazard rate is as if they never
+    failed."""
 
 
 class LifeOf(Shape):
@@ -64,7 +65,9 @@ class LifeOf(Shape):
 
 
 Ratio = float | Literal["Infinity"] | None
-"""Null where it does not apply. JSON has no infinite number: what removes every failure has a reduction worth of it."""
+"""A ratio, null where it does not apply. JSON has no infinite number: what removes every failure has a reduction worth
+of it.
+"""
 
 
 class Importance(Shape):
@@ -105,7 +108,7 @@ class CutSets(Shape):
     sets: list[CutSet]
     left_out: str
     unknown: str
-    """What is to be said of parts of unknown rate; "" where there are none."""
+    """Note on parts of unknown rate; "" where there are none."""
 
 
 class WhatIfAsked(Shape):
@@ -123,7 +126,7 @@ class WhatIf(Shape):
     changed: Curves
 
 
-def _system(prepared: Prepared, path: str) -> Block:
+def _system(prepared: PreparedRobot, path: str) -> Block:
     module = prepared.modules.get(path)
     if module is not None:
         return module.diagram
@@ -137,8 +140,10 @@ def _system(prepared: Prepared, path: str) -> Block:
     raise DesignError(f"no level, part or function '{path}'{nearest(path, known)}")
 
 
-def curves(service: Service, prepared: Prepared, path: str, horizon: float | None, points: int, state: int) -> Curves:
-    """Survival, hazard and density ahead in both views."""
+def curves(
+    service: Service, prepared: PreparedRobot, path: str, horizon: float | None, points: int, state: int
+) -> Curves:
+    """Return survival, hazard and density ahead in both views."""
     diagram = _system(prepared, path)
     exposure, ledger = service.past(prepared)
     views = outlooks(prepared.plant, exposure, ledger)

@@ -10,7 +10,7 @@ from fastapi.responses import PlainTextResponse
 from robophm.core.errors import DesignError
 from robophm.core.yaml_values import values
 from robophm.design import editing
-from robophm.design.fault import Fault
+from robophm.design.located_error import LocatedError
 from robophm.web.drawing import drawing
 from robophm.web.service import Served
 from robophm.web.shapes import (
@@ -132,7 +132,7 @@ def get_part_text(service: Served, path: Annotated[list[str] | None, Query(max_l
         try:
             here = here[int(key)] if isinstance(here, list) else here[key]
         except (KeyError, ValueError, IndexError, TypeError):
-            raise Fault(tuple(path or ()), "there is nothing at this place") from None
+            raise LocatedError(tuple(path or ()), "there is nothing at this place") from None
     return DesignText(revision=draft.revision, text=dump(here).removesuffix("...\n"))
 
 
@@ -149,7 +149,7 @@ def get_drawing(
 
 
 def apply(document: Any, operation: Operation) -> None:
-    """Make one edit. Raises Fault."""
+    """Make one edit in a document. Raises LocatedError."""
     match operation:
         case Put():
             editing.put(document, operation.path, operation.value)
@@ -172,11 +172,11 @@ def apply(document: Any, operation: Operation) -> None:
 
 
 def _read(operation: PutText) -> Any:
-    """The value of a text, its comments kept. Raises Fault."""
+    """The value of a text, its comments kept. Raises LocatedError."""
     from robophm.web.workspace import load_value
 
     try:
         values(operation.text, "text")
     except DesignError as error:
-        raise Fault(tuple(operation.path), str(error)) from None
+        raise LocatedError(tuple(operation.path), str(error)) from None
     return load_value(operation.text)

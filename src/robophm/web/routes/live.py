@@ -50,7 +50,7 @@ class StartAsked(Shape):
 
     source: Annotated[str, Field(max_length=100)]
     speed: Annotated[float, Field(gt=0, le=10_000)] = 1.0
-    """How many times as fast as it was lived; of a recording."""
+    """Speed in multiples of the recording's own."""
 
 
 class Topic(Shape):
@@ -60,7 +60,7 @@ class Topic(Shape):
     type: str
     messages: int
     rate: float | None
-    """[1/s]"""
+    """Messages per second [1/s]."""
     fields: list[TopicField]
 
 
@@ -69,7 +69,7 @@ class TopicField(Shape):
 
     field: str
     unit: str | None
-    """As well-known messages have it."""
+    """Unit as well-known messages have it."""
     last: float | None
 
 
@@ -92,9 +92,9 @@ class SensorTest(Shape):
     topic: Annotated[str, Field(max_length=300)]
     field: Annotated[str, Field(max_length=300)]
     unit: Annotated[str, Field(max_length=60)] = ""
-    """Of the field."""
+    """Unit of the field."""
     wanted: Annotated[str, Field(max_length=60)] = ""
-    """That the model's input has."""
+    """Unit that the model's input has."""
 
 
 class SensorTested(Shape):
@@ -103,7 +103,7 @@ class SensorTested(Shape):
     signal: str
     raw: float | None
     value: float | None
-    """In the unit of the input."""
+    """Value in the unit of the input."""
     age: float | None
     words: str
 
@@ -161,7 +161,7 @@ def get_health(
 
 
 def freshness(robot: Robot, service: Service) -> list[Freshness]:
-    """The silence of each bound signal before the newest sample [s]."""
+    """Return the silence of each bound signal before the newest sample [s]."""
     run = service.monitoring.run
     heard = service.monitoring.board.last(robot.signals) if run else {}
     newest = run.ledger.newest / SECOND if run and run.ledger and run.ledger.newest is not None else None
@@ -252,7 +252,7 @@ async def live(socket: WebSocket) -> None:
 
 
 async def _hear(socket: WebSocket, viewer: Viewer) -> None:
-    """Until the client leaves, or says what nobody understands."""
+    """Hear the client until it leaves, or says what nobody understands."""
     while True:
         try:
             text = await socket.receive_text()

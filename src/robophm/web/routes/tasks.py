@@ -24,7 +24,7 @@ from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.monitoring.task_history import TaskRecord
 from robophm.transports.signals.sink import JudgedTask
 from robophm.web.jobs import Job
-from robophm.web.prepared import finite, unknown_of
+from robophm.web.prepared_robot import finite, unknown_of
 from robophm.web.routes.design import REFUSED
 from robophm.web.service import Served, Service
 from robophm.web.shapes import Shape, Trouble, UnknownRates
@@ -32,10 +32,10 @@ from robophm.web.shapes import Shape, Trouble, UnknownRates
 router = APIRouter(prefix="/api", tags=["tasks"])
 
 MOST_POINTS = 2000
-"""Of a prognosis, as drawn."""
+"""The most points of a prognosis, as drawn."""
 
 MOST_LEGS = 20_000
-"""Of a list that is asked about here."""
+"""The most legs of a list that is asked about here."""
 
 Words = Annotated[str, Field(max_length=200)]
 Future = Literal["recent", "last", "nominal"]
@@ -108,9 +108,9 @@ class TaskAnswer(Shape):
 
     name: str
     distance: float
-    """[m]"""
+    """Distance of the task [m]."""
     duration: float
-    """[h]"""
+    """Duration of the task [h]."""
     legs: int
     chance: BothChances
 
@@ -131,7 +131,7 @@ class Answer(Shape):
     threshold: float | None
     breached: bool
     unknown: UnknownRates | None
-    """In the functions that are needed."""
+    """The effect of parts of unknown rate in the functions that are needed."""
 
 
 class JobState(Shape):
@@ -164,7 +164,7 @@ class Prognosis(Shape):
     sensor_based: RepeatedView
     threshold: float | None
     unknown: UnknownRates | None
-    """What parts of unknown rate make of the completion of all."""
+    """The effect of parts of unknown rate on the completion of all."""
 
 
 class DrivenTask(Shape):
@@ -174,7 +174,7 @@ class DrivenTask(Shape):
     duration: float
     chance: BothChances | None
     unknown: UnknownRates | None
-    """In the functions that are needed."""
+    """The effect of parts of unknown rate in the functions that are needed."""
 
 
 class ArrivedTask(Shape):
@@ -267,7 +267,7 @@ def arrived(service: Served) -> Arrived:
 
 
 def _told(judged: Sequence[JudgedTask]) -> list[ArrivedTask]:
-    """What a live robot told of, the latest first: each task that is done beside the plan that came before it."""
+    """The tasks that a live robot told of, the latest first: each done task beside the plan that came before it."""
     found: list[ArrivedTask] = []
     waiting: dict[str, ArrivedTask] = {}
     for one in judged:

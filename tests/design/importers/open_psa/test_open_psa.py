@@ -155,7 +155,7 @@ LAUGHS = "<!DOCTYPE lolz [" + '<!ENTITY a "ha">' + "".join(
         (event(""), "'a' has 0 expressions; expected its probability"),
         (event('<exponential><float value="1"/></exponential>'), "'exponential' has 1 arguments; expected 2"),
         (event("<exponential><float value='-1'/><float value='1'/></exponential>"), "of a negative rate or time"),
-        (event('<exponential><float value="1"/><system-mission-time/></exponential>'), "expected it as --time"),
+        (event('<exponential><float value="1"/><system-mission-time/></exponential>'), "the mission time, in hours"),
         (event('<Weibull><float value="0"/><float value="2"/><float value="0"/><float value="1"/></Weibull>'),
          "expected above zero"),
         (event('<div><float value="1"/><float value="0"/></div>'), "'div' of 1, 0 is not a number"),

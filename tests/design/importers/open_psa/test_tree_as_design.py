@@ -123,9 +123,9 @@ def test_one_event_is_a_design(made):
         (gate("Top", of("not", "a")), DATA, TIME, "it has 'not' or 'xor' gates"),
         (
             gate("Top", of("or", "d")), DATA, None,
-            "model.xml: 'd' has a probability and no rate, as a part of a design has; expected --time above 0",
+            "model.xml: 'd' has a probability and no rate, as a part of a design has; expected a mission time above 0",
         ),
-        (gate("Top", of("or", "d")), DATA, 0.0, "expected --time above 0"),
+        (gate("Top", of("or", "d")), DATA, 0.0, "expected a mission time above 0"),
         (gate("Top", of("or", "z")), event("z", '<float value="0"/>'), TIME, "'z' never occurs, and a part has a rate"),
         (gate("Top", of("or", "z")), event("z", '<float value="1"/>'), TIME, "'z' always occurs, and a part has a ra"),
         (gate("Top", '<constant value="true"/>'), "", TIME, "'Top' is decided by constants; expected a tree with"),

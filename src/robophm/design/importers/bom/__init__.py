@@ -28,17 +28,17 @@ from robophm.design.robot import Robot
 
 @dataclass(frozen=True)
 class ImportedPart:
-    """What became of a part."""
+    """One part of a parts list, with its rating and what became of it in the design."""
 
     part: Part
     rating: Rating | None
     hazard_rate: float | None
-    """Of one of them, as the list gives it [1/h]; None where it has no rate."""
+    """Hazard rate of one of these parts as the list gives it [1/h]; None where it has no rate."""
     outcome: Outcome
 
     @property
     def guess(self) -> bool:
-        """Whether it is rated as what its letters alone say."""
+        """Whether its kind is known by the letters of its reference alone."""
         return self.rating is not None and self.part.recognised.concluded.get("kind") == GUESS
 
 
@@ -60,17 +60,17 @@ class ImportedList:
         return [one for one in self.parts if one.guess]
 
     def of_state(self, state: State) -> list[ImportedPart]:
-        """The parts of which this became."""
+        """Return the parts that ended in this state."""
         return [one for one in self.parts if one.outcome.state == state]
 
 
 def total_rate(parts: Iterable[ImportedPart]) -> float:
-    """Of parts as the list gives them, in series when new [1/h]; those without a rate add nothing."""
+    """Return the hazard rate of parts in series when new [1/h], as the list gives them; unrated ones add nothing."""
     return math.fsum(one.part.quantity * one.hazard_rate for one in parts if one.hazard_rate is not None)
 
 
 def by_kind(parts: Iterable[ImportedPart]) -> dict[str, list[ImportedPart]]:
-    """The parts of each kind, the kinds in the order of their names; "" of those whose kind is not clear."""
+    """Return the parts by kind, the kinds in the order of their names; "" for those whose kind is not clear."""
     found: dict[str, list[ImportedPart]] = {}
     for one in parts:
         found.setdefault(one.part.recognised.kind, []).append(one)
@@ -78,7 +78,7 @@ def by_kind(parts: Iterable[ImportedPart]) -> dict[str, list[ImportedPart]]:
 
 
 def assumed_inputs(parts: Iterable[ImportedPart]) -> dict[str, Counter[str]]:
-    """Of the inputs of models that a list does not say, how many rows take which value."""
+    """Return, for inputs of models that a list does not state, how many rows take which value."""
     found: dict[str, Counter[str]] = {}
     for rating in filter(None, (one.rating for one in parts)):
         for name in rating.assumed:
@@ -87,7 +87,7 @@ def assumed_inputs(parts: Iterable[ImportedPart]) -> dict[str, Counter[str]]:
 
 
 def rate_parts(parts: Sequence[Part], assumptions: Assumptions) -> list[tuple[Rating | None, float | None, str]]:
-    """Model and inputs of each part with its hazard rate [1/h], or why it has none."""
+    """Return the model and inputs of each part with its hazard rate [1/h], or why it has none."""
     rater = Rater(assumptions)
     found: list[tuple[Rating | None, str]] = []
     for part in parts:

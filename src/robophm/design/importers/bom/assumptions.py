@@ -1,4 +1,4 @@
-"""Where an input of a model comes from: the list, a stated assumption about all parts, or one about its kind."""
+"""The source of each input of a model: the list itself, an assumption about all parts, or one about a kind."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from robophm.design.importers.bom.parts import Recognised
 
 @dataclass(frozen=True)
 class Assumptions:
-    """What holds for every part of which the list says nothing else."""
+    """Assumptions for every part of which the list says nothing else."""
 
     temperature: str = "40 degC"
-    """Around the parts."""
+    """Temperature around the parts."""
     stress: float = 0.5
-    """Applied by rated voltage, current or power."""
+    """Applied over rated voltage, current or power."""
     rise: str = "10 K"
-    """Of what warms itself, junctions and windings, above what is around it."""
+    """Rise of what warms itself, junctions and windings, above its surroundings."""
     environment: str = "GM"
     """Symbol of MIL-HDBK-217F Table 3-2; a mobile robot is GM by the handbook's definition."""
     quality: str | None = None
-    """A level, of the models that know it; None for each model's own default, its lowest or 'commercial'."""
+    """Quality level for the models that know it; None: each model's own default, its lowest or 'commercial'."""
 
 
 OF_ALL = frozenset({
@@ -33,7 +33,7 @@ OF_ALL = frozenset({
 
 
 class TooLittle(Exception):  # noqa: N818  no error: what it says is what the part still needs
-    """Why a part has no rate."""
+    """Raised where the list says too little of a part for a rate; its text says what is missing."""
 
 
 Entry = Callable[[Recognised, Assumptions], tuple[str, str] | None]
@@ -42,15 +42,16 @@ Entry = Callable[[Recognised, Assumptions], tuple[str, str] | None]
 
 @dataclass(frozen=True)
 class Rule:
-    """The model of a kind and what each of its inputs is."""
+    """The rule by which a kind is rated: its model, and the source of each input."""
 
     model: str
     entries: Mapping[str, Entry]
     taken_for: str = ""
-    """What another kind is rated as, for want of a model of its own."""
+    """The kind as which another kind is rated, for want of a model of its own."""
 
     def inputs(self, part: Recognised, assumed: Assumptions) -> tuple[dict[str, str], dict[str, str]]:
-        """The inputs of a part, and of those that are assumed why. Raises TooLittle, or UnitError for a fact."""
+        """Return the inputs of a part, and why those that are assumed are. Raises TooLittle, or UnitError for a
+        fact."""
         inputs: dict[str, str] = {}
         reasons = {"model": f"taken for {self.taken_for}"} if self.taken_for else {}
         for name, entry in self.entries.items():
@@ -62,12 +63,12 @@ class Rule:
 
 
 def assume(text: str, why: str) -> Entry:
-    """The same for all parts of a kind."""
+    """Return an entry that is the same for all parts of a kind."""
     return lambda part, assumed: (text, why)
 
 
 def required_in_list(fact: str, expected: str) -> Entry:
-    """What the list says. Raises TooLittle where it does not."""
+    """Return an entry that the list has to state. It raises TooLittle where the list does not."""
 
     def entry(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
         if fact not in part.facts:
@@ -78,7 +79,7 @@ def required_in_list(fact: str, expected: str) -> Entry:
 
 
 def said_or(fact: str, otherwise: str, why: str) -> Entry:
-    """What the list says, or else a stated assumption."""
+    """Return an entry that the list states, or else a stated assumption."""
 
     def entry(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
         return (part.facts[fact], part.concluded.get(fact, "")) if fact in part.facts else (otherwise, why)
@@ -87,7 +88,7 @@ def said_or(fact: str, otherwise: str, why: str) -> Entry:
 
 
 def by_type(options: Mapping[str, str], otherwise: str, why: str) -> Entry:
-    """The model's word for the part's type; where the list says none, a stated assumption."""
+    """Return an entry that is the model's word for the part's type, or else a stated assumption."""
 
     def entry(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
         kind = part.facts.get("type", "")
@@ -97,7 +98,7 @@ def by_type(options: Mapping[str, str], otherwise: str, why: str) -> Entry:
 
 
 def at_most(fact: str, unit: str, most: float, otherwise: Entry) -> Entry:
-    """A number that the list says, cut to the largest that the handbook has."""
+    """Return an entry that the list states, cut to the largest number that the handbook has."""
 
     def entry(part: Recognised, assumed: Assumptions) -> tuple[str, str] | None:
         text = part.facts.get(fact)
@@ -109,7 +110,7 @@ def at_most(fact: str, unit: str, most: float, otherwise: Entry) -> Entry:
 
 
 def share(fact: str, unit: str, otherwise: str = "") -> Entry:
-    """The applied voltage, current or power: the assumed share of the rated one."""
+    """Return an entry for an applied voltage, current or power: the assumed share of the rated one."""
 
     def entry(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
         rated = quantity(part.facts.get(fact, otherwise), unit)
@@ -119,18 +120,18 @@ def share(fact: str, unit: str, otherwise: str = "") -> Entry:
 
 
 def around(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
-    """The temperature around the parts."""
+    """Return the temperature around the parts."""
     return assumed.temperature, "around it"
 
 
 def junction(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
-    """The junction's own temperature, at which no power warms it further."""
+    """Return the junction's own temperature, at which no power warms it further."""
     warm = quantity(assumed.temperature, "degC") + quantity(assumed.rise, "K")
     return f"{warm:.6g} degC", f"of the junction, {assumed.rise} above what is around it"
 
 
 def rise(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
-    """How much warmer windings are than what is around them."""
+    """Return how much warmer windings are than what is around them."""
     return assumed.rise, "above what is around it"
 
 

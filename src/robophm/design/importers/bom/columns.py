@@ -1,4 +1,4 @@
-"""Which column of a parts list means what: guessed from its header and cells, or said in a mapping file."""
+"""The meaning of a parts list's columns: guessed from header and cells, or stated in a mapping file."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ FIELDS: Mapping[str, tuple[str, ...]] = {
     ),
     "note": ("note", "notes", "remark", "remarks", "bemerkung", "remarque", "comments", "comment", "config", "variant"),
 }  # fmt: skip
-"""What a column can mean, and the headers that say so."""
+"""The meanings that a column can have, and the headers that state them."""
 
 Decimal = Literal[",", "."]
 
@@ -104,7 +104,7 @@ class PartsTable:
 
 @dataclass(frozen=True)
 class ColumnMapping:
-    """What a mapping file says."""
+    """The columns and the decimal sign that a mapping file states."""
 
     columns: Mapping[str, str]
     decimal: Decimal | None = None
@@ -162,11 +162,11 @@ def _chosen(path: Path, said: ColumnMapping) -> PartsTable:
 
 
 _MARGIN = 0.3
-"""Of sureness, by which a later row must be the better header: some lists repeat theirs."""
+"""Confidence by which a later row must be the better header: some lists repeat theirs."""
 
 
 def _columns(header: tuple[str, ...], below: list[Row], said: ColumnMapping) -> list[Column]:
-    """What the cells of a row would mean as a header, each field once, each column once."""
+    """The columns that the cells of a row would be as a header, each field once, each column once."""
     found = [
         Column(field, header[place], place, 2.0)
         for field, name in said.columns.items()
@@ -227,7 +227,7 @@ def _meanings(words: str) -> Iterator[tuple[str, float]]:
 
 
 def _by_cells(header: tuple[str, ...], below: list[Row]) -> Iterator[Column]:
-    """A column whose header says nothing, but whose cells are references."""
+    """Columns whose header says nothing, but whose cells are references."""
     for place, cell in enumerate(header):
         texts = [row.cells[place] for row in below if place < len(row.cells) and row.cells[place]]
         if cell and len(texts) >= 3 and sum(map(are_references, texts)) > 0.8 * len(texts) and not are_references(cell):
@@ -235,7 +235,7 @@ def _by_cells(header: tuple[str, ...], below: list[Row]) -> Iterator[Column]:
 
 
 def _checked(claim: Column, below: list[Row]) -> Column:
-    """Less sure where the cells contradict the header."""
+    """The claim, less sure where the cells contradict the header."""
     texts = [row.cells[claim.place] for row in below if claim.place < len(row.cells) and row.cells[claim.place]]
     fits = {"reference": are_references, "quantity": lambda text: bool(re.search(r"\d", text)) and len(text) < 20}
     if claim.field not in fits or not texts:
@@ -256,7 +256,7 @@ _POINT = re.compile(r"(?<![\d,.])\d+\.(?:\d{1,2}|\d{4,})(?![\d.])")  # 1.000 may
 
 
 def _decimal(rows: tuple[Row, ...], places: list[int], semicolons: bool, written: bool) -> Decimal:
-    """What parts ones from tenths in this list; where no cell tells, what usually goes with its delimiter.
+    """The decimal sign of this list; where no cell tells, the one that usually goes with its delimiter.
 
     Bare numbers tell it only where people, or a program in their language, have ``written`` them.
     """
@@ -271,7 +271,7 @@ def _decimal(rows: tuple[Row, ...], places: list[int], semicolons: bool, written
 
 
 def parse_mapping(path: Path) -> ColumnMapping:
-    """What a mapping file says. Raises DesignError with file and line."""
+    """Read a mapping file. Raises DesignError with file and line."""
     from robophm.core.yaml_values import located
     from robophm.design.file import mapping, read
 

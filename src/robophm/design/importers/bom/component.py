@@ -36,14 +36,14 @@ class Wanted:
     description: str
     rating: Rating | None
     needs: str
-    """Why it has no rate."""
+    """The reason why it has no rate; "" where it has one."""
     hazard_rate: float | None = None
-    """Of one of them [1/h]."""
+    """Hazard rate of one of the parts [1/h]."""
 
 
 @dataclass(frozen=True)
 class Origin:
-    """What a component's source says of the list that it came from."""
+    """The origin of a component as its source states it: file, references and stamp."""
 
     file: str
     references: tuple[str, ...]
@@ -63,7 +63,7 @@ def content(part: Wanted, file: str) -> Content:
 
 
 def stamp(made: Content) -> str:
-    """Of all that a component says but its source: another one where somebody has edited it."""
+    """Return a hash of all that a component says but its source: it changes when somebody edits the component."""
 
     def words(value: Any) -> Any:
         return {key: words(inner) for key, inner in value.items()} if isinstance(value, dict) else str(value)
@@ -73,7 +73,7 @@ def stamp(made: Content) -> str:
 
 
 def origin(source: object) -> Origin | None:
-    """What a source says of an import; None where it is of none."""
+    """Return the import that a source tells of; None where it tells of none."""
     match = _SOURCE.match(source) if isinstance(source, str) else None
     if not match:
         return None
@@ -102,43 +102,43 @@ def lines(name: str, part: Wanted, file: str, pad: str) -> Iterator[str]:
 
 
 def rate_text(part: Wanted, pad: str) -> str:
-    """Where its rate is from, or that it is unknown and why; the first line without its indentation."""
+    """Return the lines on where its rate is from, or why it is unknown; the first without its indentation."""
     if part.rating:
         return hazard_text(part.rating, pad)
     return f"{line('rate', UNKNOWN)}{NEEDS}{printable(part.needs)}"
 
 
 def line(key: str, value: object) -> str:
-    """A key and its value."""
+    """Return a key and its value as a line of a design."""
     return f"{key}: {value if isinstance(value, int) else quoted(str(value))}"
 
 
 def hazard_text(rating: Rating, pad: str) -> str:
-    """Model and inputs; the first line without its indentation."""
+    """Return the model and its inputs as lines; the first without its indentation."""
     return f"hazard:\n{pad}  {hazard_line(rating, 'model')}\n{pad}  {inputs_text(rating, f'{pad}  ')}"
 
 
 def hazard_line(rating: Rating, key: str) -> str:
-    """The model, or one of the inputs, with why it is assumed."""
+    """Return the model's line, or that of an input, with why it is assumed."""
     why = rating.assumed.get(key)
     text = line(key, rating.model if key == "model" else rating.inputs[key])
     return f"{text}{ASSUMED}{why}" if why else text
 
 
 def inputs_text(rating: Rating, pad: str) -> str:
-    """All inputs, line by line, likewise."""
+    """Return all inputs, line by line; the first without its indentation."""
     if not rating.inputs:
         return "inputs: {}"
     return "\n".join(("inputs:", *(f"{pad}  {hazard_line(rating, name)}" for name in rating.inputs)))
 
 
 def differ(one: object, other: object) -> bool:
-    """As a design says them: 4 is '4'."""
+    """Whether two values differ as a design writes them: 4 equals '4'."""
     return stamp({"": one}) != stamp({"": other})
 
 
 def short(value: object) -> str:
-    """A value of a component, for people."""
+    """Return a value of a component as people would read it."""
     if isinstance(value, Mapping):
         inputs = value.get("inputs")
         model = str(value.get("model", "")).rpartition(".")[2]

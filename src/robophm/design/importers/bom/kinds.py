@@ -1,4 +1,4 @@
-"""What kind of part a row is: by its words, and by the letters of its reference where these say no more."""
+"""The kind of a part: from its words, or from the letters of its reference where words say no more."""
 
 from __future__ import annotations
 
@@ -94,10 +94,10 @@ KINDS: Mapping[str, str] = {
 DEVICE = "whole device"
 
 OTHER = ("no part", "hardware", "mechanical part", DEVICE, "cable")
-"""What no handbook's electronic part stands for."""
+"""Kinds that no handbook's electronic part stands for."""
 
 NO_PARTS = ("no part", "hardware")
-"""What stands on lists and fails no circuit."""
+"""Things that stand on lists and fail no circuit."""
 
 PREFIXES: Mapping[str, tuple[str, ...]] = {
     # IEEE 315 as schematic editors use it. Where IEC 81346 or habit has another meaning, both are here: words decide.
@@ -118,7 +118,7 @@ PREFIXES: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("LS", "BZ"), ("buzzer",)), **dict.fromkeys(("AE", "ANT"), ("antenna",)),
     "PCB": ("printed board",), **dict.fromkeys(("TP", "MH", "FID"), ("no part",)),
 }  # fmt: skip
-"""What the letters of a reference designator mean. Of one with several meanings the words of its row decide."""
+"""The meanings of a reference designator's letters. Where there are several, the words of the row decide."""
 
 MICROCIRCUITS = ("microcircuit", "microcontroller", "programmable logic", "memory", "analog circuit", "logic")
 
@@ -148,7 +148,7 @@ class Spoken:
     """The cells of a row that may say what kind of part it is."""
 
     names: tuple[str, ...]
-    """What describes a part in words: description, library."""
+    """Cells that describe a part in words: description, library."""
     value: str = ""
     """A value is often a label: what a connector leads to."""
     part_number: str = ""
@@ -159,7 +159,7 @@ class Spoken:
 
 
 GUESS = "a guess, by its letters alone"
-"""Why a part is of a kind of which nothing but its reference speaks."""
+"""The reason given for a kind that nothing but the reference tells."""
 
 
 def kind_of(letters: str, row: Spoken) -> tuple[str, str]:
@@ -197,7 +197,7 @@ def _named(lettered: tuple[str, ...], row: Spoken) -> str:
 
 
 def _other_than_electronic(lettered: tuple[str, ...], row: Spoken) -> str:
-    """What is no electronic part, where that is what the words of a cell end in: a button head screw."""
+    """A kind that is no electronic part, where the words of a cell end in its name: a button head screw."""
     label = row.footprint or not _CONNECTS.isdisjoint(lettered)
     for cell in (*row.names, *(() if label else (row.value,))):
         words = _beginning(cell)
@@ -230,7 +230,7 @@ def _by_number(kind: str, words: str) -> bool:
 
 
 def _beginning(cell: str) -> str:
-    """What a cell names, without what that is for, with or of."""
+    """The beginning of a cell, which names the part, without what it is for, with or of."""
     return _APART.split(spread(cell), maxsplit=1)[0]
 
 
@@ -240,7 +240,7 @@ def spread(words: str) -> str:
 
 
 def any_of(words: str) -> re.Pattern[str]:
-    """One of these words, whole, in whatever case."""
+    """Return a pattern for any of these words, whole, in upper or lower case."""
     return re.compile(rf"(?<![^\W_])(?:{words})(?![^\W_])", re.IGNORECASE)
 
 
@@ -258,6 +258,6 @@ _CATALOGUE = re.compile(
     re.IGNORECASE,
 )
 _ON_BOARDS = re.compile(r"drivers?|v?reg|regulators?|\w*regler|controllers?|converters?|dc-?dc|treiber", re.I)
-"""What is sold as a board too; where neither letters, nor a package, nor a number speak of a circuit, it is one."""
+"""Circuits that are sold as boards too; without letters, package or number of a circuit, they are taken for boards."""
 
 _PACKAGE = re.compile(r"(?<![A-Za-z])(?:[A-Z]*QF[NP]|LGA|[A-Z]*BGA|SO[TP]?|[A-Z]*SOP|SOIC|DFN|LCC|WLCSP)-?[0-9]")

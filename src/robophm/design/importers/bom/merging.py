@@ -40,7 +40,7 @@ _REMARK = "# import-bom: "
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a part: its name in the design, and what is to be said of it."""
+    """The result for one part: its name in the design, and the remark on it."""
 
     state: State
     name: str
@@ -53,14 +53,14 @@ class Merged:
 
     text: str
     outcomes: list[Outcome]
-    """Of the wanted parts, in their order."""
+    """Outcomes of the wanted parts, in their order."""
     removed: list[Outcome] = field(default_factory=list)
     """Parts of an earlier import that the list no longer has; kept where somebody edited or drew them."""
 
 
 @dataclass
 class _There:
-    """A component of the level."""
+    """A component that the level has already."""
 
     name: str
     key: Any
@@ -76,7 +76,7 @@ class Level:
     """A level of a design, the robot's own or a module's, that takes parts."""
 
     def __init__(self, text: str, label: str, module: Sequence[str]) -> None:
-        """Of the text of a valid design. Raises DesignError where the level cannot be edited."""
+        """Open a level in the text of a valid design. Raises DesignError where the level cannot be edited."""
         self.module = module
         self.design = EditedText(text, label)
         self.levels = [self.design.root]
@@ -90,12 +90,13 @@ class Level:
 
     @property
     def environment(self) -> str | None:
-        """What the level states or inherits."""
+        """Return the environment that the level states or inherits; None where there is none."""
         stated = [found[1] for level in self.levels if (found := child(level, "environment"))]
         return str(plain(stated[-1])) if stated else None
 
     def merge(self, parts: Sequence[Wanted], *, file: str, environment: str, remarks: Iterable[str]) -> Merged:
-        """Put parts in. ``environment`` is stated at the level where nothing above states one. Raises DesignError."""
+        """Put parts into the level. The ``environment`` is stated where nothing above states one. Raises
+        DesignError."""
         exists = len(self.levels) == len(self.module) + 1
         entry = child(self.levels[-1], "components") if exists else None
         if entry:

@@ -1,4 +1,4 @@
-"""Rates parts: each kind's model with its inputs, what the list says and what is assumed, and the hazard rates."""
+"""Rating of parts: the model of each kind, its inputs as stated or assumed, and the hazard rates."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ BEYOND = {
     DEVICE: "it is a whole device, not one electronic part: state its maker's figure, or its own parts",
     "cable": "it is a cable, of which no handbook has a model: state its rate",
 }
-"""Why what is no electronic part is not rated as one."""
+"""The reasons why things that are no electronic parts are not rated as such."""
 
 
 class Rater:

@@ -1,4 +1,4 @@
-"""What a row of a parts list says of its part: read from its value, footprint and words.
+"""The facts that a row of a parts list gives about its part, read from its value, footprint and words.
 
 Nothing here knows hazard models. What a row does not say is not in ``facts``; what follows from something that merely
 suggests it has its reason in ``concluded``.
@@ -17,7 +17,7 @@ from robophm.design.importers.bom.references import prefix
 
 @dataclass(frozen=True)
 class Described:
-    """What a row says of its part, cell by cell."""
+    """The cells of a row that describe its part."""
 
     value: str = ""
     footprint: str = ""
@@ -75,14 +75,14 @@ _CONTACTS = re.compile(
 )
 _TOLERANCE = re.compile(r"(?<![\w.])([0-9]{1,2}(?:\.[0-9]{1,3})?)\s?%")
 _SCALE = {"µ": "u", "μ": "u", "K": "k", "R": "", "P": "p", "N": "n", "U": "u"}
-"""What people write in capitals; M is a million but of henries, of which nobody has as many."""
+"""Prefixes that people write in capitals; M is a million, but for henries, of which nobody has as many."""
 _LETTER_AS_POINT = re.compile(
     r"(?<![\w.])([0-9]{1,4})([pnuµμmkKMGRVPNU])([0-9]{1,3})(?=[FfHhΩ]?(?![^\W_]))"
 )  # 4u7, 6V3
 
 _CHIP = re.compile(r"(?<![0-9])(01005|0201|0402|0603|0805|1206|1210|1218|1806|1808|1812|2010|2220|2225|2512)(?![0-9])")
 _NUMBERS_OF_CHIPS = ("201", "402", "603", "805")
-"""What spreadsheets make of a size."""
+"""Numbers that spreadsheets make of chip sizes."""
 
 _METRIC = re.compile(r"_[0-9]{4,5}Metric")
 _DIELECTRIC = any_of("C0G|COG|NP0|NPO|X5R|X7R|X7S|X7T|X6S|X8R|X5S|X8L|Y5V|Z5U|U2J")
@@ -101,7 +101,7 @@ _PINS = re.compile(rf"{_NUMBER}[ -]?(?:pins?|leads?){_END}", re.IGNORECASE)
 _LAND_PATTERN = re.compile(
     r"(?<![A-Z])[A-Z]{2,5}[0-9]{1,3}P[0-9]{2,4}X[0-9]{2,4}(?:X[0-9]{2,4})?-([0-9]{1,4})(?![0-9])"
 )
-"""As IPC-7351 calls them: SOP50P810X120-48N."""
+"""Land patterns as IPC-7351 names them: SOP50P810X120-48N."""
 
 _THROUGH_HOLE = re.compile(
     r"tht|through.?hole|radial|axial|C_Disc|C_Rect|bedrahtet|leaded|traversant|(?<![A-Za-z])[CP]?DIP(?![A-Za-z])|"
@@ -179,7 +179,7 @@ CHIP_POWER = {
     "01005": "0.031 W", "0201": "0.05 W", "0402": "0.0625 W", "0603": "0.1 W", "0805": "0.125 W", "1206": "0.25 W",
     "1210": "0.5 W", "1218": "1 W", "2010": "0.75 W", "2512": "1 W",
 }  # fmt: skip
-"""What makers usually rate a chip resistor of a size for."""
+"""The power that makers usually rate a chip resistor for, by size."""
 
 PACKAGE_POWER = {
     "0.3 W": any_of(r"SOT-?(23|323|363|523)(-[0-9])?|SC-?(59|70)(-[0-9])?"),
@@ -192,7 +192,7 @@ PACKAGE_POWER = {
     "100 W": any_of(r"TO-?220\w*(-[0-9])?|D2-?PAK|TO-?263(-[0-9])?"),
     "200 W": any_of(r"TO-?247(-[0-9])?|TO-?3P?"),
 }
-"""What makers usually rate a transistor in a package for."""
+"""The power that makers usually rate a transistor for, by package."""
 
 _TRANSISTORS = ("transistor", "fet", "bipolar transistor")
 _WITH_VOLTAGE = (
@@ -203,7 +203,7 @@ _WITH_CURRENT = ("fuse", "inductor", "relay", "switch", "thyristor")
 
 
 class _Said:
-    """What the cells of a row say, with points and letters made decimal points."""
+    """The cells of a row, with letters such as in 4k7 made decimal points."""
 
     def __init__(self, row: Described, decimal: Decimal) -> None:
         def plain(text: str) -> str:
@@ -229,7 +229,7 @@ class _Said:
         )  # fmt: skip
 
     def facts(self, kind: str) -> dict[str, str]:
-        """What this kind of part can be asked for, as far as the row says it."""
+        """Return the facts that matter for this kind of part, as far as the row states them."""
         if not kind:
             return {}
         found: dict[str, str | None] = {"type": self.type(kind), "size": self.chip()}
@@ -367,12 +367,13 @@ class _Said:
 
 
 def _unit(text: str, unit: str) -> str:
-    """A bare number of a column whose unit is clear, with it."""
+    """A bare number with the unit of its column, where that is clear."""
     return f"{text} {unit}" if re.fullmatch(r"[0-9]{1,9}(\.[0-9]{1,6})?", text) else text
 
 
 def with_points(text: str, decimal: Decimal) -> str:
-    """A text whose numbers have points and no thousands: 4,7 and 1.000 in a list with commas, 1,000 in another."""
+    """Return a text whose numbers have points and no thousands: 4,7 and 1.000 in a list with commas, 1,000 in
+    another."""
     if decimal == "," or re.fullmatch(r"[0-9]{1,3},[0-9]{1,2}\s?[A-Za-zµμΩ]+", text):
         text = re.sub(
             r"(?<![\w.,])[1-9][0-9]{0,2}(?:\.[0-9]{3})+(?![0-9.])", lambda match: match[0].replace(".", ""), text

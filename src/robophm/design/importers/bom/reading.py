@@ -18,10 +18,10 @@ from robophm.design.importers.bom.tables import Row
 from robophm.design.naming import design_name
 
 MOST_PARTS = 100_000
-"""Of one row: what a component's quantity may be."""
+"""The most parts of one row: the limit of a component's quantity."""
 
 MOST_REFERENCES = 1_000_000
-"""In all rows."""
+"""The most references in all rows."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class RowError:
     expected: str
 
     def __str__(self) -> str:
-        """For people."""
+        """Return the error as a sentence for people."""
         return f"row {self.row}, {self.column}: '{self.value}'; expected {self.expected}; the row is left out"
 
 
@@ -46,19 +46,19 @@ class Note:
     text: str
 
     def __str__(self) -> str:
-        """For people."""
+        """Return the note as a sentence for people."""
         return f"row {self.row}: {self.text}"
 
 
 @dataclass(frozen=True)
 class Part:
-    """A row that is a part."""
+    """A row of the list that is a part."""
 
     row: int
     references: tuple[str, ...]
     quantity: int
     name: str
-    """Without what makes it unique in a design."""
+    """Name of the part, not yet made unique in a design."""
     described: Described
     recognised: Recognised
 
@@ -73,11 +73,11 @@ class PartsList:
     left_out: tuple[Note, ...]
     """Rows that are no fitted parts: DNP, quantity 0, headings, sums."""
     notes: tuple[Note, ...]
-    """What is odd in rows that are taken."""
+    """Notes on what is odd in rows that are taken."""
 
     @property
     def columns(self) -> tuple[Column, ...]:
-        """What each column was taken for."""
+        """Return the columns with the meanings that they were taken for."""
         return self.table.columns
 
 
@@ -87,7 +87,7 @@ def read_parts(path: Path, mapping: ColumnMapping | None = None) -> PartsList:
 
 
 class _List:
-    """From the rows of a table to parts."""
+    """Makes parts of the rows of a table."""
 
     def __init__(self, table: PartsTable) -> None:
         self.table = table
@@ -191,7 +191,7 @@ class _List:
         )
 
     def no_part(self, row: Row, said: Mapping[str, str]) -> str:
-        """Why a row says nothing of a part: the header again, a heading, a sum; '' where it does."""
+        """The reason why a row is no part: the header again, a heading, a sum; '' where it is one."""
         if all(said[column.field] in ("", column.header) for column in self.table.columns) and any(said.values()):
             return "is the header again"
         filled = [cell for cell in said.values() if cell]
@@ -205,7 +205,7 @@ class _List:
         return ""
 
     def taken(self, row: int, quantity: str, references: Sequence[str], *, of_a_group: bool) -> int | None:
-        """How many parts a row is taken for, where its references say another number too; None where that is none."""
+        """The number of parts in a row, also where its references say another; None where the quantity is none."""
         number = self.quantity(row, quantity) if quantity else len(references) or 1
         if number is None:
             return None
@@ -221,7 +221,7 @@ class _List:
         return number
 
     def plain(self, row: int, field: str, cell: str) -> str:
-        """A cell's text; a formula is none, and is not passed on."""
+        """The text of a cell; a formula is refused, and not passed on."""
         if literal := re.fullmatch(r'="([^"]*)"', cell):  # how 0603 is kept from becoming 603
             return literal[1]
         if _FORMULA.match(cell):
@@ -275,12 +275,12 @@ _NO = {"", "0", "no", "n", "false", "nein", "non", "fitted", "populate", "popula
 
 
 def _not_there(said: Mapping[str, str], named: str) -> str:
-    """That the part of a row is not on the board, and why; '' where it is."""
+    """A remark that the part of a row is not on the board, and why; '' where it is."""
     return f"{named} is not fitted ({why})" if (why := _unfitted(said)) else ""
 
 
 def _unfitted(said: Mapping[str, str]) -> str:
-    """Why a row's part is not on the board, '' where it is."""
+    """The reason why a row's part is not on the board, '' where it is."""
     flag = said.get("unfitted", "").casefold()
     if flag not in _NO:
         return f"{said['unfitted']:.40}"

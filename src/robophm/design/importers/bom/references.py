@@ -1,4 +1,4 @@
-"""Reference designators: 'R1, R2, R5-R7' is five parts, and five parts are 'R1, R2, R5-R7'."""
+"""Reference designators of schematics: 'R1, R2, R5-R7' is five parts, and five parts are 'R1, R2, R5-R7'."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 
 MOST_REFERENCES = 10_000
-"""In one cell."""
+"""The most references in one cell."""
 
 _APART = re.compile(r"(?:(?<=\d)\s*[/&+]\s*|\s+(?:and|und|et)\s+)(?=[A-Za-z]{1,10}\d)|[,;\s]+")
 _RANGE = re.compile(
@@ -21,7 +21,7 @@ class ReferencesError(ValueError):
 
 
 def expand(text: str) -> tuple[str, ...]:
-    """The references of a cell, in its order. Raises ReferencesError with what was expected."""
+    """Return the references of a cell, in its order. Raises ReferencesError with what was expected."""
     found: list[str] = []
     at = 0
     for match in _RANGE.finditer(text):
@@ -57,13 +57,13 @@ def are_references(text: str) -> bool:
 
 
 def prefix(reference: str) -> str:
-    """The letters that say what a part is: 'R' of R12."""
+    """Return the letters that say what a part is: 'R' for R12."""
     match = re.match(r"[A-Za-z]+", reference)
     return match[0].upper() if match else ""
 
 
 def compressed(references: Sequence[str]) -> str:
-    """The same list with runs of three and more written as ranges."""
+    """Return the references as text, with runs of three and more written as ranges."""
     runs: list[list[str]] = []
     last: tuple[str, int] | None = None
     for reference in references:

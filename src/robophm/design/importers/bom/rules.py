@@ -1,4 +1,4 @@
-"""Which model rates a kind of part, and what its inputs are where a list does not say them; the one place of names.
+"""The rules by which kinds of parts are rated: the model of each, and inputs where a list does not state them.
 
 What is assumed of a kind is what MIL-HDBK-217F's Appendix A assumes, where that rates parts of which no more is known
 than what they are. The part's own section is taken all the same: its temperature can be stated and measured.
@@ -95,7 +95,7 @@ def _diode(kind: Entry, *, stressed: bool = False) -> Rule:
 
 
 def _of_its_kind(kind: str) -> Entry:
-    """What the list itself says."""
+    """The kind that the list itself states, as an entry without a remark."""
     return assume(kind, "")
 
 
@@ -124,7 +124,7 @@ _LINEAR = {"transistors": assume("1000", "the third of the handbook's four class
 
 
 def _programming(part: Recognised, assumed: Assumptions) -> tuple[str, str] | None:
-    """How often a memory is written, which counts for EEPROMs and what is nearest to them."""
+    """The number of times a memory is written, which counts for EEPROMs and what is nearest to them."""
     return None if part.facts.get("type") in _WRITTEN_AT_WILL else ("1000 cycle", "in its life")
 
 
@@ -132,7 +132,7 @@ _WRITTEN_AT_WILL = {"DRAM": "MOS-DRAM", "SRAM": "MOS-SRAM"}
 
 
 def _unless_radio(text: str, why: str) -> Entry:
-    """Of the contacts' warming, which the handbook knows of RF connectors by itself."""
+    """An entry on the warming of contacts, which the handbook knows of RF connectors by itself."""
     return lambda part, assumed: None if part.facts.get("type") == "radio frequency" else (text, why)
 
 
@@ -384,4 +384,4 @@ RULES: Mapping[str, Rule] = {
         },
     ),
 }
-"""By kind; what is not here has no model in any handbook that is shipped."""
+"""The rule of each kind; a kind that is not here has no model in any handbook that is shipped."""

@@ -1,4 +1,4 @@
-"""What every sheet of a parts list keeps to, whatever file it is in."""
+"""The bounds of a sheet of a parts list, whatever kind of file it is in."""
 
 from __future__ import annotations
 
@@ -8,4 +8,4 @@ MAX_COLUMNS = 1_000
 
 
 class SheetError(ValueError):
-    """What is wrong with a file, before its name is known."""
+    """A mistake in a file, before the file's name is known."""

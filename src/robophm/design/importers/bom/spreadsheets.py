@@ -22,10 +22,10 @@ MAX_UNPACKED = 100_000_000
 """Bytes of one part of the archive."""
 
 MAX_CHARACTERS = 50_000_000
-"""Of a sheet whose repeated cells are written out, or that shares texts."""
+"""The most characters of a sheet whose repeated cells are written out, or that shares texts."""
 
 _BROKEN = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, RuntimeError, ValueError, OverflowError)
-"""What reading a broken archive can raise."""
+"""Errors that reading a broken archive can raise."""
 
 Rows = Callable[[], Iterator[tuple[int, list[str]]]]
 _OFFICE = "urn:oasis:names:tc:opendocument:xmlns:office:1.0 "
@@ -59,7 +59,7 @@ def _office_rows(archive: zipfile.ZipFile, name: str, shared: list[str]) -> Iter
 
 
 class _Reader:
-    """Goes through one XML part of an archive; what is below overrides ``start`` and ``end``."""
+    """Reads one XML part of an archive; subclasses override ``start`` and ``end``."""
 
     def __init__(self, archive: zipfile.ZipFile, name: str) -> None:
         self.text: list[str] = []
@@ -87,10 +87,10 @@ class _Reader:
             raise SheetError(f"{name} cannot be unpacked: {error}") from None
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
-        """An element begins."""
+        """Called where an element begins."""
 
     def end(self, tag: str) -> None:
-        """An element ends."""
+        """Called where an element ends."""
 
     def taken(self) -> str:
         """The text since it was last asked for."""
@@ -245,7 +245,7 @@ class _OpenDocument(_Reader):
 
 
 def _number(said: str) -> str:
-    """As a text would say it: 3 for 3.0; 1.125 with a zero more, which nobody takes for a thousand."""
+    """The number as a text would state it: 3 for 3.0; 1.125 with a zero more, which nobody takes for a thousand."""
     said = said.removesuffix(".0")
     return said + "0" if re.fullmatch(r"-?\d+\.\d{3}", said) else said
 
@@ -259,7 +259,7 @@ def _count(said: str | None, otherwise: int, most: int) -> int:
 
 
 def _column(place: str, otherwise: int) -> int:
-    """Of a cell's place: 0 of 'A7', 27 of 'AB7'."""
+    """The column of a cell's place: 0 for 'A7', 27 for 'AB7'."""
     letters = re.match(r"[A-Z]{1,3}", place)
     if not letters:
         return otherwise

@@ -37,7 +37,7 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True)
 class Sheet:
-    """One way to read a file: a sheet of a workbook, or text with one delimiter."""
+    """One of the ways to read a file: a sheet of a workbook, or text with one delimiter."""
 
     name: str
     rows: Callable[[], Iterator[Row]]

@@ -1,4 +1,4 @@
-"""What a file of the 2020 tool describes: blocks with their groups and drawings, and what is odd in them."""
+"""The contents of a file of the 2020 tool: blocks with their groups and drawings, and what is odd in them."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ class Finding:
     text: str
 
     def __str__(self) -> str:
-        """For people."""
+        """Return the finding as a sentence for people."""
         return f"line {self.line}: {self.place}: {self.text}"
 
 
 @dataclass
 class Group:
-    """s1, p1 …"""
+    """A group of members in series or in parallel, as the 2020 tool names them: s1, p1 …"""
 
     name: str
     serial: bool
@@ -48,7 +48,7 @@ class Group:
     line: int
 
     def roll_up(self, rates: Iterable[float]) -> float:
-        """That tool's rate of the group, of its items' rates [1/h]."""
+        """Return that tool's rate of the group from its items' rates [1/h]."""
         return series_rate(rates) if self.serial else parallel_rate(list(rates))
 
 
@@ -60,7 +60,7 @@ class Drawing:
     blocks: list[str | Drawing]
 
     def parts(self) -> int:
-        """How many of its blocks are members themselves."""
+        """Return how many of its blocks are members themselves."""
         return sum(isinstance(block, str) for block in self.blocks)
 
 
@@ -71,13 +71,13 @@ class Block:
     place: str
     line: int
     name: str
-    """In the design."""
+    """Name of the block in the design."""
     stored: float | None = None
     rolled_up: float = 0.0
     formula: str = ""
     members: dict[str, Block] = field(default_factory=dict)
     drawing: Drawing | None = None
-    """Of its members that have a rate."""
+    """Drawing of the members that have a rate."""
     drawn_from: str = ""
     findings: list[Finding] = field(default_factory=list)
 
@@ -87,11 +87,11 @@ class Block:
         return self.drawing is not None or bool(self.stored)
 
     def note(self, kind: Kind, text: str, line: int | None = None) -> None:
-        """Keep what is odd, and where."""
+        """Record a finding: what is odd, and where."""
         self.findings.append(Finding(kind, self.place, line or self.line, printable(text)))
 
     def all_findings(self) -> Iterator[Finding]:
-        """Its own, then those of all below it."""
+        """Yield its own findings, then those of all blocks below it."""
         yield from self.findings
         for member in self.members.values():
             yield from member.all_findings()

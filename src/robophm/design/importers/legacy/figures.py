@@ -1,4 +1,4 @@
-"""What the 2020 tool says, kept so that its users can compare. Wrong outside a series of constant rates.
+"""The 2020 tool's figures, kept so that its users can compare. They are wrong outside a series of constant rates.
 
 Every figure here is that tool's own, with its faults: two equal parts in parallel come out worse than one; the
 probability of task completion (PoTC) hangs on the length of the last leg alone; "km/h" mode divides the time of a task
@@ -20,7 +20,7 @@ from robophm.design.task import Task
 
 UnitMode = Literal["km/h", "m/s"]
 UNIT_MODES: tuple[UnitMode, ...] = get_args(UnitMode)
-"""That tool's "unit": with km/h it takes seconds for hours / 3600, with m/s as they are, its rates per hour in both."""
+"""The "unit" of that tool: km/h takes seconds for hours / 3600, m/s as they are, rates per hour in both."""
 
 ReliabilityModel = Literal["exponential", "rayleigh", "weibull", "curve"]
 
@@ -28,11 +28,11 @@ Leg = tuple[float, float]
 """Straight from one position to the next: metres and seconds."""
 
 MOST_LEGS = 1_000_000
-"""In all repetitions of a task."""
+"""The most legs in all repetitions of a task."""
 
 
 def series_rate(rates: Iterable[float]) -> float:
-    """Σλ."""
+    """Return the sum of the rates, Σλ."""
     return math.fsum(rates)
 
 
@@ -173,7 +173,7 @@ def prognostic(
 
 @dataclass(frozen=True)
 class LegacyTask:
-    """What the 2020 tool says of a robot's task."""
+    """The 2020 tool's figures of a robot's task."""
 
     reliability: float
     """R of the whole robot when the task begins."""
@@ -193,7 +193,7 @@ def legacy_task(
     unit: UnitMode = "km/h",
     driven: Sequence[Leg] | None = None,
 ) -> LegacyTask:
-    """That tool's figures of a task for a whole robot by its legacy rate, exponential.
+    """Return that tool's figures of a task for a whole robot by its legacy rate, exponential.
 
     ``legs`` as planned (waypoint_legs makes them of waypoints), ``driven`` as they were (driven_legs; default: as
     planned). Raises StructureError for what that tool cannot draw, ModelError and UnitError as the figures do.
@@ -208,7 +208,7 @@ def legacy_task(
 def legacy_tasks(
     robot: Robot, planned: Task, uptime_hours: float, repetitions: int = 1, driven: Task | None = None
 ) -> dict[UnitMode, LegacyTask]:
-    """The same of a task with its legs as the design has them, in both of that tool's unit modes.
+    """Return the same for a task with its legs as the design has them, in both of that tool's unit modes.
 
     Several tasks, joined, are to that tool one task of all their legs.
     """
@@ -256,5 +256,5 @@ def legacy_reliability(module: Module, hours: float) -> float:
 
 
 def _lengths(positions: Sequence[Sequence[float]]) -> list[float]:
-    """Of the straight lines between consecutive positions [m]."""
+    """The lengths of the straight lines between consecutive positions [m]."""
     return [math.dist(start[:2], end[:2]) for start, end in pairwise(positions)]

@@ -24,16 +24,16 @@ from robophm.design.naming import design_name, printable
 from robophm.design.robot import Robot
 
 MAX_CHARACTERS = 500_000
-"""Of such a file; its own example has 13,000."""
+"""The most characters of such a file; its own example has 13,000."""
 
 MAX_NESTING = 40
-"""Groups within groups."""
+"""The deepest nesting of groups within groups."""
 
 MAX_DRAWN = 100_000
 """Blocks in all diagrams together: groups that share groups can unfold to billions."""
 
 HIGHEST_RATE = 1e6
-"""[1/h]"""
+"""The highest rate that is accepted [1/h]."""
 
 _LEVEL_KEYS = frozenset({"Configurations", "Failure Rate", "Final Configuration", "Reliability"})
 _COMPONENT_KEYS = frozenset({"Elements", "Failure Rate", "Final Configuration", "Formula"})
@@ -48,7 +48,7 @@ class LegacyFigure:
 
     path: str
     stored: float | None
-    """As the file has it."""
+    """Failure rate as the file states it; None where it states none."""
     recomputed: float
     """Rolled up from the components' rates by that tool's rules, double use and redundancy as it counts them."""
 
@@ -58,11 +58,11 @@ class Imported:
     """A design made of a file of the 2020 tool."""
 
     text: str
-    """The design file."""
+    """The text of the design file."""
     findings: tuple[Finding, ...]
     figures: tuple[LegacyFigure, ...]
     robot: Robot
-    """What the text describes."""
+    """The robot that the text describes."""
 
 
 def import_legacy(path: str | os.PathLike[str]) -> Imported:
@@ -107,7 +107,7 @@ def _document(path: Path) -> tuple[Any, Lines]:
 
 
 class _Reader:
-    """From the values of a file to blocks."""
+    """Makes blocks of the values of a file."""
 
     def __init__(self, file: str, lines: Lines) -> None:
         self.file = file
@@ -119,7 +119,7 @@ class _Reader:
         raise DesignError(f"{self.file}:{self.lines[known]}: {'/'.join(place)}: {message}")
 
     def level(self, place: tuple[str, ...], value: object, depth: int) -> Block:
-        """What a mapping of the file describes, with all below it."""
+        """The block that a mapping of the file describes, with all blocks below it."""
         data = self.mapping(place, value, f"{_KINDS[depth]} with its 'Failure Rate'")
         for key in sorted(data.keys() & _RESERVED) if depth < 3 else ():
             if isinstance(data[key], dict) and data[key].keys() & (_LEVEL_KEYS | _COMPONENT_KEYS):
@@ -153,7 +153,7 @@ class _Reader:
         return value
 
     def rate(self, place: tuple[str, ...], value: object) -> float | None:
-        """[1/h]; None where that tool has none."""
+        """A failure rate [1/h]; None where that tool has none."""
         if isinstance(value, dict):
             place, value = (*place, "Nominal"), value.get("Nominal")
         if value in (None, "", "None"):
@@ -263,7 +263,7 @@ class _Wiring:
             block.note("ignored", f"{name} is a group and a member; the group is meant, as in the 2020 tool")
 
     def rolled_up(self, name: str) -> float:
-        """That tool's rate of a group or member, from the components up. Raises DesignError for a circle."""
+        """Return that tool's rate of a group or member, from the components up. Raises DesignError for a circle."""
         if name not in self.groups:
             return self.block.members[name].rolled_up
         if name in self.under_way:

@@ -37,26 +37,26 @@ class Model:
     """A fault tree with the probabilities of its basic events at the mission time."""
 
     name: str
-    """Of its top event."""
+    """Name of the top event."""
     tree: FaultTree | None
-    """None where house events and constants decide."""
+    """The fault tree; None where house events and constants decide the top event."""
     occurred: Array
     """Probability of each basic event of the tree."""
     not_yet: Array
     certain: bool = False
     """Whether the top event always occurs, where there is no tree."""
     lives: tuple[Life | None, ...] = ()
-    """Of each basic event, where it fails as a part does; None where only its probability is known."""
+    """Life of each basic event that fails as a part does; None where only its probability is known."""
 
     def top_event(self) -> TopEvent:
-        """Its top event. Raises StructureError where constants and house events decide it."""
+        """Return its top event. Raises StructureError where constants and house events decide it."""
         if self.tree is None:
             says = "always occurs" if self.certain else "never occurs"
             raise StructureError(f"'{self.name}' {says}: constants and house events decide it")
         return TopEvent(self.tree, self.occurred, self.not_yet)
 
     def probability(self) -> float:
-        """Of the top event. Raises StructureError where it is too large to solve exactly."""
+        """Return the probability of the top event. Raises StructureError where it is too large to solve exactly."""
         return float(self.tree.probability(self.occurred, self.not_yet)) if self.tree else float(self.certain)
 
 
@@ -153,7 +153,8 @@ class _Reader:
             listed = ", ".join(f"'{name}' (line {self.defined[name].line})" for name in free[:5])
             more = f" and {len(free) - 5} more" if len(free) > 5 else ""
             raise DesignError(
-                f"{self.file.name}: {len(free)} gates are used by no other: {listed}{more}; expected one, or --top"
+                f"{self.file.name}: {len(free)} gates are used by no other: {listed}{more}; expected one, or "
+                "the name of the top gate"
             )
         return free[0]
 
@@ -167,7 +168,7 @@ class _Reader:
                 todo += reversed(one.children)
 
     def _order(self, top: str) -> list[str]:
-        """All that the top hangs on, inputs first. Raises DesignError for what is not defined, and loops."""
+        """All events that the top hangs on, inputs first. Raises DesignError for what is not defined, and loops."""
         done: dict[str, None] = {}
         under_way: dict[str, list[str]] = {}
         todo = [top]
@@ -210,13 +211,13 @@ class _Reader:
         return self.constant(inside[0])
 
     def constant(self, said: Element) -> bool:
-        """Of a house event or in a formula."""
+        """Return the value of a house event, or of a constant in a formula."""
         if said.attributes.get("value") not in ("true", "false"):
             raise self.file.fault(said.line, f"constant {said.attributes.get('value')!r:.60}; expected true or false")
         return said.attributes["value"] == "true"
 
     def name_of(self, said: Element) -> str:
-        """That an event in a formula refers to."""
+        """Return the name of the event to which a formula refers."""
         return self._name(said)
 
 

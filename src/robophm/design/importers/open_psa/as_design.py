@@ -63,8 +63,8 @@ def _component(file: str, event: str, name: str, life: Life | None, chance: floa
         return f"  {quoted(name)}: {{life: {{distribution: weibull, {shape}}}}}"
     if not time:
         raise StructureError(
-            f"{file}: '{event}' has a probability and no rate, as a part of a design has; expected --time above 0, at "
-            "which a constant rate gives it"
+            f"{file}: '{event}' has a probability and no rate, as a part of a design has; expected a mission time "
+            "above 0, at which a constant rate gives it"
         )
     return f"  {quoted(name)}: {{rate: {-math.log1p(-chance) / time!r} /h}}  # {chance!r} at {time:g} h"
 
@@ -87,7 +87,7 @@ class _Diagram:
         self.lines = list(self._lines(diagram, "  ", ""))
 
     def _lines(self, block: Block, pad: str, lead: str) -> Iterator[str]:
-        """Of a block in a list, after ``lead``; of the whole, without."""
+        """The lines of the whole diagram, or of a block in a list, after ``lead``."""
         todo: list[tuple[Block, str, str]] = [(block, pad, lead)]
         while todo:
             one, indent, before = todo.pop()

@@ -32,7 +32,7 @@ _FUNCTIONS: Mapping[str, tuple[int, int, Callable[..., float]]] = {
 }
 _TIMED = ("exponential", "GLM", "Weibull")
 Life = Mapping[str, float]
-"""Of a part: its rate [1/h], or scale [h], shape and location [h] of a Weibull distribution."""
+"""Life of a part: its rate [1/h], or scale [h], shape and location [h] of a Weibull distribution."""
 
 _UNITS = ("bool", "int", "float", "hours", "hours-1", "demands")
 
@@ -62,7 +62,7 @@ class Expressions:
         return p, 1.0 - p
 
     def life(self, event: Element) -> Life | None:
-        """Of a basic event that fails as a part of constant or Weibull rate does, until the mission time; else None."""
+        """Return the life of a basic event of constant or Weibull rate until the mission time; None for any other."""
         said = next(iter(event.inside()), None)
         if said is None or said.tag not in ("exponential", "Weibull"):
             return None
@@ -79,7 +79,7 @@ class Expressions:
         return said.tag == "system-mission-time"
 
     def value(self, said: Element) -> float:
-        """What an expression is worth."""
+        """Return the value of an expression."""
         if said.tag in ("float", "int", "bool"):
             return self._number(said)
         if said.tag == "pi":
@@ -88,7 +88,7 @@ class Expressions:
             return self._parameter(said)
         if said.tag == "system-mission-time":
             if self.time is None:
-                raise self.file.fault(said.line, "asks for the mission time; expected it as --time, in hours")
+                raise self.file.fault(said.line, "asks for the mission time; expected the mission time, in hours")
             return self.time
         if said.tag in _TIMED:
             cumulative = self._cumulative_hazard(said)
@@ -146,7 +146,7 @@ class Expressions:
         return [self.value(one) for one in inside]
 
     def _cumulative_hazard(self, said: Element) -> float | None:
-        """Of what has one; a GLM with repair has none."""
+        """The cumulative hazard of an expression that has one; a GLM with repair has none."""
         if said.tag == "exponential":
             rate, time = self._arguments(said, 2, 2)
             hazard = rate * time
@@ -174,7 +174,7 @@ class Expressions:
 
 
 def _glm(gamma: float, rate: float, repair: float, time: float) -> float:
-    """Fails on demand or at a rate, is repaired at a rate (Open-PSA MEF 2.0d, section 4.3.2)."""
+    """The probability of what fails on demand or at a rate, and is repaired at a rate (MEF 2.0d, section 4.3.2)."""
     if rate + repair == 0:
         return gamma
     return (rate - (rate - gamma * (rate + repair)) * math.exp(-(rate + repair) * time)) / (rate + repair)

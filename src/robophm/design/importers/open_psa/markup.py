@@ -13,14 +13,14 @@ MAX_BYTES = 50_000_000
 """A larger file is refused before it is parsed."""
 
 MAX_DEPTH = 100
-"""Elements inside elements."""
+"""The deepest nesting of elements."""
 
 MAX_ELEMENTS = 2_000_000
 
 
 @dataclass(frozen=True)
 class Element:
-    """One element; ``text`` is what stands in it outside of other elements."""
+    """One XML element; ``text`` is the text in it outside of other elements."""
 
     tag: str
     attributes: Mapping[str, str]
@@ -29,12 +29,12 @@ class Element:
     text: list[str] = field(default_factory=list)
 
     def inside(self) -> Iterator[Element]:
-        """Its children less what only describes it."""
+        """Yield its children, without those that only describe it."""
         return (child for child in self.children if child.tag not in ("label", "attributes"))
 
 
 class Markup:
-    """Reads one file. Errors are one line: file, line, what is wrong."""
+    """Reads one XML file. Its errors are one line: file, line, what is wrong."""
 
     def __init__(self, path: Path) -> None:
         self.name = str(path)
@@ -47,11 +47,12 @@ class Markup:
             raise DesignError(f"{path}: is larger than {MAX_BYTES:,} bytes")
 
     def fault(self, line: int, message: str) -> DesignError:
-        """An error at a line."""
+        """Return an error at a line, to be raised."""
         return DesignError(f"{self.name}:{line}: {message}")
 
     def root(self) -> Element:
-        """The outermost element. Raises DesignError for what is no XML, declares entities, or exceeds the bounds."""
+        """Return the outermost element. Raises DesignError for what is no XML, declares entities, or exceeds the
+        bounds."""
         parser = expat.ParserCreate()
         outermost: list[Element] = []
         stack: list[Element] = []

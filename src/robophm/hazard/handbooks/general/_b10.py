@@ -1,4 +1,4 @@
-"""From the age at which a tenth have failed to the rate of which 1/λ is the mean life."""
+"""Conversion of the age at which a tenth have failed to the rate of which 1/λ is the mean life."""
 
 from __future__ import annotations
 

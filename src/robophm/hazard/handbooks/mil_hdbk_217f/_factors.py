@@ -21,10 +21,10 @@ EFFECTIVE_FAILURES = Table("effective cumulative failures λ1, λ2 up to LC/α",
     0.90  0.76
     inf   1.0   printed for above 1.0; 0.91 to 1.0 is not printed
 """)  # fmt: skip
-"""Of what wears out, by its design life over its characteristic life α: motors (§12.1) and joints (§16.2)."""
+"""Failures of what wears out, by its design life over its characteristic life α: motors (§12.1), joints (§16.2)."""
 
 STEEPEST = 10.0
-"""Where a stress ratio in an exponential ends: a broken sensor must not make a rate infinite."""
+"""Largest stress ratio in an exponential: a broken sensor must not make a rate infinite."""
 
 
 def stress_ratio(applied: Array, rated: Array) -> Array:

@@ -1,4 +1,4 @@
-"""What transformers and coils of MIL-HDBK-217F Notice 2 §11 share: hot spot, πT and πE."""
+"""Common parts of transformers and coils, MIL-HDBK-217F Notice 2 §11: hot spot, πT and πE."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the discrete semiconductors of MIL-HDBK-217F Notice 2 §6 share: junction temperature, πT, πQ and πE."""
+"""Common parts of discrete semiconductors, MIL-HDBK-217F Notice 2 §6: junction temperature, πT, πQ and πE."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ COMMERCIAL_IS_PLASTIC = {"commercial": "plastic"}
 COMMERCIAL_IS_LOWER = {"commercial": "lower"}
 
 HOTTEST = 175.0
-"""Where the printed tables of πT end [°C]. They begin at 25 °C; below it the equation holds."""
+"""Upper end of the printed tables of πT [°C]. They begin at 25 °C; below it the equation holds."""
 
 
 def quality() -> Choice:

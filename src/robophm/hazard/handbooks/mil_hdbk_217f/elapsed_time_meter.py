@@ -18,7 +18,7 @@ KIND = Table("elapsed-time meter type λb", SOURCE, """
 """)  # fmt: skip
 
 TEMPERATURE = (0.5, 0.6, 0.8, np.inf), (0.5, 0.6, 0.8, 1.0)
-"""Up to these ratios of operating to rated temperature in °C, and πT; above 1 there is none."""
+"""Upper limits of the ratio of operating to rated temperature in °C, and πT; above 1 there is none."""
 
 ENVIRONMENT = Table("elapsed-time meter environment πE", SOURCE, """
     GB   1.0

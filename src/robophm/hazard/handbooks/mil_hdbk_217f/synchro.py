@@ -17,7 +17,7 @@ KIND = Table("synchro and resolver size πS", SOURCE, """
 """, columns=("size up to 8", "10 to 16", "18 and more"))  # fmt: skip
 
 BRUSHES = (2.0, 3.0, np.inf), (1.4, 2.5, 3.2)
-"""Up to these numbers of brushes, and πN; 2 means two or fewer."""
+"""Upper limits of the number of brushes, and πN; 2 means two or fewer."""
 
 ENVIRONMENT = Table("synchro and resolver environment πE", SOURCE, """
     GB   1.0

@@ -40,7 +40,7 @@ MATCHING = Table("high-frequency transistor matching network πM", SOURCE, """
 """)  # fmt: skip
 
 LARGEST_POWER = (1.0, 2.0, 3.0, 4.0, np.inf), (600.0, 300.0, 200.0, 100.0, 50.0)
-"""Up to these frequencies [GHz], λb is printed up to these powers [W]."""
+"""Upper limits of the frequency [GHz], and the power up to which λb is printed [W]."""
 
 
 @hazard_model(
@@ -108,7 +108,7 @@ def hazard_rate(
 
 
 def stress_factor(metallization: str, voltage: Array, rated_voltage: Array) -> Factor:
-    """What voltage makes of πT: A up to S = 0.4, slope · (S − 0.35) above, S = VCE/BVCES."""
+    """The voltage's part of πT: A up to S = 0.4, slope · (S − 0.35) above, S = VCE/BVCES."""
     stress = stress_ratio(voltage, rated_voltage)
     _, scale, slope = METALLIZATION.rows[metallization]
     return Factor(

@@ -19,17 +19,17 @@ from robophm.hazard.model import Array, Choice, Factor, Otherwise
 TITLE = "NSWC-11"
 
 INCH = 25.4
-"""mm."""
+"""Length of an inch [mm]."""
 PSI = 6.894757293168361e-3
-"""MPa: pound-force per square inch."""
+"""Pound-force per square inch [MPa]."""
 POUND = 4.4482216152605
-"""N: pound-force."""
+"""Force of a pound [N]."""
 
 TWICE = "two transcriptions agree; the handbook's own text could not be had"
 ONCE = "single transcription; the handbook's own text could not be had"
 
 PER_MILLION_CYCLES = 1e-6
-"""What turns the handbook's failures per 10⁶ cycles into 1/cycle."""
+"""Factor from the handbook's failures per 10⁶ cycles to 1/cycle."""
 
 PER_HOUR = Factor("10⁻⁶", 1e-6, "failures/10⁶ h to 1/h")
 PER_CYCLE = Factor("10⁻⁶", PER_MILLION_CYCLES, "failures/10⁶ cycles to 1/cycle")

@@ -1,4 +1,4 @@
-"""What hydraulic and pneumatic actuators of NSWC-11 chapter 9 share, side or axial load."""
+"""Common parts of hydraulic and pneumatic actuators under side or axial load, NSWC-11 chapter 9."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What both ways to a rolling bearing's rate share, NSWC-11 chapter 7."""
+"""Common parts of both ways to a rolling bearing's rate, NSWC-11 chapter 7."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def around(
 
 
 def load_factor(kind: str, over: Array, under: Array) -> Array:
-    """(over/under)^y."""
+    """The load's part of a bearing's life: (over/under)^y."""
     result: Array = (size(over) / size(under)) ** EXPONENT[kind]
     return result
 

@@ -1,4 +1,4 @@
-"""What gears and splines of NSWC-11 chapter 8 share."""
+"""Common parts of gears and splines, NSWC-11 chapter 8."""
 
 from __future__ import annotations
 

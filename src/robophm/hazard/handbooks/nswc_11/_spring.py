@@ -1,4 +1,4 @@
-"""What all springs of NSWC-11 chapter 4 share: materials, strength, cycle rate."""
+"""Common parts of all springs, NSWC-11 chapter 4: materials, strength, cycle rate."""
 
 from __future__ import annotations
 

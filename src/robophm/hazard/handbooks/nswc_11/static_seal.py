@@ -9,11 +9,11 @@ from robophm.hazard.handbooks.nswc_11 import INCH, PER_HOUR, PSI, TITLE, product
 from robophm.hazard.model import Array, Factor, Range, hazard_model
 
 REYN_MINUTE = PSI * 1e6 * 60
-"""Pa·s: pound-force minutes per square inch."""
+"""Pound-force minutes per square inch [Pa·s]."""
 CUBIC_INCH = INCH**3 / 1e3
-"""cm³."""
+"""Volume of a cubic inch [cm³]."""
 GALLON = 3.785411784
-"""L."""
+"""Volume of a US gallon [L]."""
 
 
 @hazard_model(

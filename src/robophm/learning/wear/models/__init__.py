@@ -1,4 +1,4 @@
-"""How wear goes on. One file here is one degradation model; the file's name is the model's name.
+"""Models of degradation. One file here is one model; the file's name is the model's name.
 
 A model is one file with a function ``candidates(course, fleet)``: the model at a grid of its parameters, weighted by a
 prior, each of which says how well it foretold the unit's own past and when the threshold is reached

@@ -15,15 +15,15 @@ MOST = 120
 """Readings of a course; of more, means of neighbours."""
 
 COUNTS = 20.0
-"""What all readings together count as, at most, in one-step scores: a law is only nearly the model's, however densely
-it is read (the coarsened posterior of Miller and Dunson, J. Am. Stat. Assoc. 114, 2019)."""
+"""The most that all readings together count as in one-step scores: a law is only nearly the model's, however densely it
+is read (the coarsened posterior of Miller and Dunson, J. Am. Stat. Assoc. 114, 2019)."""
 
 HALF_LIFE = 0.25
-"""Of scores, as a share of the readings: the law that holds now counts (forgetting, as Raftery, Kárný and Ettler's
-dynamic model averaging, Technometrics 52, 2010)."""
+"""Half-life of scores, as a share of the readings: the law that holds now counts (forgetting, as Raftery, Kárný and
+Ettler's dynamic model averaging, Technometrics 52, 2010)."""
 
 SEVERAL = 5.0
-"""What the scores of several steps together count as: all look at the same late readings."""
+"""Readings that the scores of several steps together count as: all look at the same late readings."""
 
 ORIGINS, AHEAD = 10, 8
 """Readings from which several steps are foretold, and how many of the later ones are looked at from each."""
@@ -34,18 +34,19 @@ FAR = 60.0
 
 @dataclass(frozen=True)
 class DegradationPath:
-    """Wear over time: 0 at the first reading, 1 at the threshold, whichever way the signal goes; shapes (readings,)."""
+    """A path of wear over time: 0 at the first reading, 1 at the threshold, however the signal goes; shapes
+    (readings,)."""
 
     times: Array
-    """In units of the reference, from the clock's zero."""
+    """Times in units of the reference, from the clock's zero."""
     wear: Array
     reference: float
-    """How long the unit of time is: the time until now, or of a fleet a typical life."""
+    """Length of the unit of time: the time until now, or for a fleet a typical life."""
     gain: float | None
     """(threshold − first reading) / first reading, where the signal's own zero is one of wear; None where it is not."""
 
     def until(self, readings: int) -> DegradationPath:
-        """What was known of it after so many readings."""
+        """Return the path as it was known after so many readings."""
         return replace(self, times=self.times[:readings], wear=self.wear[:readings])
 
     @property

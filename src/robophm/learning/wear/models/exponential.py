@@ -19,7 +19,7 @@ TIMES_AS_FAST = np.array([0.1, 0.2, 0.4, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0,
 
 
 def scales(course: DegradationPath) -> list[Scale]:
-    """How many times as fast wear goes at the threshold."""
+    """Return the scales by how many times as fast wear goes at the threshold as at the first reading."""
     weights = prior_over(np.log(TIMES_AS_FAST), 0.0, 2.0)
     return [
         Scale(w, growing(fast - 1, 1.0), accelerates=int(np.sign(fast - 1)))
@@ -28,5 +28,5 @@ def scales(course: DegradationPath) -> list[Scale]:
 
 
 def candidates(course: DegradationPath, fleet: Sequence[DegradationPath] = ()) -> ScaledWiener:
-    """Of any course."""
+    """Return the model's candidates for any course of wear."""
     return ScaledWiener(course, scales(course))

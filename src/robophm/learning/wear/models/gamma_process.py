@@ -46,7 +46,7 @@ class GammaProcess:
 
     @property
     def scores(self) -> Array:
-        """Of one step and of several."""
+        """Return scores of forecasts one step and several steps ahead."""
         n = len(self.shape)
         one_step = np.zeros(self.shape.shape)
         for k in range(1, n):
@@ -62,7 +62,7 @@ class GammaProcess:
         return result
 
     def surprise(self) -> Array:
-        """Two-sided, of compound gamma."""
+        """Return the two-sided probability of the last reading, by the compound gamma."""
         n = len(self.shape)
         if n < _FIRST + 5:
             return np.ones(self.shape.shape[1])
@@ -73,11 +73,11 @@ class GammaProcess:
         return result
 
     def noise(self) -> Array:
-        """None: readings are taken to be the wear."""
+        """Return zeros: readings are taken to be the wear itself."""
         return np.zeros(len(self.prior))
 
     def speed(self, which: Indices, rng: np.random.Generator) -> Array:
-        """Shape per time over rate."""
+        """Return draws of the speed now: shape per time over rate."""
         rate = rng.gamma(self.degrees[-1][which]) / self.total[-1][which]
         result: Array = self.shape[-1][which] * self.power[which] / self.course.times[-1] / rate
         return result
@@ -100,5 +100,5 @@ class GammaProcess:
 
 
 def candidates(course: DegradationPath, fleet: Sequence[DegradationPath] = ()) -> GammaProcess | None:
-    """None where wear ever stood still or turned back."""
+    """Return the model's candidates; None where wear ever stood still or turned back."""
     return GammaProcess(course) if bool(np.all(np.diff(course.wear) > 0)) else None

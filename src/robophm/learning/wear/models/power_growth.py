@@ -29,5 +29,5 @@ def scales(course: DegradationPath) -> list[Scale]:
 
 
 def candidates(course: DegradationPath, fleet: Sequence[DegradationPath] = ()) -> ScaledWiener | None:
-    """None of a signal that has no zero of its own, or changes sign."""
+    """Return the model's candidates; None for a signal that has no zero of its own, or changes sign."""
     return ScaledWiener(course, found) if (found := scales(course)) else None

@@ -17,11 +17,11 @@ LOG_POWERS = np.linspace(-1.0, 1.6, 14)
 
 
 def scales(course: DegradationPath) -> list[Scale]:
-    """Powers of the part's own clock."""
+    """Return the scales, one for each power of the part's own clock."""
     weights = prior_over(LOG_POWERS, 0.0, 0.7)
     return [Scale(w, as_it_is, float(np.exp(b)), int(np.sign(b))) for w, b in zip(weights, LOG_POWERS, strict=True)]
 
 
 def candidates(course: DegradationPath, fleet: Sequence[DegradationPath] = ()) -> ScaledWiener:
-    """Of any course."""
+    """Return the model's candidates for any course of wear."""
     return ScaledWiener(course, scales(course))

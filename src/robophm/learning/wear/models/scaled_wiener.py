@@ -29,7 +29,7 @@ from robophm.learning.wear.models.candidates import (
 NOISE = np.array([1e-5, 1e-3, 1e-2, 1e-1, 1.0, 10.0, 1e3])
 """Variance of a reading over that of wandering in one reference time."""
 WANDERING = np.array([0.0, 1.0, 10.0, 100.0])
-"""Of the drift: variance that it takes on in a reference time, over σ² per time."""
+"""Variance that the drift takes on in a reference time, over σ² per time."""
 GRID = len(NOISE) * len(WANDERING)
 _NOISE_PRIOR = 1 / np.sqrt(1 + NOISE)  # as in increment_covariance.py
 _PRIOR = np.outer(_NOISE_PRIOR / _NOISE_PRIOR.sum(), np.full(len(WANDERING), 1 / len(WANDERING))).ravel()
@@ -40,13 +40,13 @@ STEPS = 80
 
 @dataclass(frozen=True)
 class Scale:
-    """One scale, and how likely it is among its model's."""
+    """A scale of wear and time, and how likely it is among its model's."""
 
     weight: float
     stretch: Callable[[Array], tuple[Array, Array]]
-    """Wear → z and ln dz/dwear."""
+    """Function from wear to z and ln dz/dwear."""
     power: float = 1.0
-    """Of time."""
+    """Power of time that the scale runs by."""
     accelerates: int = 0
 
 
@@ -69,14 +69,14 @@ def growing(gain: float, exponent: float) -> Callable[[Array], tuple[Array, Arra
 
 @dataclass(frozen=True)
 class Population:
-    """What other units say of drift and σ², a candidate each; shapes (candidates,)."""
+    """The drift and σ² of other units, a candidate each; shapes (candidates,)."""
 
     drift: Array
     variance: Array
-    """Of drift between units, over σ²."""
+    """Variance of the drift between units, over σ²."""
     degrees: Array
     squares: Array
-    """degrees·σ²."""
+    """Sum of squares: degrees·σ²."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class ScaledWiener:
 
     @property
     def scores(self) -> Array:
-        """Of one step and of several."""
+        """Return scores of forecasts one step and several steps ahead."""
         n = len(self.z)
         several = {int(o): self._foretold(int(o), ahead_of(int(o), n)).mean(axis=0) for o in origins(n, self.first)}
         return scored(self.one_step, several, self.first)
@@ -139,7 +139,7 @@ class ScaledWiener:
         return states, one_step + self.slopes
 
     def _step(self, now: _States, k: int, *, known: bool) -> tuple[_States, Array]:
-        """One reading: what is known behind it, and the log density that it had; ``known``: that there is a drift."""
+        """The state after one reading, and the log density that the reading had; ``known``: there is a drift."""
         d, q, noise = self.tau[k] - self.tau[k - 1], self.wandering, self.noises[k]
         level, variance = now.level + now.drift * d, now.drift_variance + q * d
         covariance = now.covariance + d * now.drift_variance + q * d**2 / 2
@@ -174,7 +174,7 @@ class ScaledWiener:
         return log_student(*self._ahead(origin, later)) + self.slopes[later]
 
     def surprise(self) -> Array:
-        """Two-sided, of Student's t."""
+        """Return the two-sided probability of the last reading, by Student's t."""
         n = len(self.z)
         if n < self.first + 5:
             return np.ones(self.z.shape[1])
@@ -183,13 +183,13 @@ class ScaledWiener:
         return result
 
     def noise(self) -> Array:
-        """On the scale of wear."""
+        """Return the standard deviation of a reading on the scale of wear."""
         last = self.states.at(-1)
         result: Array = np.sqrt(last.squares / last.degrees * self.noises[-1]) * np.exp(-self.slopes[-1])
         return result
 
     def _drawn(self, which: Indices, rng: np.random.Generator) -> tuple[Array, Array, Array]:
-        """Level, drift and σ."""
+        """Draws of level, drift and σ."""
         now = self.states.at(-1)
         sigma = np.sqrt(now.squares[which] / rng.chisquare(now.degrees[which]))
         a = np.sqrt(np.maximum(now.level_variance[which], 1e-300))
@@ -199,14 +199,14 @@ class ScaledWiener:
         return now.level[which] + sigma * a * x, now.drift[which] + sigma * (b * x + c * y), sigma
 
     def speed(self, which: Indices, rng: np.random.Generator) -> Array:
-        """Drift on the scale, brought back to wear and time."""
+        """Return the drift on the scale, brought back to wear and time."""
         _, drift, _ = self._drawn(which, rng)
         power, now = self.power[which], self.course.times[-1]
         result: Array = drift * power * now ** (power - 1) * np.exp(-self.slopes[-1][which])
         return result
 
     def passages(self, which: Indices, goals: Array, rng: np.random.Generator) -> Array:
-        """Simulated in steps that lengthen, with what is missed between two of them by a Brownian bridge."""
+        """Simulate passages in steps that lengthen; a Brownian bridge adds what is missed between two steps."""
         goal = np.empty(len(which))
         for k, scale in enumerate(self.scales):
             mine = which // GRID == k

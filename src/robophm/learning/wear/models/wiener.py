@@ -9,10 +9,10 @@ from robophm.learning.wear.models.scaled_wiener import Scale, ScaledWiener, as_i
 
 
 def scales(course: DegradationPath) -> list[Scale]:
-    """Wear and time as they are."""
+    """Return the one scale on which wear and time are as they are."""
     return [Scale(1.0, as_it_is)]
 
 
 def candidates(course: DegradationPath, fleet: Sequence[DegradationPath] = ()) -> ScaledWiener:
-    """Of any course."""
+    """Return the model's candidates for any course of wear."""
     return ScaledWiener(course, scales(course))

@@ -1,4 +1,4 @@
-"""Exactly the fields asked for, straight from the file, as NumPy columns.
+"""Columns of recordings: exactly the fields asked for, straight from the file, as NumPy arrays.
 
 ``message_layout.py`` compiles a message definition and field paths to steps, ``field_extraction.py`` takes them in many
 messages side by side, ``single.py`` in one; ``mcap.py``, ``bag.py`` and ``db3.py`` know where the messages lie, and

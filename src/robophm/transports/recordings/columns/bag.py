@@ -55,7 +55,7 @@ class _Record(NamedTuple):
     fields: dict[bytes, bytes]
     start: int
     end: int
-    """Of its data, as the record says."""
+    """End of its data, as the record says."""
 
     def number(self, name: bytes) -> int:
         value = self.fields.get(name, b"")
@@ -84,7 +84,7 @@ class BagFile(ChunkedFile):
         self._defined: dict[int, tuple[str, str, str]] = {}
         self._counts: Counter[int] = Counter()
         self._told: dict[int, dict[int, int]] = {}
-        """By where a chunk ends, how many messages of each connection its info counts."""
+        """Number of messages of each connection by the info of a chunk, by where the chunk ends."""
         header = _Record(HEADER, {}, 0, 0)
         with suppress(DamageError):  # said when the index is looked for
             header = _record(self.content, len(MAGIC), MOST_TIME)
@@ -102,7 +102,7 @@ class BagFile(ChunkedFile):
         self.connections = self._connections()
 
     def index(self, offset: int, connection: int) -> NDArray[Any]:
-        """The index record of this connection, among those that begin at this place."""
+        """Return the index record of this connection, among those that begin at this place."""
         for record in self._indices(offset):
             if record.number(b"conn") == connection:
                 entries = self._entries(record)
@@ -112,7 +112,7 @@ class BagFile(ChunkedFile):
         raise DamageError("damage")
 
     def indexed_times(self, chunk: Chunk) -> dict[int, Ints]:
-        """When the messages of a chunk were received, as its index says."""
+        """Return when the messages of a chunk were received, as its index says."""
         if chunk.indices is None:
             raise DamageError("no index")
         times = {}
@@ -124,13 +124,13 @@ class BagFile(ChunkedFile):
         return times
 
     def _entries(self, record: _Record) -> NDArray[Any]:
-        """What an index record holds."""
+        """The entries of an index record."""
         if record.number(b"ver") != 1 or record.number(b"count") * 12 != record.end - record.start:
             raise DamageError("damage")
         return np.frombuffer(self.view(record.start, record.end), _INDEX)
 
     def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
-        """The messages at these offsets of a chunk, whose headers have their fields in one order."""
+        """Return the messages at these offsets of a chunk, whose headers have their fields in one order."""
         starts = index["offset"].astype(np.int64)
         if not len(starts):
             return Messages(connection, content, starts, starts, starts)
@@ -159,7 +159,7 @@ class BagFile(ChunkedFile):
         return Messages(connection, content, times, begin, ends)
 
     def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
-        """The messages found from record to record."""
+        """Return the messages found from record to record."""
         found, behind = self._scan(content)
         if behind < len(content):
             self.lost(f"{len(content) - behind} bytes of the chunk", chunk.offset)
@@ -219,7 +219,7 @@ class BagFile(ChunkedFile):
                 raise DamageError("a damaged connection") from error
 
     def chunk_at(self, offset: int) -> Chunk:
-        """The chunk record at this place, of any time; raises DamageError."""
+        """Return the chunk record at this place, of any time; raises DamageError."""
         record = self._record(offset)
         if record.operation != CHUNK:
             raise DamageError(f"no chunk at byte {offset}")
@@ -300,7 +300,7 @@ class BagFile(ChunkedFile):
                 self._define(record, self.content)
 
     def _places(self, header: _Record) -> list[int]:
-        """Where chunks lie, as far as the index says it; the first lies behind the space that a header has."""
+        """The places of chunks, as far as the index says; the first lies behind the space that a header has."""
         places = [len(MAGIC) + _HEADER_SPACE]
         with suppress(DamageError):
             position = header.number(b"index_pos")

@@ -27,7 +27,7 @@ class Columns(Iterator[Block]):
     """The blocks of a recording, one after the other; its files are closed at the end, or by ``close()``."""
 
     notes: Counter[str]
-    """What had to be decided so far and how often, as a recording's notes, and what of the files is lost."""
+    """Notes on what had to be decided so far, as a recording's notes, and on what of the files is lost."""
 
     def __init__(self, blocks: Iterator[Block], notes: Counter[str], opened: ExitStack) -> None:
         self._blocks = blocks
@@ -55,7 +55,7 @@ def read_columns(
     *,
     topics: Iterable[str] = (),
 ) -> Columns:
-    """Exactly these fields, ``/topic.field[2]``, of one drive: a file, a folder or several of them.
+    """Read exactly these fields, ``/topic.field[2]``, of one drive: a file, a folder or several of them.
 
     Takes messages received from ``start`` until before ``end`` [ns]. A block's messages were received after those of
     the block before. Of ``topics`` without a field only the times of receipt come along, whatever their messages are.
@@ -82,7 +82,7 @@ def read_columns(
 
 
 def recorded_topics(path: str | Path) -> dict[str, tuple[str, tuple[str, ...]]]:
-    """By topic of a recording: the type of its messages and their numeric fields. No message is read.
+    """Return the type of messages and their numeric fields for each topic of a recording. No message is read.
 
     ``[]`` in a field stands for the index of an element. There are no fields where messages cannot be decoded.
 
@@ -97,7 +97,7 @@ def recorded_topics(path: str | Path) -> dict[str, tuple[str, tuple[str, ...]]]:
 
 
 class _Source:
-    """One file: its pieces become columns."""
+    """One file, whose pieces become columns."""
 
     def __init__(
         self,
@@ -137,7 +137,7 @@ class _Source:
                 raise SourceError(f"{self._file.path}: topic '{connection.topic}' {error}") from None
 
     def pieces(self, number: int) -> Iterator[tuple[int, int, Callable[[], list[tuple[str, TopicColumns]]]]]:
-        """When each piece begins, the number of its source, and what gives its columns by topic."""
+        """Yield for each piece when it begins, the number of its source, and what gives its columns by topic."""
         if self._readings:
             for piece in self._file.pieces(self._readings.keys(), self._start, self._end):
                 yield piece.first, number, lambda piece=piece: self._load(piece)  # type: ignore[misc]
@@ -177,7 +177,7 @@ def _blocks(sources: Sequence[_Source], notes: Counter[str]) -> Iterator[Block]:
 def _ready(
     waiting: dict[str, dict[int, TopicColumns]], until: int, latest: dict[str, int], notes: Counter[str]
 ) -> Block:
-    """What was received before a time; it waits no longer."""
+    """The messages received before a time, which wait no longer."""
     block: Block = {}
     for topic, parts in waiting.items():
         ready = []

@@ -77,7 +77,7 @@ class Db3File(RowsFile):
             self._database.close()
 
     def _limit(self) -> None:
-        """What is read may be no table but a view that never ends, and a page may be there a million times."""
+        """Limit what SQLite may do: a table may be a view that never ends, and a page may be there a million times."""
         size = self.path.stat().st_size
         self._database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(LARGEST_ROW, max(size, 1 << 16)))
         left = LEAST_STEPS + STEPS_A_BYTE * size
@@ -90,7 +90,7 @@ class Db3File(RowsFile):
         self._database.set_progress_handler(spent, 10_000)
 
     def begin(self) -> int:
-        """When the first message was received [ns]."""
+        """Return when the first message was received [ns]."""
         if self._found:
             return int(self._found[1].times.min(initial=MOST_TIME))
         try:
@@ -100,7 +100,7 @@ class Db3File(RowsFile):
         return first if isinstance(first, int) else MOST_TIME
 
     def told(self) -> dict[int, TopicExtent]:
-        """How many messages each connection has, and when the first and the last were received [ns]."""
+        """Return how many messages each connection has, and when the first and the last were received [ns]."""
         if not self._found:
             return super().told()
         rows = self._found[1]
@@ -110,7 +110,7 @@ class Db3File(RowsFile):
         return told
 
     def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
-        """The rows in order of time, a few megabytes of them at once."""
+        """Yield the rows in order of time, a few megabytes of them at once."""
         if not self._found:
             yield from super().pieces(wanted, start, end)
             return
@@ -181,7 +181,7 @@ class Db3File(RowsFile):
         return pages, table.rows, lost
 
     def _indexed(self) -> int | None:
-        """How many messages the index of the table has, None where there is none; raises DamageError."""
+        """The number of messages in the table's index, None where there is none; raises DamageError."""
         try:
             query = "SELECT name FROM sqlite_master WHERE type = 'index' AND tbl_name = 'messages' AND sql NOT NULL"
             for (name,) in self._database.execute(query).fetchall():
@@ -205,7 +205,7 @@ class Db3File(RowsFile):
         return int(found[0][0])
 
     def rows(self, wanted: Collection[int], start: int, end: int) -> Iterator[Row]:
-        """The rows in order of time; where the database is damaged they end, and the notes say so."""
+        """Yield the rows in order of time; where the database is damaged they end, and the notes say so."""
         ids = ", ".join(str(int(id_)) for id_ in wanted)
         query = (  # a + keeps SQLite from asking an index
             f"SELECT timestamp, data, topic_id FROM messages WHERE +topic_id IN ({ids}) "

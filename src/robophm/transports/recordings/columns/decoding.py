@@ -24,21 +24,21 @@ _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
 
 @dataclass(frozen=True)
 class _Labels:
-    """What names the elements that are of interest in some messages."""
+    """The names of the elements that are of interest in some messages."""
 
     marks: Mapping[str, Ints]
-    """By field, which of the labels each message has; −1 where nothing names its element."""
+    """Index of the label that each message has, by field; −1 where nothing names its element."""
     known: list[Sequence[str]]
     """The names of all elements; or as a text, that of the element alone."""
 
     def add(self, field: str, row: int, names: Sequence[str]) -> None:
-        """Of one message."""
+        """Keep the names of one message."""
         if names not in self.known:
             self.known.append(names)
         self.marks[field][row] = self.known.index(names)
 
     def first(self, field: str, rows: Any) -> Sequence[str]:
-        """Those of the first of these messages."""
+        """Return the names of the first of these messages."""
         ids = self.marks[field][rows]
         return self.known[ids[0]] if len(ids) and ids[0] >= 0 else ()
 
@@ -60,7 +60,7 @@ class _Labels:
 
 
 class Reading:
-    """How the messages of one connection become columns: by a compiled program, else one by one by rosbags."""
+    """Makes columns of the messages of one connection: by a compiled program, else one by one by rosbags."""
 
     def __init__(
         self, type_: MessageType, topic: str, fields: Sequence[str], notes: Counter[str], names: Names
@@ -76,7 +76,7 @@ class Reading:
         self._getters = [field_getter(type_.definitions, type_.name, path) for path in paths]
         ways = {field: ways_to(type_.definitions, type_.name, field) for field in fields}
         self._namers = {field: namer for field in fields if (namer := name_getter(ways[field]))}
-        """Of fields by an index, what takes the name of the element there."""
+        """Functions that take the name of the element at an index, by field."""
         self._told = [field for field in fields if named(field)]
         self._arrays = {field: ways[field][0] for field in (*self._namers, *self._told)}
         self._program: Program | None = None
@@ -89,7 +89,7 @@ class Reading:
             notes[f"{type_.name} decoded message by message"] += 1
 
     def columns(self, messages: Messages) -> TopicColumns:
-        """The columns of these messages, in order of receipt; those that cannot be decoded are left out."""
+        """Return the columns of these messages, in order of receipt; those that cannot be decoded are left out."""
         _, buffer, times, starts, ends = messages
         count = len(times)
         labels = _Labels({field: np.full(count, -1) for field in self._arrays}, [])
@@ -179,12 +179,12 @@ class Reading:
 
 @dataclass(frozen=True)
 class Receipts:
-    """A connection of whose messages nothing is wanted but when they were received."""
+    """A connection of whose messages only the times of receipt are wanted."""
 
     topic: str
 
     def columns(self, messages: Messages) -> TopicColumns:
-        """Columns that hold receipt times alone, without any field."""
+        """Return columns that hold receipt times alone, without any field."""
         return TopicColumns(messages.times[time_order(messages.times)], None, {}, {})
 
 

@@ -14,7 +14,7 @@ from robophm.transports.recordings.files import METADATA, PACKED, existing, part
 
 
 def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -> list[PiecedFile]:
-    """The files of one drive in order of time, left to the stack to close. Raises SourceError as ``read_columns``."""
+    """Open the files of one drive in order of time; the stack closes them. Raises SourceError as ``read_columns``."""
     files: list[PiecedFile] = []
     failed: list[SourceError] = []
     for given in paths:
@@ -58,7 +58,7 @@ def _files(path: Path, notes: Counter[str], failed: list[SourceError]) -> Iterat
 
 
 def _open(path: Path, packs: bool, notes: Counter[str], stack: ExitStack) -> PiecedFile:
-    """One file, left to the stack to close."""
+    """Open one file, left to the stack to close."""
     if path.suffix == PACKED:
         from robophm.transports.recordings.columns.folder import Unpacked
 

@@ -29,7 +29,7 @@ Bytes = NDArray[np.uint8]
 
 
 class Step(ABC):
-    """One step of the way through a message; ``skip`` bytes of fixed size come before it."""
+    """One step on the way through a message; ``skip`` bytes of fixed size come before it."""
 
     skip: int
 
@@ -40,12 +40,12 @@ class Step(ABC):
 
 @dataclass(frozen=True)
 class Take(Step):
-    """Here lies a number that is wanted; the position stays."""
+    """A step to a number that is wanted; the position stays."""
 
     skip: int
     slot: int
     type: str
-    """As NumPy spells it, without the byte order."""
+    """Type of the number as NumPy spells it, without the byte order."""
 
     def walk(self, at: Position) -> None:
         """Note where the wanted number lies in each message."""
@@ -54,7 +54,7 @@ class Take(Step):
 
 @dataclass(frozen=True)
 class Align(Step):
-    """Padding to a multiple of ``to`` bytes from the origin."""
+    """A step over padding to a multiple of ``to`` bytes from the origin."""
 
     skip: int
     to: int
@@ -66,7 +66,7 @@ class Align(Step):
 
 @dataclass(frozen=True)
 class Text(Step):
-    """A string: its length and its bytes, in CDR with a zero at the end that counts."""
+    """A step over a string: its length and its bytes, in CDR with a zero at the end that counts."""
 
     skip: int
     terminated: bool
@@ -143,7 +143,7 @@ class Labels(Step):
 
 
 def _same(buffer: Bytes, starts: Ints, length: int) -> NDArray[np.bool_]:
-    """Of runs of bytes, which are the same as the first; at least four long."""
+    """Whether each run of bytes, at least four long, is the same as the first."""
     size = 8 if length >= 8 else 4
     words = everywhere(buffer, f"u{size}")
     same = np.ones(len(starts), np.bool_)
@@ -201,7 +201,7 @@ class Loop(Step):
     element: Sequence[Step]
     wanted: Mapping[int, Sequence[Step]]
     last: bool
-    """Nothing behind the wanted elements is of interest."""
+    """Whether nothing behind the wanted elements is of interest."""
 
     def walk(self, at: Position) -> None:
         """Go behind the sequence, or the last wanted element."""
@@ -220,7 +220,7 @@ class Loop(Step):
 
 @dataclass(frozen=True)
 class End(Step):
-    """All that was passed by must lie in the message; where its end is known, it must be the message's."""
+    """The end: all that was passed by must lie in the message, and where its end is known, it must be the message's."""
 
     skip: int
     slack: int | None
@@ -252,25 +252,25 @@ class Position:
     rows: Ints
     """Numbers of the messages."""
     origin: Ints
-    """Where their fields begin in the buffer."""
+    """Begin of each message's fields in the buffer."""
     limit: Ints
-    """Bytes of their fields."""
+    """Number of bytes of the fields."""
     offset: int | Ints
     """Bytes from the origin; one number as long as it is the same in all messages."""
     taken: list[tuple[Take, Ints, Ints]]
     labels: list[list[str]] = field(default_factory=list)
-    """Those that were found, each once."""
+    """Labels that were found, each once."""
     ids: Ints = field(default_factory=lambda: np.empty(0, np.int64))
-    """Which of them each message has."""
+    """Index of the labels that each message has."""
     marks: list[tuple[int, Ints, Ints]] = field(default_factory=list)
 
     def expect(self, true: NDArray[np.bool_]) -> None:
-        """Raise DoubtfulError with the messages of which the condition does not hold."""
+        """Raise DoubtfulError with the messages for which the condition does not hold."""
         if not true.all():
             raise DoubtfulError(self.rows[~true])
 
     def length(self, skip: int) -> Ints:
-        """The length that comes after ``skip`` bytes; the position is then behind it."""
+        """Return the length that comes after ``skip`` bytes; the position is then behind it."""
         here = self.offset + skip
         self.offset = here + 4
         self.expect(self.offset <= self.limit)
@@ -278,7 +278,7 @@ class Position:
         return lengths
 
     def part(self, rows: Ints, offset: int | Ints) -> Position:
-        """The position in some of the messages, given by ``rows``, at another offset."""
+        """Return the position in some of the messages, given by ``rows``, at another offset."""
         if len(rows) == len(self.rows):
             return Position(self.buffer, self.lengths, self.rows, self.origin, self.limit, offset, self.taken)
         if not isinstance(offset, int):
@@ -294,13 +294,13 @@ class Program:
 
     steps: Sequence[Step]
     types: Sequence[str]
-    """Of each wanted number, as NumPy spells it, ``f4``."""
+    """Type of each wanted number, as NumPy spells it, ``f4``."""
     packed: bool
     marks: Sequence[str] = ()
     """Sequences whose elements are told by labels."""
 
     def run(self, buffer: Bytes, starts: Ints, ends: Ints) -> Numbers:
-        """The wanted numbers of the messages that lie at ``starts`` to ``ends`` of the buffer."""
+        """Return the wanted numbers of the messages that lie at ``starts`` to ``ends`` of the buffer."""
         count = len(starts)
         numbers = Numbers(
             [np.zeros(count, type_) for type_ in self.types],
@@ -351,7 +351,7 @@ class Numbers:
     doubtful: NDArray[np.bool_]
     """Messages that are not as their type says: neither numbers nor absence hold for them."""
     marks: list[Ints] = field(default_factory=list)
-    """Of each sequence with labels, which of these each message has; −1 where they are not as many."""
+    """Index of each message's labels, for each labelled sequence; −1 where there are not as many."""
     labels: list[list[str]] = field(default_factory=list)
 
     def collect(self, order: str, buffer: Bytes, rows: Ints, taken: Sequence[tuple[Take, Ints, Ints]]) -> None:
@@ -365,6 +365,6 @@ class Numbers:
 
 
 def everywhere(buffer: Bytes, type_: str) -> NDArray[Any]:
-    """The buffer read as this type at every byte of it."""
+    """Return the buffer read as this type at every byte of it."""
     size = np.dtype(type_).itemsize
     return np.ndarray((max(0, len(buffer) - size + 1),), type_, buffer, strides=(1,))

@@ -1,4 +1,4 @@
-"""rosbag2 folders: which files are in one, and those that are compressed as a whole or message by message.
+"""Folders of rosbag2: the files in one, and those that are compressed as a whole or message by message.
 
 What metadata.yaml says is not believed: the files that are there are read, and where the two differ it is said.
 """
@@ -36,7 +36,7 @@ _STEP = 1 << 20
 """Bytes of a file that are unpacked at once."""
 
 _LEFT = 2
-"""Of the free room for temporary files, one part in so many is left."""
+"""Part of the free room for temporary files that is left: one in so many."""
 
 
 def files_in(folder: Path, notes: Counter[str]) -> tuple[list[Path], bool]:
@@ -77,7 +77,7 @@ def _names(files: Sequence[Path]) -> str:
 
 
 def _information(metadata: Path) -> tuple[dict[str, Any], str]:
-    """What a folder's metadata says, and what is wrong with it."""
+    """The metadata of a folder, and what is wrong with it."""
     try:
         found, _ = values(read(metadata), str(metadata))
     except DesignError as error:
@@ -152,15 +152,15 @@ class PackedMessages(RowsFile):
         self._inside.close()
 
     def begin(self) -> int:
-        """When the first message was received [ns]."""
+        """Return when the first message was received [ns]."""
         return self._inside.begin()
 
     def told(self) -> dict[int, TopicExtent]:
-        """How many messages each connection has, and when they were received."""
+        """Return how many messages each connection has, and when they were received."""
         return self._inside.told()
 
     def rows(self, wanted: Collection[int], start: int, end: int) -> Iterator[Row]:
-        """The rows in order of time; a message that does not unpack is lost."""
+        """Yield the rows in order of time; a message that does not unpack is lost."""
         for time, raw, connection in one_by_one(self._inside, wanted, start, end):
             if raw[:4] != _ZSTD:
                 yield time, raw, connection

@@ -1,4 +1,4 @@
-"""MCAP: chunks of records with an index behind each and one of all at the end; records lie one after the other.
+"""MCAP files: chunks of records with an index behind each and one of all; records lie one after the other.
 
 Format: mcap.dev/spec. A record is an opcode, a length of eight bytes and its content, little-endian.
 """
@@ -45,7 +45,7 @@ MAGIC = b"\x89MCAP0\r\n"
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, DATA_END = 2, 3, 4, 5, 6, 7, 8, 11, 15
 
 _SUMMARY = (CHUNK_INDEX, 10, STATISTICS, 13, 14)
-"""What there is in a summary besides schemas and channels."""
+"""Opcodes in a summary besides schemas and channels."""
 
 _HEAD = np.dtype(
     [
@@ -57,7 +57,7 @@ _HEAD = np.dtype(
         ("published", "<u8"),
     ]
 )
-"""What comes before the bytes of a message."""
+"""The layout of what comes before the bytes of a message."""
 
 _INDEX = np.dtype([("time", "<u8"), ("offset", "<u8")])
 _FOUND = np.dtype([("channel", "<u2"), ("time", "<u8"), ("start", "<i8"), ("end", "<i8")])
@@ -100,11 +100,11 @@ class McapFile(ChunkedFile):
         """Messages outside chunks."""
 
     def begin(self) -> int:
-        """When the first message was received [ns]."""
+        """Return when the first message was received [ns]."""
         return min(super().begin(), int(self._loose["time"].min(initial=MOST_TIME)))
 
     def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
-        """Chunks, and what was found outside them, in order of time."""
+        """Yield chunks, and what was found outside them, in order of time."""
         return heapq.merge(super().pieces(wanted, start, end), self._outside(wanted), key=attrgetter("first"))
 
     def _outside(self, wanted: Collection[int]) -> Iterator[Piece]:
@@ -116,27 +116,27 @@ class McapFile(ChunkedFile):
                 yield Piece(int(part["time"][0]), partial(_by_channel, part, self.content, wanted))
 
     def index(self, offset: int, connection: int) -> NDArray[Any]:
-        """The message index record at this place."""
+        """Return the message index record at this place."""
         opcode, length, channel, size = struct.unpack("<BQHI", self.between(offset, offset + 15))
         if opcode != MESSAGE_INDEX or channel != connection or size + 6 != length or size % 16:
             raise DamageError("damage")
         return np.frombuffer(self.view(offset + 15, offset + 15 + size), _INDEX)
 
     def indexed_times(self, chunk: Chunk) -> dict[int, Ints]:
-        """When the messages of a chunk were received, as its index says."""
+        """Return when the messages of a chunk were received, as its index says."""
         if chunk.indices is None:
             raise DamageError("no index")
         return {id_: self.index(at, id_)["time"].astype(np.int64) for id_, at in chunk.indices.items()}
 
     def told(self) -> dict[int, TopicExtent]:
-        """How many messages each connection has, in chunks and outside them, and when they were received."""
+        """Return how many messages each connection has, in chunks and outside them, and when they were received."""
         told = super().told()
         for id_ in np.unique(self._loose["channel"]).tolist():
             tell(told, id_, self._loose["time"][self._loose["channel"] == id_].astype(np.int64))
         return told
 
     def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
-        """The messages at these offsets of a chunk."""
+        """Return the messages at these offsets of a chunk."""
         offsets = index["offset"]
         if not distinct(offsets, len(content) // _HEAD.itemsize):
             raise DamageError("an offset that is there twice")
@@ -153,7 +153,7 @@ class McapFile(ChunkedFile):
         return Messages(connection, content, index["time"].astype(np.int64), starts + _HEAD.itemsize, ends)
 
     def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
-        """The messages found from record to record."""
+        """Return the messages found from record to record."""
         found, behind = self._scan(content, 0)
         if behind < len(content):
             self.lost(f"{len(content) - behind} bytes of the chunk", chunk.offset)
@@ -219,7 +219,7 @@ class McapFile(ChunkedFile):
             self.notes[f"{self.path.name}: a damaged schema or channel"] += 1
 
     def chunk_at(self, offset: int) -> Chunk:
-        """The chunk record at this place; raises DamageError."""
+        """Return the chunk record at this place; raises DamageError."""
         opcode, length, first, last, size, checksum, name = struct.unpack("<BQQQQII", self.between(offset, offset + 41))
         end = offset + 9 + length
         compression = self.between(offset + 41, offset + 41 + min(name, 16)).decode("ascii", "replace")
@@ -303,7 +303,7 @@ class McapFile(ChunkedFile):
                 del self._channels[id_]
 
     def _places(self) -> list[int]:
-        """Where chunks lie, as far as the summary says it."""
+        """The places of chunks, as far as the summary says."""
         places: list[int] = []
         with suppress(DamageError, struct.error):
             start = self.size - _FOOTER_SIZE

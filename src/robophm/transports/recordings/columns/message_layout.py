@@ -1,4 +1,4 @@
-"""From a message definition and field paths to the steps that lead to them in the bytes.
+"""Compilation of a message definition and field paths to the steps that lead to them in the bytes.
 
 CDR as ROS 2 writes it (XCDR1, DDS-XTypes 7.4.1): every number at a multiple of its size from the origin, which comes
 after the four bytes of encapsulation; strings and sequences behind a length of four bytes. ROS 1 packs the same
@@ -43,7 +43,7 @@ _TYPES = {
 _ONLY_IN_CDR = "structure_needs_at_least_one_member"
 
 Wanted = Mapping[tuple[str, int | str | None], Any]
-"""By field and index or name: the slot of a number, or what is wanted of the message there."""
+"""Wanted numbers by field and index or name: the slot of a number, or what is wanted of the message there."""
 
 
 class NotCompilableError(Exception):
@@ -51,7 +51,7 @@ class NotCompilableError(Exception):
 
 
 def compile_fields(type_: MessageType, fields: tuple[str, ...]) -> Program:
-    """The program that finds these fields, which are known to be numbers of the type.
+    """Return the program that finds these fields, which are known to be numbers of the type.
 
     Raises NotCompilableError where rosbags has to decode the messages.
     """
@@ -103,7 +103,7 @@ def _labels(type_: MessageType, field: str) -> dict[str, str]:
 
 
 class _Finished(Exception):  # noqa: N818  not an error
-    """All wanted numbers are found, and what follows has no fixed size."""
+    """Raised when all wanted numbers are found, and what follows has no fixed size."""
 
 
 class _Writer:
@@ -126,7 +126,7 @@ class _Writer:
         """Numbers yet to be found; None within an element, which is walked to its end."""
 
     def message(self, name: str, wanted: Wanted, labels: Mapping[str, str] | None = None) -> None:
-        """``labels``: by the arrays in it whose elements are told by names, the fields that hold the names."""
+        """Write the steps through a message; ``labels`` maps arrays told by names to the fields with the names."""
         labels = labels or {}
         for field, description in self.definitions[name][1]:
             if self.packed and field == _ONLY_IN_CDR:
@@ -237,7 +237,7 @@ class _Writer:
     def _inside(
         self, description: Any, wanted: Mapping[int | str | None, Any], align: int
     ) -> Iterator[tuple[int | str, Sequence[Take]]]:
-        """Where the wanted numbers lie within elements of fixed size."""
+        """The wanted numbers within elements of fixed size, by index or name."""
         for index, inner in wanted.items():
             assert index is not None
             steps, found = self._element(description, inner, align)
@@ -251,7 +251,7 @@ class _Writer:
         return None if steps or end.skip % align else (align, end.skip)
 
     def _alignment(self, description: Any) -> int:
-        """Of the first number or length in it."""
+        """The alignment of the first number or length in a type."""
         from rosbags.interfaces import Nodetype
 
         node, detail = description

@@ -1,4 +1,4 @@
-"""What the files have in common: they hold messages in pieces, a chunk or a batch, each in one buffer.
+"""Files of messages in pieces, a chunk or a batch, each in one buffer: what all kinds have in common.
 
 Nothing in a file is believed before it is compared with what it says of others: sizes with the file's, indices with
 what they point at. What cannot be read is counted in the notes, and the rest is read.
@@ -67,11 +67,11 @@ class Piece(NamedTuple):
 
 
 class TopicExtent(NamedTuple):
-    """How many messages one connection has, and when they were received."""
+    """The extent of one connection: how many messages it has, and when they were received."""
 
     messages: int
     spans: list[tuple[int, int]]
-    """When they were received [ns], in stretches more than LEAP apart: between those the clock may have jumped."""
+    """Stretches of receipt [ns] that are more than LEAP apart: between those the clock may have jumped."""
 
 
 class PiecedFile(ABC):
@@ -87,17 +87,17 @@ class PiecedFile(ABC):
 
     @abstractmethod
     def begin(self) -> int:
-        """When its first message was received [ns]; MOST_TIME where it has none."""
+        """Return when its first message was received [ns]; MOST_TIME where it has none."""
 
     @abstractmethod
     def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
-        """The pieces that hold messages of these connections, received from ``start`` until before ``end`` [ns].
+        """Yield the pieces that hold messages of these connections, received from ``start`` until before ``end`` [ns].
 
         They come in order of ``first``; each must be loaded before the next is asked for.
         """
 
     def told(self) -> dict[int, TopicExtent]:
-        """The extent of each connection that has messages, by the messages themselves, not by what an index claims.
+        """Return the extent of each connection with messages, by the messages themselves, not by an index's claims.
 
         What is lost on the way is noted when the messages are read.
         """
@@ -133,11 +133,11 @@ class MappedFile(PiecedFile):
         del self.content
 
     def between(self, start: int, end: int) -> bytes:
-        """Bytes of the file; raises DamageError where they do not exist."""
+        """Return bytes of the file; raises DamageError where they do not exist."""
         return bytes(self.view(start, end))
 
     def view(self, start: int, end: int) -> memoryview:
-        """Bytes of the file where they lie; raises DamageError where they do not exist."""
+        """Return bytes of the file where they lie; raises DamageError where they do not exist."""
         if not 0 <= start <= end <= self.size:
             raise DamageError(f"bytes {start} to {end} of {self.size}")
         return self.content.data[start:end]
@@ -148,7 +148,7 @@ class DamageError(Exception):
 
 
 def unpack(content: Bytes, compression: str, size: int) -> Bytes:
-    """A chunk's content, ``size`` bytes of it.
+    """Return a chunk's content unpacked, ``size`` bytes of it.
 
     Raises DamageError where it does not unpack to that size; no more memory than that is taken.
     """
@@ -181,7 +181,8 @@ def _decompressor(compression: str) -> Callable[[Any, int], bytes]:
 
 
 def unpack_zstd(content: Any, size: int) -> bytes:
-    """The content of a zstd frame, of at most ``size`` bytes. Raises DamageError where it is larger or broken."""
+    """Return the content of a zstd frame, of at most ``size`` bytes. Raises DamageError where it is larger or
+    broken."""
     import zstandard
 
     try:
@@ -208,18 +209,18 @@ class Chunk:
 
     first: int
     last: int
-    """Earliest and latest receipt time [ns]."""
+    """Latest receipt time [ns]; ``first`` is the earliest."""
     offset: int
-    """Of its record."""
+    """Offset of its record in the file."""
     start: int
     end: int
-    """Of its content."""
+    """End of its content in the file."""
     compression: str
     size: int
-    """Of its content unpacked."""
+    """Size of its content unpacked [bytes]."""
     checksum: int
     indices: dict[int, int] | None
-    """By connection: where in the file the index of its messages lies; None where there is none."""
+    """Place in the file of the index of its messages, by connection; None where there is none."""
 
     @property
     def packed(self) -> bool:
@@ -233,11 +234,11 @@ class ChunkedFile(MappedFile):
     chunks: list[Chunk]
 
     def begin(self) -> int:
-        """When the first message in a chunk was received [ns]."""
+        """Return when the first message in a chunk was received [ns]."""
         return min((chunk.first for chunk in self.chunks), default=MOST_TIME)
 
     def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
-        """Chunks in order of time, some at once; the next ones are unpacked beside."""
+        """Yield chunks in order of time, some at once; the next ones are unpacked beside."""
         some = [
             chunk
             for chunk in sorted(self.chunks, key=lambda chunk: (chunk.first, chunk.offset))
@@ -262,7 +263,8 @@ class ChunkedFile(MappedFile):
                 yield Piece(batch[0].first, partial(load, batch, following))
 
     def told(self) -> dict[int, TopicExtent]:
-        """The extent of each connection: by the index of each chunk, or by its messages where a chunk has none."""
+        """Return the extent of each connection: by the index of each chunk, or by its messages where a chunk has
+        none."""
         told: dict[int, TopicExtent] = {}
         for chunk in self.chunks:
             try:
@@ -275,15 +277,15 @@ class ChunkedFile(MappedFile):
         return told
 
     def known(self) -> set[int]:
-        """The numbers of the file's connections."""
+        """Return the numbers of the file's connections."""
         return {connection.id for connection in self.connections}
 
     @abstractmethod
     def indexed_times(self, chunk: Chunk) -> dict[int, Ints]:
-        """When the messages of a chunk were received, by connection, as its index says; raises DamageError."""
+        """Return when the messages of a chunk were received, by connection, as its index says; raises DamageError."""
 
     def _contents(self, chunks: Iterable[Chunk]) -> list[Bytes | str]:
-        """What they hold, or what is wrong: an error would keep this list alive by its traceback."""
+        """The contents of chunks, or what is wrong: an error would keep this list alive by its traceback."""
         contents: list[Bytes | str] = []
         for chunk in chunks:
             try:
@@ -318,14 +320,14 @@ class ChunkedFile(MappedFile):
         return [joined(parts) for parts in found.values()]
 
     def unpacked(self, chunk: Chunk) -> Bytes:
-        """The chunk's content; raises DamageError where it is not what was written."""
+        """Return the chunk's content; raises DamageError where it is not what was written."""
         content = unpack(self.content[chunk.start : chunk.end], chunk.compression, chunk.size)
         if chunk.checksum and crc32(content.data) != chunk.checksum:
             raise DamageError("chunk does not have its checksum")
         return content
 
     def next_chunk(self, behind: int, places: Iterator[int]) -> int:
-        """The next of these places, which rise, where a chunk lies; what is between is lost.
+        """Return the next of these places, which rise, where a chunk lies; what is between is lost.
 
         Raises DamageError where none does.
         """
@@ -339,7 +341,7 @@ class ChunkedFile(MappedFile):
 
     @abstractmethod
     def chunk_at(self, offset: int) -> Chunk:
-        """The chunk record at this place; raises DamageError."""
+        """Return the chunk record at this place; raises DamageError."""
 
     def chunk_lies_at(self, offset: int) -> bool:
         """Whether there is a chunk record at this place."""
@@ -363,19 +365,19 @@ class ChunkedFile(MappedFile):
 
     @abstractmethod
     def index(self, offset: int, connection: int) -> NDArray[Any]:
-        """The index of a connection's messages in a chunk, from its place in the file; raises DamageError."""
+        """Return the index of a connection's messages in a chunk, from its place in the file; raises DamageError."""
 
     @abstractmethod
     def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
-        """The messages that the index points at; raises DamageError where there are none."""
+        """Return the messages that the index points at; raises DamageError where there are none."""
 
     @abstractmethod
     def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
-        """The messages in a chunk, found by going from record to record; notes what is lost."""
+        """Return the messages in a chunk, found by going from record to record; notes what is lost."""
 
 
 def _batches(chunks: Iterable[Chunk]) -> Iterator[list[Chunk]]:
-    """What is read at once: some that are packed, or some that are not."""
+    """Chunks that are read at once: some that are packed, or some that are not."""
     batch: list[Chunk] = []
     size = 0
     for chunk in chunks:
@@ -401,14 +403,14 @@ def tell(told: dict[int, TopicExtent], connection: int, times: Ints) -> None:
 
 
 def distinct(offsets: NDArray[Any], most: int) -> bool:
-    """Whether no two are the same and there are no more than can be; as a rule they rise."""
+    """Whether no two offsets are the same and there are no more than can be; as a rule they rise."""
     if len(offsets) > most:
         return False
     return bool((offsets[1:] > offsets[:-1]).all()) or len(np.unique(offsets)) == len(offsets)
 
 
 def joined(parts: list[Messages]) -> Messages:
-    """Messages of one connection in one buffer, one part after the other."""
+    """Return messages of one connection in one buffer, one part after the other."""
     if len(parts) == 1:
         return parts[0]
     times, starts, ends = (np.concatenate([part[column] for part in parts]) for column in (2, 3, 4))

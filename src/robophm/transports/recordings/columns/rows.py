@@ -28,7 +28,7 @@ Row = tuple[int, bytes, int]
 def one_by_one(
     file: PiecedFile, wanted: Collection[int], start: int = -MOST_TIME, end: int = MOST_TIME
 ) -> Iterator[Row]:
-    """The messages of these connections, received from ``start`` until before ``end`` [ns], in order of time.
+    """Yield the messages of these connections, received from ``start`` until before ``end`` [ns], in order of time.
 
     Of pieces that overlap more than MOST_WAITING allows, or that lie about their time, some come late.
     """
@@ -59,11 +59,11 @@ class _Waiting:
 
     @property
     def left(self) -> bool:
-        """Whether there are any."""
+        """Whether messages are left."""
         return self._at < len(self._columns[0])
 
     def until(self, time: int) -> Iterator[Row]:
-        """Those that were received before."""
+        """Yield the messages that were received before a time."""
         stop = len(self._columns[0]) if time == MOST_TIME else int(np.searchsorted(self._columns[0], time))
         begin, self._at = self._at, max(self._at, stop)
         for first in range(begin, stop, MOST_ROWS):
@@ -78,10 +78,10 @@ class RowsFile(PiecedFile):
 
     @abstractmethod
     def rows(self, wanted: Collection[int], start: int, end: int) -> Iterator[Row]:
-        """The rows of these connections, received from ``start`` until before ``end`` [ns], in order of time."""
+        """Yield the rows of these connections, received from ``start`` until before ``end`` [ns], in order of time."""
 
     def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
-        """The pieces of the file, each a batch of rows."""
+        """Yield the pieces of the file, each a batch of rows."""
         rows = self.rows(wanted, start, end)
         batch: list[Row] = [(start, b"", 0)]
 

@@ -1,4 +1,4 @@
-"""One message walked by itself, for messages that come one by one: runs of fixed bytes, with texts between them."""
+"""Extraction from one message by itself, for messages that come one by one: fixed bytes with texts between."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ class _Run(NamedTuple):
     """Fixed bytes, and what comes behind them."""
 
     numbers: struct.Struct
-    """Those that are wanted, and last the length of a text."""
+    """Numbers that are wanted, and last the length of a text."""
     size: int
     text: bool
     to: int
-    """What the end is aligned to."""
+    """Multiple of bytes to which the end is aligned."""
 
 
 class Single:
@@ -54,7 +54,7 @@ class Single:
         self._place = [slots.index(slot) for slot in range(len(slots))]
 
     def read(self, raw: bytes) -> Sequence[float] | None:
-        """The numbers by slot; None of a message that is not as its type says, or in the other order of bytes."""
+        """Return the numbers by slot; None for a message that is not as its type says, or big-endian."""
         if self._begin and raw[:2] != _LITTLE_ENDIAN:
             return None
         begin = at = self._begin
@@ -78,7 +78,7 @@ class Single:
 
 
 def _run(taken: Sequence[Take], step: Step, types: Sequence[str]) -> _Run:
-    """What is taken before a step, and the step."""
+    """The run of what is taken before a step, and the step."""
     form, at = "<", 0
     for take in taken:
         number = struct.Struct(f"<{_LETTERS[types[take.slot]]}")

@@ -20,7 +20,7 @@ from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, 
 from robophm.transports.recordings.columns.pieces import BATCH, DamageError
 
 COLUMNS = ("id", "topic_id", "timestamp", "data")
-"""Of the table whose rows can be found."""
+"""Columns of the table whose rows can be found."""
 
 _SMALLEST = 2 + 2 + 5
 """Bytes of a row: the place of its cell, size and number, and the types of four columns behind their length."""
@@ -33,7 +33,7 @@ _INTEGERS = {1: [("i1", 0)], 2: [(">i2", 0)], 3: [(">i2", 8), ("u1", 0)], 4: [("
     5: [(">i4", 16), (">u2", 0)],
     6: [(">i8", 0)],
 }
-"""How an integer of a type is put together: what lies one behind the other, and by how many bits it counts."""
+"""Parts of an integer of each type: what lies one behind the other, and by how many bits it counts."""
 
 Flags = NDArray[np.bool_]
 
@@ -46,9 +46,9 @@ class Rows(NamedTuple):
     times: Ints
     starts: Ints
     ends: Ints
-    """As if all of it lay on one page."""
+    """End of the data, as if all of it lay on one page."""
     spills: Ints
-    """Where the page is named that the rest of a row lies on; 0 where it is whole."""
+    """Place where the page is named that the rest of a row lies on; 0 where it is whole."""
 
 
 @dataclass
@@ -57,7 +57,7 @@ class Table:
 
     rows: Rows
     lost: Counter[str]
-    """What was not, in words, and how often."""
+    """Remarks on what was not found, in words, and how often."""
 
 
 class Pages:
@@ -72,11 +72,11 @@ class Pages:
         self.content = content
         self.usable = self.size - head[20]
         self.count = len(content) // self.size
-        """Of whole ones: the last may be cut."""
+        """Number of whole pages: the last may be cut."""
         self._free = int.from_bytes(head[32:36], "big"), int.from_bytes(head[36:40], "big")
 
     def leaves(self, root: int) -> tuple[Ints, int]:
-        """The leaves of the tree that begins at a page, as far as they can be found, and how often one cannot be."""
+        """Return the leaves of the tree that begins at a page, as far as they are found, and how many are missing."""
         seen = np.zeros(self.count + 1, np.bool_)
         leaves, broken = [], 0
         pages = np.array([root])
@@ -104,7 +104,7 @@ class Pages:
         return np.append(words[sound], words[8]).astype(np.int64), len(sound) == cells
 
     def strays(self, leaves: Ints) -> Ints:
-        """Pages that look like leaves, belong to none of these and are not free: a damaged tree lost them."""
+        """Return pages that look like leaves, belong to none of these and are not free: a damaged tree lost them."""
         looks = self.content[: self.count * self.size : self.size] == _LEAF
         looks[:1] = False
         looks[leaves - 1] = False
@@ -141,7 +141,7 @@ class Pages:
 
 
 def find_rows(pages: Pages, root: int, expected: int | None) -> Table:
-    """The messages in the table whose tree begins at this page: what can be read, and what is lost.
+    """Return the messages in the table whose tree begins at this page: what can be read, and what is lost.
 
     ``expected``: how many there are by another count; of more than are found the rest is looked for beside the tree.
     """

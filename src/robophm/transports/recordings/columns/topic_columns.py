@@ -19,52 +19,53 @@ class TopicColumns:
     """Messages of one topic as columns, in order of receipt: a row is a message."""
 
     received: Ints
-    """When each was recorded [ns]."""
+    """Time when each message was recorded [ns]."""
     stamps: Ints | None
-    """What its header says [ns]; None where the type has no header."""
+    """Header stamp of each message [ns]; None where the type has no header."""
     values: Mapping[str, NDArray[np.float64]]
-    """By field: its value, NaN where the message has no such element."""
+    """Values of each field, NaN where the message has no such element."""
     absent: Mapping[str, NDArray[np.bool_]]
-    """By field, where there are such messages: which have no such element."""
+    """Flags of the messages that have no such element, for each field with such messages."""
 
     def __len__(self) -> int:
         return len(self.received)
 
     @cached_property
     def times(self) -> Ints:
-        """The time of each sample [ns]: the header stamp, or receipt where that is zero or more than 10 s off."""
+        """Return the time of each sample [ns]: the header stamp, or receipt where that is zero or more than 10 s
+        off."""
         if self.stamps is None:
             return self.received
         return np.where(believed_stamps(self.stamps, self.received), self.stamps, self.received)
 
     def heard(self, field: str) -> SignalColumns:
-        """The samples of one field, without the messages that do not have it."""
+        """Return the samples of one field, without the messages that do not have it."""
         one = SignalColumns(self.received, self.times, self.values[field])
         return one.rows(~self.absent[field]) if field in self.absent else one
 
 
 Block = dict[str, TopicColumns]
-"""By topic: its messages of a stretch of time."""
+"""Messages of a stretch of time, by topic."""
 
 
 def by_signal(block: Block) -> dict[str, SignalColumns]:
-    """The samples of every field in a block."""
+    """Return the samples of every field in a block."""
     return {f"{topic}.{field}": part.heard(field) for topic, part in block.items() for field in part.values}
 
 
 def believed_stamps(stamps: Ints, received: Ints) -> NDArray[np.bool_]:
-    """Which header stamps are taken: those not zero and at most 10 s off receipt."""
+    """Return which header stamps are taken: those not zero and at most 10 s off receipt."""
     believed: NDArray[np.bool_] = (np.abs(stamps - received) <= STAMP_LIMIT) & (stamps != 0)
     return believed
 
 
 def time_order(times: Ints) -> Any:
-    """The index that puts times in ascending order; equal ones stay as they came."""
+    """Return the index that puts times in ascending order; equal ones stay as they came."""
     return slice(None) if (times[1:] >= times[:-1]).all() else np.argsort(times, kind="stable")
 
 
 def joined_columns(parts: Sequence[TopicColumns]) -> TopicColumns:
-    """Parts of one topic as one, in order of receipt."""
+    """Return parts of one topic as one, in order of receipt."""
     if len(parts) == 1:
         return parts[0]
     received = np.concatenate([part.received for part in parts])
@@ -85,7 +86,7 @@ def joined_columns(parts: Sequence[TopicColumns]) -> TopicColumns:
 
 
 def rows_of(columns: TopicColumns, rows: Any) -> TopicColumns:
-    """The columns of some of the messages, given by ``rows``."""
+    """Return the columns of some of the messages, given by ``rows``."""
     return TopicColumns(
         columns.received[rows],
         None if columns.stamps is None else columns.stamps[rows],

@@ -202,7 +202,7 @@ def environment_factor(environment: str) -> Factor:
 
 
 def quality_factor(quality: str, screening_points: Array | None) -> Factor:
-    """πQ. Raises ModelError for custom screening without its points."""
+    """The quality factor πQ of a microcircuit. Raises ModelError for custom screening without its points."""
     if quality != "custom":
         return Factor("πQ", QUALITY[quality], f"quality {quality}")
     if screening_points is None:

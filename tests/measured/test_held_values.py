@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 
 from robophm.core.signal import SECOND
-from robophm.measured.held import InOrder
+from robophm.measured.held_values import SampleSorter
 from robophm.measured.recordings import Recorded, Signal
 from robophm.transports.recordings.columns import TopicColumns
 
@@ -19,7 +19,7 @@ def block(*rows):
 
 
 def test_what_may_still_be_preceded_waits():
-    ordered = InOrder(RECORDED, [T], Counter())
+    ordered = SampleSorter(RECORDED, [T], Counter())
     first = ordered.feed(block((100, 100, 1), (101, 95, 2), (112, 112, 3)))
     assert (first[T.name].times // SECOND).tolist() == [95, 100]
     second = ordered.feed(block((113, 103, 4), (130, 130, 5)))
@@ -30,7 +30,7 @@ def test_what_may_still_be_preceded_waits():
 
 def test_what_comes_too_late_is_counted():
     notes = Counter()
-    ordered = InOrder(RECORDED, [T], notes)
+    ordered = SampleSorter(RECORDED, [T], notes)
     ordered.feed(block((100, 100, 1), (200, 200, 2)))
     late = ordered.feed(block((150, 150, 3), (201, 201, 4)))
     assert late[T.name].values.tolist() == []

@@ -20,8 +20,8 @@ from robophm.design.robot import Robot
 from robophm.health import exposure
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
-from robophm.monitoring import by_block
-from robophm.monitoring.by_block import BlockMonitor
+from robophm.monitoring import block_monitor
+from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
@@ -169,8 +169,8 @@ def test_a_life_out_of_columns_is_the_monitors_bit_for_bit(
     robot = shop(max_age, gap, stale, powered=powered)
     expected, looks = stepwise(robot, arrivals, period, step)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(by_block, "ENOUGH", enough)
-        patch.setattr(by_block, "PERIODS", periods)
+        patch.setattr(block_monitor, "ENOUGH", enough)
+        patch.setattr(block_monitor, "PERIODS", periods)
         patch.setattr(exposure, "EACH", each)
         found, seen = by_columns(robot, arrivals, period, step, sizes)
     state, other = in_order(found.ledger.to_json()), in_order(expected.ledger.to_json())
@@ -187,7 +187,7 @@ def test_a_block_of_nothing_but_bad_samples_is_counted(bad: tuple[int, float]) -
     arrivals += [(START + i * SECOND, Sample(time, "/a.t", value)) for i in range(200, 220)]
     expected, _ = stepwise(robot, arrivals, 60, 60 * SECOND)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(by_block, "ENOUGH", 1)
+        patch.setattr(block_monitor, "ENOUGH", 1)
         found, _ = by_columns(robot, arrivals, 60, 60 * SECOND, [200])
     assert sum(found.ledger.counts.values()) == 20
     assert found.ledger.to_json() == expected.ledger.to_json()
@@ -256,8 +256,8 @@ def test_a_block_may_have_nothing_of_a_signal() -> None:
 
 def test_a_flood_is_bounded_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stamps that stand still, then time that goes on: the open period is integrated before it is over."""
-    monkeypatch.setattr(by_block, "MOST_WAITING", 500)
-    monkeypatch.setattr(by_block, "ENOUGH", 100)
+    monkeypatch.setattr(block_monitor, "MOST_WAITING", 500)
+    monkeypatch.setattr(block_monitor, "ENOUGH", 100)
     monitor = Monitor(shop(5, 60, "nominal", powered=False))
     life = BlockMonitor(monitor, 600 * SECOND)
 

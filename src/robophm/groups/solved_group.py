@@ -1,4 +1,4 @@
-"""What is asked of a group along its path, from what each way of solving it can say."""
+"""The interface of a solved group along its path, on what each way of solving it provides."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from robophm.groups.table import FARTHEST
 from robophm.life.distribution import FAINT
 
 
-class Solved(ABC):
-    """A group along a path. Times are the path's; ``now`` is when what is known of the members is known."""
+class SolvedGroup(ABC):
+    """A group solved along a path. Times are the path's; ``now`` is when what is known of the members is known."""
 
     now: float
     told: bool
@@ -21,7 +21,7 @@ class Solved(ABC):
 
     @abstractmethod
     def log_works(self, s: Array) -> Array:
-        """ln P(works at s, and what is known), shape (times,)."""
+        """Return ln P(works at s, and what is known), shape (times,)."""
 
     @abstractmethod
     def log_fails_in(self, s: Array, length: Array) -> Array:
@@ -59,11 +59,11 @@ class Solved(ABC):
         return np.maximum(hazard, 0.0)
 
     def over(self, s: Array, length: Array) -> npt.NDArray[np.bool_]:
-        """Where no group that works at s outlives the stretch, but one of exp(1000)."""
+        """Return where no group that works at s outlives the stretch, but one of exp(1000)."""
         return np.zeros(len(s), dtype=bool)
 
     def rate(self, s: Array) -> Array:
-        """The hazard rate at s, per unit of s."""
+        """Return the hazard rate at s, per unit of s."""
         works = self.log_works(s)
         with np.errstate(invalid="ignore", over="ignore"):
             rate: Array = np.where(works > -np.inf, np.exp(self.log_density(s) - works), np.inf)
@@ -79,5 +79,5 @@ def log_fails(hazard: Array) -> Array:
 
 
 def log_outlives(hazard: Array) -> Array:
-    """−H; −inf where that has no meaning but never."""
+    """Return −H; −inf where that has no meaning but never."""
     return np.where(hazard > 1e100, -np.inf, -hazard)

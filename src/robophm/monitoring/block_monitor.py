@@ -24,26 +24,29 @@ ENOUGH = 500_000
 """Samples that are gone through at once."""
 
 PERIODS = 1024
-"""That are looked for, and gone through, at once at most."""
+"""The most periods that are looked for, and gone through, at once."""
 
 MOST_WAITING = 4_000_000
 """Samples that the open period holds at most; a flood beyond it is integrated early or dropped, as a monitor's is."""
 
 
 class BlockMonitor:
-    """Carries a monitor's ledger on. Its ``on_tick`` follows the first end of a period in every ``step`` [ns]."""
+    """Carries a monitor's ledger on, block by block. Its ``on_tick`` follows the first end of a period in every
+    ``step`` [ns].
+    """
 
     def __init__(self, monitor: Monitor, step: int = HOUR) -> None:
         self.monitor = monitor
         self.ledger = monitor.ledger
         self.step = step
         self.arrived: int | None = None
-        """At a tick: what had arrived until then [ns], and nothing else, is in the ledger, integrated or pending."""
+        """Time at a tick [ns]: what had arrived until then, and nothing else, is in the ledger, integrated or
+        pending."""
         self._new: dict[str, list[SignalColumns]] = {}
         self._waiting: dict[str, SignalColumns] = {}
-        """Taken, and not yet integrated; ascending in time."""
+        """Samples that were taken, and are not yet integrated; ascending in time."""
         self._missed: dict[str, npt.NDArray[np.int64]] = {}
-        """When what was not taken arrived, by reason; not yet counted."""
+        """Times at which samples arrived that were not taken, by reason; not yet counted."""
         self._resume()
         np.empty(31 << 17)  # untouched and let go of: glibc keeps smaller ones' pages then, a third of the time
 
@@ -80,7 +83,7 @@ class BlockMonitor:
         self.ledger.aside = aside
 
     def _believed(self, new: dict[str, SignalColumns]) -> tuple[dict[str, SignalColumns], list[Sample]]:
-        """What counts as a monitor lets it, and what is set aside behind it, as a clock may have jumped ahead."""
+        """The samples that count, as a monitor decides, and those set aside because a clock may have jumped ahead."""
         known = self.ledger.newest if self.ledger.newest is not None else min(int(h.times[0]) for h in new.values())
         leaps = ClockJumps(known, (one.time for one in self.ledger.aside))
         if not leaps.count and not leaps.ahead(max(int(heard.times.max()) for heard in new.values())):
@@ -159,7 +162,7 @@ class BlockMonitor:
         return {signal: heard for signal, heard in left.items() if len(heard.times)}
 
     def _taken(self, new: Mapping[str, SignalColumns], begun: int) -> dict[str, SignalColumns]:
-        """Without what is late or not finite."""
+        """The samples without those that are late or not finite."""
         taken = {}
         late = self._late(new, begun)
         for signal, heard in new.items():
@@ -174,7 +177,7 @@ class BlockMonitor:
         return taken
 
     def _late(self, new: Mapping[str, SignalColumns], begun: int) -> dict[str, Flags]:
-        """Of each signal that has them, which samples lie in a period that was over when they came."""
+        """Whether each sample lies in a period that was over when it came, for each signal that has such samples."""
         lags = [_lags(heard) for heard in new.values()]
         first = min(int(heard.times.min()) for heard in new.values())
         if max(slowest for _, slowest in lags) - min(fastest for fastest, _ in lags) < WINDOW and first > begun:
@@ -301,7 +304,7 @@ def _ascends(heard: SignalColumns) -> bool:
 
 
 def _lags(heard: SignalColumns) -> tuple[int, int]:
-    """How long after their time samples arrived, at least and at most [ns]."""
+    """The least and the greatest delay of samples' arrival after their time [ns]."""
     if heard.arrived is heard.times:
         return 0, 0
     lag = heard.arrived - heard.times

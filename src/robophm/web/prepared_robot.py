@@ -22,7 +22,7 @@ from robophm.web.shapes import LevelFigures, UnknownRates
 _KEPT = 4
 
 
-class Prepared:
+class PreparedRobot:
     """A robot prepared for questions: what does not change while its design does not."""
 
     def __init__(self, robot: Robot) -> None:
@@ -31,22 +31,22 @@ class Prepared:
 
     @cached_property
     def new(self) -> Outlook:
-        """The outlook of the new robot, as designed."""
+        """Return the outlook of the new robot, as designed."""
         return as_designed(self.plant)
 
     @cached_property
     def modules(self) -> Mapping[str, Module]:
-        """The robot under an empty path, then its modules by path."""
+        """Return the robot under an empty path, then its modules by path."""
         return self.robot.levels
 
     @cached_property
     def rates(self) -> dict[str, float]:
-        """Nominal hazard rate when new of each level and part, by path; all equal parts of one together [1/h]."""
+        """Return the nominal hazard rate when new of each level and part, by path; equal parts together [1/h]."""
         return hazard_rates(self.new)
 
     @cached_property
     def unknown(self) -> dict[str, PartsOfUnknownRate]:
-        """The effect of parts of unknown rate on each level and part that has some, by path."""
+        """Return the effect of parts of unknown rate on each level and part that has some, by path."""
         found = {path: unknown(self.new, module.diagram) for path, module in self.modules.items()}
         for part, alone in zip(self.plant.components, self.plant.alone, strict=True):
             if part.unknown:
@@ -55,13 +55,13 @@ class Prepared:
 
     @cached_property
     def single_points(self) -> frozenset[str]:
-        """Paths of the components, and their units, whose failure alone fails the robot."""
+        """Return paths of the components, and their units, whose failure alone fails the robot."""
         units = single_points_of_failure(self.robot.diagram)
         return frozenset(units) | frozenset(unit.partition("[")[0] for unit in units)
 
     @cached_property
     def levels(self) -> dict[str, LevelFigures]:
-        """The figures of each level and part when new, by path."""
+        """Return the figures of each level and part when new, by path."""
         found = {
             path: LevelFigures(
                 kind="module" if path else "robot",
@@ -80,37 +80,37 @@ class Prepared:
 
 
 Says = Literal["sentence", "of_tasks", "aside"]
-"""What of parts of unknown rate is to be said beside figures: of health, of tasks, of figures that are no bounds."""
+"""The kind of note on parts of unknown rate beside figures: of health, of tasks, of figures that are no bounds."""
 
 
 def unknown_of(found: PartsOfUnknownRate | None, says: Says = "sentence") -> UnknownRates | None:
-    """The effect of parts of unknown rate as a response; None where there are none."""
+    """Return the effect of parts of unknown rate as a response; None where there are none."""
     return rates_of(found, says) if found else None
 
 
 def rates_of(found: PartsOfUnknownRate, says: Says = "sentence") -> UnknownRates:
-    """The effect of parts of unknown rate as a response."""
+    """Return the effect of parts of unknown rate as a response."""
     return UnknownRates(**asdict(found), failing=found.failing, sentence=getattr(found, says))
 
 
 def finite(value: float) -> float | None:
-    """None where it is no finite number, which JSON cannot say."""
+    """Return the value, or None where it is no finite number, which JSON cannot say."""
     return value if math.isfinite(value) else None
 
 
-class Shelf:
+class PreparedRobots:
     """The latest few prepared robots, by identity; for any number of threads."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._found: OrderedDict[int, Prepared] = OrderedDict()
+        self._found: OrderedDict[int, PreparedRobot] = OrderedDict()
 
-    def of(self, robot: Robot) -> Prepared:
-        """The prepared robot, made now or remembered."""
+    def of(self, robot: Robot) -> PreparedRobot:
+        """Return the prepared robot, made now or remembered."""
         with self._lock:
             one = self._found.get(id(robot))
             if one is None or one.robot is not robot:
-                one = self._found[id(robot)] = Prepared(robot)
+                one = self._found[id(robot)] = PreparedRobot(robot)
             self._found.move_to_end(id(robot))
             while len(self._found) > _KEPT:
                 self._found.popitem(last=False)

@@ -30,7 +30,7 @@ class Samples(NamedTuple):
     """The samples of one signal, in ascending order of time."""
 
     times: Ints
-    """[ns since the epoch]"""
+    """Times of the samples [ns since the epoch]."""
     values: Floats
 
 
@@ -38,20 +38,20 @@ class HeldValues(NamedTuple):
     """Samples of one signal in ascending order of time, and how long each holds; shape (samples,)."""
 
     times: Ints
-    """[ns since the epoch]"""
+    """Times of the samples [ns since the epoch]."""
     values: Floats
     ends: Ints
-    """Until when each value holds; of the last sample of a recording its own time."""
+    """Time until which each value holds; for the last sample of a recording its own time."""
     next_times: Ints
-    """When the next sample comes; of the last one its own time."""
+    """Time of the next sample; for the last one its own time."""
     next_values: Floats
-    """Of the last sample its own."""
+    """Value of the next sample; for the last one its own value."""
 
 
 _NONE = Samples(np.empty(0, np.int64), np.empty(0))
 
 
-class InOrder:
+class SampleSorter:
     """The samples of signals in order of their own time, which is not quite the order in which they were received.
 
     A header stamp that is believed is at most STAMP_LIMIT from receipt: what is so much older than the newest message
@@ -65,10 +65,10 @@ class InOrder:
         stamped = any("header.stamp.sec" in recorded.topics[signal.topic][1] for signal in self._signals)
         self._behind = STAMP_LIMIT if stamped else 0
         self.complete = np.iinfo(np.int64).min
-        """No sample before this time is still to come [ns]."""
+        """Time before which no sample is still to come [ns]."""
 
     def feed(self, block: Block) -> dict[str, Samples]:
-        """The samples that are complete with this block, by signal."""
+        """Return the samples that are complete with this block, by signal."""
         for signal in self._signals:
             if signal.topic in block:
                 columns = block[signal.topic]
@@ -84,7 +84,7 @@ class InOrder:
         return self._ready(self.complete)
 
     def rest(self) -> dict[str, Samples]:
-        """The samples that are left when there are no more blocks, by signal."""
+        """Return the samples that are left when there are no more blocks, by signal."""
         return self._ready(np.iinfo(np.int64).max)
 
     def _ready(self, until: int) -> dict[str, Samples]:
@@ -101,12 +101,12 @@ class InOrder:
 
 
 def in_order(recorded: Recorded, signals: Sequence[Signal], notes: Counter[str]) -> Iterator[dict[str, Samples]]:
-    """The samples of the signals that a recording has, block by block, each signal's ascending in time."""
+    """Yield the samples of the signals that a recording has, block by block, each signal's ascending in time."""
     present = [signal for signal in signals if recorded.has(signal)]
     if not present:
         return
     columns = recorded.columns(present)
-    ordered = InOrder(recorded, present, notes)
+    ordered = SampleSorter(recorded, present, notes)
     try:
         for block in columns:
             yield ordered.feed(block)
@@ -117,7 +117,7 @@ def in_order(recorded: Recorded, signals: Sequence[Signal], notes: Counter[str])
 
 
 def finite(samples: Samples, name: str, notes: Counter[str]) -> Samples:
-    """The samples that are numbers; the others are counted."""
+    """Return the samples that are numbers; the others are counted."""
     true = np.isfinite(samples.values)
     if true.all():
         return samples
@@ -125,8 +125,8 @@ def finite(samples: Samples, name: str, notes: Counter[str]) -> Samples:
     return Samples(samples.times[true], samples.values[true])
 
 
-class Holding:
-    """The samples of one signal become stretches; one sample is kept back until the next is known."""
+class ValueHolder:
+    """Makes stretches of the samples of one signal; one sample is kept back until the next is known."""
 
     def __init__(self, signal: Signal, max_age: int, notes: Counter[str]) -> None:
         self._name = signal.name
@@ -137,7 +137,7 @@ class Holding:
         """Samples that the next follows too late to go on, and all that are followed."""
 
     def feed(self, samples: Samples) -> HeldValues:
-        """The stretches that are known with these samples, all later than those before."""
+        """Return the stretches that are known with these samples, all later than those before."""
         times, values = finite(samples, self._name, self._notes)
         times = np.concatenate((self._last.times, times))
         values = np.concatenate((self._last.values, values))
@@ -151,19 +151,19 @@ class Holding:
         return HeldValues(times[:-1], values[:-1], ends, times[1:], values[1:])
 
     def rest(self) -> HeldValues:
-        """The last sample, of which nobody knows how long it held."""
+        """Return the last sample, of which nobody knows how long it held."""
         times, values = self._last
         return HeldValues(times, values, times, times, values)
 
 
-def held(
+def held_values(
     recorded: Recorded, signals: Sequence[Signal], max_age: int, notes: Counter[str]
 ) -> Iterator[Mapping[str, HeldValues]]:
-    """The stretches of the signals that a recording has, block by block; ``max_age`` [ns].
+    """Yield the stretches of the signals that a recording has, block by block; ``max_age`` [ns].
 
     The notes say what had to be decided, and where most samples are too far apart for their values to hold.
     """
-    holding = {signal.name: Holding(signal, max_age, notes) for signal in signals}
+    holding = {signal.name: ValueHolder(signal, max_age, notes) for signal in signals}
     for samples in in_order(recorded, signals, notes):
         yield {name: holding[name].feed(one) for name, one in samples.items()}
     yield {name: one.rest() for name, one in holding.items()}
@@ -171,5 +171,5 @@ def held(
         if 2 * one.apart > one.followed:
             notes[
                 f"most samples of {name} are more than {max_age / SECOND:g} s apart; between them nothing is known "
-                "unless --gap is longer"
+                "unless values hold for longer"
             ] += 1

@@ -1,21 +1,21 @@
-"""What a robot may be asked to do, and what may be known of it: checked alike for files, command line and Python."""
+"""Checks of tasks, and of knowledge about parts, alike for files, the command line and Python."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
 
+from robophm.core.argument_checks import instance
 from robophm.core.errors import nearest
-from robophm.core.given import instance
-from robophm.design.fault import Fault, Path, at
+from robophm.design.located_error import LocatedError, Path, error_at
 from robophm.design.robot import FailureMode, Robot
 from robophm.design.task import FARTHEST, LONGEST_TASK, MOST_CYCLES, Knowledge, Leg, Plan, Task, TaskStress
 from robophm.hazard.model import Range
 
 
 def check_task(task: Task, robot: Robot) -> None:
-    """Raises Fault where a task is none, or names a function or a stress that the robot does not have."""
-    instance(task, Task, "task", "a Task of legs, such as Task((Leg(0.5),))", at("task"))
+    """Raise LocatedError where a task is none, or names a function or a stress that the robot does not have."""
+    instance(task, Task, "task", "a Task of legs, such as Task((Leg(0.5),))", error_at("task"))
     for i, leg in enumerate(task.legs):
         place = ("legs", str(i))
         check_leg(leg, place)
@@ -26,24 +26,24 @@ def check_task(task: Task, robot: Robot) -> None:
 
 
 def check_leg(leg: Leg, place: Path) -> None:
-    """Raises Fault where a leg is longer, or turns more, than any: a slip of the unit."""
+    """Raise LocatedError where a leg is longer, or turns more, than any can: a slip of the unit."""
     if not (leg.duration <= LONGEST_TASK and leg.distance <= FARTHEST):
         most = f"{LONGEST_TASK:g} h and {FARTHEST:g} m"
-        raise Fault(place, f"{leg.distance:g} m in {leg.duration:g} h; expected at most {most}")
+        raise LocatedError(place, f"{leg.distance:g} m in {leg.duration:g} h; expected at most {most}")
     for name in ("cycles", "starts"):
         if (count := getattr(leg, name)) is not None and not count <= MOST_CYCLES:
-            raise Fault((*place, name), f"{count:g} {name}; expected at most {MOST_CYCLES:g}")
+            raise LocatedError((*place, name), f"{count:g} {name}; expected at most {MOST_CYCLES:g}")
 
 
 def check_hours(takes: float, place: Path) -> None:
-    """Raises Fault where legs or tasks take longer in all than any."""
+    """Raise LocatedError where legs or tasks take longer in all than any can."""
     if takes > LONGEST_TASK:
-        raise Fault(place, f"take {takes:g} h in all; expected at most {LONGEST_TASK:g} h")
+        raise LocatedError(place, f"take {takes:g} h in all; expected at most {LONGEST_TASK:g} h")
 
 
 def check_plan(plan: Plan, robot: Robot) -> None:
-    """The same of a list of tasks, and of what is known before the first."""
-    instance(plan, Plan, "plan", "a Plan of tasks, as of robophm.load_plan", at("plan"))
+    """Raise LocatedError where a task of a list is wrong, or what is known before the first."""
+    instance(plan, Plan, "plan", "a Plan of tasks, as of robophm.load_plan", error_at("plan"))
     for task in plan.tasks:
         check_task(task, robot)
     check_hours(math.fsum(task.duration for task in plan.tasks), ("tasks",))
@@ -51,27 +51,27 @@ def check_plan(plan: Plan, robot: Robot) -> None:
 
 
 def check_knowledge(knowledge: Knowledge, robot: Robot) -> None:
-    """Raises Fault where it names units that the robot does not have, or contradicts itself."""
-    instance(knowledge, Knowledge, "knowledge", "a Knowledge of units that failed or work", at("knowledge"))
+    """Raise LocatedError where the knowledge names units that the robot does not have, or contradicts itself."""
+    instance(knowledge, Knowledge, "knowledge", "a Knowledge of units that failed or work", error_at("knowledge"))
     units = {unit for part in robot.all_components() for unit in part.units}
     for kind in ("failed", "working"):
         for unit in getattr(knowledge, kind):
             if unit not in units:
-                raise Fault(("knowledge", kind), f"unknown part '{unit}'{nearest(unit, units)}")
+                raise LocatedError(("knowledge", kind), f"unknown part '{unit}'{nearest(unit, units)}")
     if says := contradiction(knowledge, robot):
-        raise Fault(("knowledge",), says)
+        raise LocatedError(("knowledge",), says)
 
 
 def check_functions(names: Iterable[str], robot: Robot, place: Path = ()) -> None:
-    """Raises Fault where the robot has no function of such a name."""
+    """Raise LocatedError where the robot has no function of one of these names."""
     for i, name in enumerate(names):
         if name not in robot.functions:
             hint = nearest(name, robot.functions) if robot.functions else "; the design names none"
-            raise Fault((*place, "functions", str(i)), f"no function '{name}'{hint}")
+            raise LocatedError((*place, "functions", str(i)), f"no function '{name}'{hint}")
 
 
 def contradiction(knowledge: Knowledge, robot: Robot) -> str:
-    """What cannot both be known; "" where there is nothing."""
+    """Return, in words, what cannot both be known; "" where nothing contradicts."""
     if both := sorted(knowledge.failed & knowledge.working):
         return f"{both[0]} is said to have failed and to work; expected either, not both"
     for cause in robot.causes:
@@ -83,8 +83,8 @@ def contradiction(knowledge: Knowledge, robot: Robot) -> str:
 Taker = tuple[FailureMode, Range, TaskStress]
 
 
-def takers(key: str, robot: Robot, place: Path) -> tuple[list[Taker], str]:
-    """The model inputs that a stated stress determines, and the unit it is in. Raises Fault where there are none."""
+def inputs_of_stress(key: str, robot: Robot, place: Path) -> tuple[list[Taker], str]:
+    """Return the model inputs that a stated stress determines, and its unit. Raises LocatedError if there are none."""
     path, _, name = key.rpartition("/")
     stresses = [
         (mode, stress.model.numbers[own], driver)
@@ -106,22 +106,22 @@ def takers(key: str, robot: Robot, place: Path) -> tuple[list[Taker], str]:
         if name in known:
             hint = nearest(path, [mode.path[:end] for mode, *_ in stresses for end in _ends(mode.path)])
         where = f" below '{path}'" if below else ""
-        raise Fault(place, f"no part{where} takes a stress '{name}'{hint}")
+        raise LocatedError(place, f"no part{where} takes a stress '{name}'{hint}")
     units = {entry.unit for _, entry, _ in found}
     if len(units) > 1:
-        raise Fault(place, f"parts take '{name}' in {' and '.join(sorted(units))}; expected it below one module")
+        raise LocatedError(place, f"parts take '{name}' in {' and '.join(sorted(units))}; expected it below one module")
     return found, units.pop()
 
 
 def check_stress(key: str, number: float, robot: Robot, place: Path) -> None:
-    """Raises Fault where no part takes a stress, or it is outside the range of one that does."""
-    for mode, entry, driver in takers(key, robot, place)[0]:
+    """Raise LocatedError where no part takes a stress, or it is outside the range of one that does."""
+    for mode, entry, driver in inputs_of_stress(key, robot, place)[0]:
         if not entry.holds(at := number + driver.shift):
-            raise Fault(place, f"{entry.written(at)} of {mode.path} is outside {entry.span}")
+            raise LocatedError(place, f"{entry.written(at)} of {mode.path} is outside {entry.span}")
 
 
 def _names(robot: Robot) -> set[str]:
-    """What may be stated of a part."""
+    """The names of stresses and inputs that may be stated of the robot's parts."""
     inputs = [(stress.model.numbers, stress.drivers) for mode in robot.modes for stress in mode.stresses]
     return {
         name for numbers, drivers in inputs for name in (*numbers, *(d.name for of in drivers.values() for d in of))
@@ -129,5 +129,5 @@ def _names(robot: Robot) -> set[str]:
 
 
 def _ends(path: str) -> list[int]:
-    """Where the path of a part, and of each module around it, ends."""
+    """The indices at which the path of a part, and of each module around it, ends."""
     return [i for i, letter in enumerate(f"{path}/") if letter == "/"]

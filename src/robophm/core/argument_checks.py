@@ -1,4 +1,4 @@
-"""What comes in through the Python interface, held to what files are held to: one line says what was expected."""
+"""Checks of arguments from the Python interface, as strict as of files: one line says what was expected."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from robophm.core.errors import RobophmError, nearest
 
 Array = npt.NDArray[np.float64]
 Wrong = Callable[[str], RobophmError]
-"""What makes an error of its message."""
+"""A function that makes an error of its message."""
 
 
 def shown(value: object) -> str:
-    """A value as an error says it, cut short."""
+    """Return a value as an error shows it, cut short."""
     text = f"an array of shape {value.shape}" if isinstance(value, np.ndarray) else repr(value)
     return text if len(text) <= 60 else f"{text[:57]}…"
 
@@ -72,7 +72,7 @@ def instance(value: Any, kind: Any, what: str, expected: str, error: Wrong = Rob
 
 
 def path(value: Any, what: str, error: Wrong) -> Path:
-    """Where a file is; raises ``error`` for what is no path, or says none."""
+    """Return the path of a file; raises ``error`` for what is no path, or names no file."""
     if not isinstance(value, str | os.PathLike) or not os.fspath(value) or isinstance(os.fspath(value), bytes):
         raise error(f"{what} {shown(value)}: expected the path of a file")
     try:

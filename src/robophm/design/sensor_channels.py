@@ -1,4 +1,4 @@
-"""What drives the inputs of a part's models: its sensors, those of what it is in, and how one follows from the other.
+"""Assignment of sensors to model inputs: a part's own, those of its module, and how one input follows from another.
 
 A stress that is bound or stated reaches an input by the input's own name, and else as the model declares: all
 temperatures in operation follow from ``temperature``. A sensor of a level tells what is around the parts in it; the
@@ -17,17 +17,17 @@ from robophm.core.errors import PlugError, RobophmError, UnitError
 from robophm.core.signal import SECOND, signal_name
 from robophm.core.units import conversion, quantity
 from robophm.design import schema
-from robophm.design.fault import Fault, Path
+from robophm.design.located_error import LocatedError, Path
 from robophm.design.robot import Channel, Component, Stress
 from robophm.design.task import TaskStress
 from robophm.hazard.handbooks import handbook_model
 from robophm.hazard.model import TEMPERATURE, Model, Range
 
 PLAUSIBLE = {"degC": (-100.0, 500.0)}
-"""What a signal may measure where its binding states no range, by the unit of the model input."""
+"""The range of a signal whose binding states none, by the unit of the model input."""
 
 MOST_NAMED = 20
-"""Parts in one warning."""
+"""The most parts that one warning names."""
 
 
 class Ambient(NamedTuple):
@@ -36,28 +36,28 @@ class Ambient(NamedTuple):
     value: float
     place: Path
     stated: bool
-    """Or else it is what the parts there state, all the same."""
+    """Whether the level itself states it; else all parts there state this same temperature."""
 
 
-class Cover(NamedTuple):
-    """What of the stresses around it, and of its own, a part has sensors of."""
+class SensorCover(NamedTuple):
+    """The sensors of a part's own stresses, and of those around it."""
 
     signals: Mapping[str, tuple[Path, schema.SignalBinding]]
     own: frozenset[str]
-    """Of these, what is bound at the part itself."""
+    """Names of those signals that are bound at the part itself."""
     offsets: Mapping[str, str | float]
     ambient: Ambient | None
 
 
 @dataclass
-class Driving:
-    """Channels for the inputs of models."""
+class ChannelBuilder:
+    """Makes the channels through which sensors reach the inputs of models."""
 
     used: dict[Path, None] = field(default_factory=dict)
     """Places of the signals that drive something, in the order of the design."""
 
-    def channels(self, model: Model, design: Mapping[str, Any], cover: Cover) -> dict[str, Channel]:
-        """The measured inputs of a model at a part. Raises Fault where a binding is none of the input."""
+    def channels(self, model: Model, design: Mapping[str, Any], cover: SensorCover) -> dict[str, Channel]:
+        """Return the measured inputs of a model at a part. Raises LocatedError where a binding is none of the input."""
         found = {}
         for name, entry in model.numbers.items():
             by = name if name in cover.signals else entry.driver
@@ -69,8 +69,9 @@ class Driving:
         return found
 
 
-def _reaches(by: str, entry: Range, cover: Cover) -> bool:
-    """A temperature is that of a whole place; a voltage, a current, a load only that of the part itself."""
+def _reaches(by: str, entry: Range, cover: SensorCover) -> bool:
+    """Whether a stress reaches an input: a temperature is that of a whole place, a voltage or load only of the part
+    itself."""
     binding = cover.signals[by][1]
     if entry.warmth:
         return True
@@ -81,15 +82,15 @@ def _reaches(by: str, entry: Range, cover: Cover) -> bool:
     return by in cover.own and binding.rated is None
 
 
-def _rises(by: str, entry: Range, cover: Cover) -> bool:
-    """Whether it is warmer than what this stress says, unless its offset says by how much."""
+def _rises(by: str, entry: Range, cover: SensorCover) -> bool:
+    """Whether the part is warmer than its sensor by the rise as designed, because no offset states by how much."""
     return by == TEMPERATURE and entry.warmth == "own" and by not in cover.own and by not in cover.offsets
 
 
 def drivers(
-    model: Model, design: Mapping[str, Any], channels: Mapping[str, Channel], cover: Cover
+    model: Model, design: Mapping[str, Any], channels: Mapping[str, Channel], cover: SensorCover
 ) -> dict[str, tuple[TaskStress, ...]]:
-    """By input, under which names its stress may be stated, the one that goes before the others first."""
+    """Return, by input, the names by which its stress may be stated, the one that takes precedence first."""
     found = {}
     for name, entry in model.numbers.items():
         if name not in design:
@@ -106,8 +107,8 @@ def drivers(
     return found
 
 
-def _stated_shift(by: str, unit: str, cover: Cover) -> float:
-    """By what the input is more than its sensor reads, as design and binding say."""
+def _stated_shift(by: str, unit: str, cover: SensorCover) -> float:
+    """The difference of an input from what its sensor reads, as the design and the binding state it."""
     if by not in cover.signals:
         return 0.0
     extras = (cover.signals[by][1].offset, cover.offsets.get(by))
@@ -118,19 +119,19 @@ def _stated_shift(by: str, unit: str, cover: Cover) -> float:
 
 
 def rise_of(own: str | float, ambient: Ambient | None) -> float:
-    """By how much a part is warmer than what is around it, as designed [K]; 0 where that is not known."""
+    """Return how much warmer a part is than its surroundings as designed [K]; 0 where that is not known."""
     return float(own) - ambient.value if ambient else 0.0
 
 
 def difference(unit: str) -> str:
-    """The unit of a difference of two values."""
+    """Return the unit of a difference of two values."""
     return f"delta_{unit}" if unit in ("degC", "degF") else unit
 
 
 def channel(
     place: Path, binding: schema.SignalBinding, unit: str, stress: str, more: str | float | None, rise: float
 ) -> Channel:
-    """A bound input in this unit, ``more`` and a ``rise`` above what its sensor reads. Raises Fault."""
+    """Build the channel of a bound input in a unit, ``more`` and a ``rise`` above the sensor. Raises LocatedError."""
     try:
         written = unit if binding.unit is None else binding.unit
         if binding.rated is None:
@@ -148,20 +149,20 @@ def channel(
             offset, low, high = offset + shift, low + shift, high + shift
         signal = signal_name(binding.topic, binding.field)
     except RobophmError as error:
-        raise Fault(place, str(error)) from None
+        raise LocatedError(place, str(error)) from None
     if binding.range is None and binding.stale == "worst":
-        raise Fault(place, "stale: worst needs a 'range'; expected e.g. range: [-20, 80]")
+        raise LocatedError(place, "stale: worst needs a 'range'; expected e.g. range: [-20, 80]")
     age, shift = round(binding.max_age * SECOND), offset - conversion_offset
     return Channel(signal, written, scale, offset, low, high, age, binding.stale, shift, stress)
 
 
 def ambient_of(place: Path, level: Any, above: Ambient | None) -> Ambient | None:
-    """What a level states, or its parts do, all the same; else what holds above it. Raises Fault."""
+    """Return the ambient temperature that a level states or its parts share, else that above. Raises LocatedError."""
     if level.ambient is not None:
         try:
             return Ambient(quantity(level.ambient, "degC"), (*place, "ambient"), stated=True)
         except UnitError as error:
-            raise Fault((*place, "ambient"), str(error)) from None
+            raise LocatedError((*place, "ambient"), str(error)) from None
     around = set(_around(level))
     return Ambient(around.pop(), place, stated=False) if len(around) == 1 else above
 
@@ -185,8 +186,8 @@ def _around(level: Any) -> Iterator[float]:
                 continue
 
 
-def assumed(parts: Iterable[tuple[Component, Cover]]) -> Iterator[tuple[bool, str]]:
-    """What is assumed of temperatures that follow from another, and whether the design lets it be known."""
+def assumed(parts: Iterable[tuple[Component, SensorCover]]) -> Iterator[tuple[bool, str]]:
+    """Yield what is assumed of temperatures that follow from others, with whether the design states what is needed."""
     found: dict[tuple[Path, Ambient | None], dict[str, None]] = {}
     for part, cover in parts:
         for stress in (stress for mode in part.modes for stress in mode.stresses):
@@ -216,8 +217,8 @@ def _celsius(text: str | float) -> float:
     return quantity(text, "degC")
 
 
-def undriven(parts: Iterable[tuple[Component, Cover]], used: Container[Path]) -> Iterator[str]:
-    """The parts that nothing drives although a sensor covers them, and why; those at each sensor together."""
+def undriven(parts: Iterable[tuple[Component, SensorCover]], used: Container[Path]) -> Iterator[str]:
+    """Yield, for each sensor, the parts that it covers and yet does not drive, and why."""
     found: dict[Path, dict[str, dict[str, None]]] = {}
     for part, cover in parts:
         places = [place for place, _ in cover.signals.values() if place in used]
@@ -231,8 +232,8 @@ def undriven(parts: Iterable[tuple[Component, Cover]], used: Container[Path]) ->
         yield f"{'/'.join(place)}: covers parts that no sensor drives: {said}"
 
 
-def _reason(stresses: tuple[Stress, ...], cover: Cover) -> str:
-    """Why none of the bound stresses reaches a failure mode."""
+def _reason(stresses: tuple[Stress, ...], cover: SensorCover) -> str:
+    """The reason why none of the bound stresses reaches a failure mode."""
     bound = " and ".join(cover.signals)
     if not stresses:
         return "a constant rate: an acceleration would make it answer"
@@ -247,7 +248,7 @@ def _reason(stresses: tuple[Stress, ...], cover: Cover) -> str:
 
 
 def named(paths: Iterable[str]) -> str:
-    """Some paths, and how many more."""
+    """Return some paths in words, and how many more there are."""
     listed = list(paths)
     more = f" and {len(listed) - MOST_NAMED} more" if len(listed) > MOST_NAMED else ""
     return ", ".join(listed[:MOST_NAMED]) + more

@@ -9,10 +9,10 @@ import numpy as np
 
 from robophm.groups.member import Member, log_density, working_hazard
 from robophm.groups.path import Array, Path
-from robophm.groups.state import Solved, log_fails, log_outlives
+from robophm.groups.solved_group import SolvedGroup, log_fails, log_outlives
 
 
-class Together(Solved):
+class SeriesOfParts(SolvedGroup):
     """A series of parts along a path; what bears the load ages ``factor`` times as fast as the path."""
 
     def __init__(self, factor: float, members: Sequence[Member], path: Path) -> None:

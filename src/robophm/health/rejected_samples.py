@@ -1,4 +1,4 @@
-"""What of a robot's samples was not taken into its past, and why, in words."""
+"""The samples of a robot that were not taken into its past, and why, in words."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from robophm.health.clock_jumps import waiting
 from robophm.health.ledger import Ledger
 
 
-def not_taken(ledger: Ledger) -> tuple[str, ...]:
-    """Samples that were dropped or wait, and how long which signals had no valid value."""
+def rejected_samples(ledger: Ledger) -> tuple[str, ...]:
+    """Return in words which samples were dropped or wait, and how long which signals had no valid value."""
     dropped = [_dropped(reason, count) for reason, count in sorted(ledger.counts.items())]
     silent: dict[int, list[str]] = {}
     for key, nanoseconds in sorted(ledger.stale.items()):
