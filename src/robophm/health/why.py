@@ -29,7 +29,7 @@ class ObservedStress:
     name: str
     signal: str
     unit: str
-    """In which both values are; that of the hazard model."""
+    """The unit of both values; that of the hazard model."""
     observed: float
     """The mean of the last ten minutes of the robot's own time; of a silent sensor the last value where that counts."""
     designed: float
@@ -42,7 +42,7 @@ class DecidingPart:
     path: str
     quantity: int
     share: float
-    """Of the failures within the horizon, from 0 to 1."""
+    """Share of the failures within the horizon, from 0 to 1."""
     pace: float
     """How many times as fast as designed it ages under the present stress; not a number for a group."""
     stresses: tuple[ObservedStress, ...]
@@ -54,7 +54,7 @@ class DecidingPart:
 
 @dataclass(frozen=True)
 class Explanation:
-    """What decides a robot's health now."""
+    """The answer to why a robot's health is as it is now."""
 
     chance: float
     """A chance to still work, from 0 to 1."""
@@ -65,11 +65,11 @@ class Explanation:
     horizon: float
     """How far ahead failures are looked for [h of calendar time]."""
     parts: tuple[DecidingPart, ...]
-    """Those that decide, the largest share first; none where nothing is left to fail."""
+    """The parts that decide, the largest share first; none where nothing is left to fail."""
 
 
 def explain(report: HealthReport) -> Explanation:
-    """What decides the health that a report states, sensor-based."""
+    """Explain the sensor-based health that a report states."""
     outlook = report.outlooks["sensor_based"]
     if outlook.plan:
         outlook = replace(outlook, future=outlook.plan, plan=None)

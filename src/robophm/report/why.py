@@ -54,7 +54,7 @@ def _value(value: float, of: ObservedStress) -> str:
 
 
 def reasons(found: Explanation) -> Iterator[str]:
-    """What lies behind it, a line each: the parts that decide, their stress, what would help."""
+    """Say what lies behind it, a line each: the parts that decide, their stress, what would help."""
     for part in found.parts:
         yield f"{part.path}{f' ×{part.quantity}' if part.quantity > 1 else ''}{_of_share(part)}"
         for one in part.stresses:

@@ -109,7 +109,7 @@ class Health(Shape):
     sentence: str
     """How long the robot works on, and what decides that; empty before it has been worked out."""
     reasons: list[str]
-    """What lies behind the sentence, a line each; what belongs to the line above begins with two blanks."""
+    """Lines that say what lies behind the sentence; what belongs to the line above begins with two blanks."""
     design_changed: bool
     """Whether the design has been changed since monitoring began."""
     time: float | None

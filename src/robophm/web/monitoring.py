@@ -67,7 +67,7 @@ class Run:
     lives: HealthReport | None = None
     """The latest report with remaining lives."""
     why: Explanation | None = None
-    """What decides the health of ``lives``."""
+    """The explanation of the health of ``lives``."""
     ledger: Ledger | None = None
     """Settled ledger of the latest report; nobody changes it."""
     samples: int = 0

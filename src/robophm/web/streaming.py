@@ -47,7 +47,7 @@ class Viewer:
         self._histories: list[tuple[int, str, float, float, int]] = []
         self._said: tuple[object, ...] = ()
         self._gaps: dict[str, list[Gap]] = {}
-        """Of each watched series, as last said."""
+        """The silences of each watched series, as last said."""
         self._spoke = 0.0
 
     def hear(self, said: Any) -> None:
