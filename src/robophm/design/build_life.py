@@ -37,7 +37,12 @@ def figure_of(place: Path, mode: schema.FailureMode, key: str, unit: str) -> flo
     """What it says: a rate [1/clock], or an age [clock]. Raises Fault."""
     at, said = (*place, key), getattr(mode, key)
     if key != "rate":
-        if not (age := written(at, said, unit)) > 0:
+        try:
+            age = written(at, said, unit)
+        except Fault as fault:
+            clock = "operating hours" if mode.clock == "operating" else f"the clock '{mode.clock}'"
+            raise Fault(at, f"{fault}: {key} is an age in {unit} of {clock}") from None
+        if not age > 0:
             raise Fault(at, f"{key} {said}; expected above zero")
         return age
     try:

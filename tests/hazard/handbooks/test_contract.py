@@ -11,8 +11,8 @@ import pytest
 
 from robophm.core.errors import ModelError, PlugError, UnitError
 from robophm.core.units import quantity
+from robophm.hazard.environments import ENVIRONMENTS
 from robophm.hazard.handbooks import handbook_model, handbook_models
-from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS
 from robophm.hazard.model import Choice, Note, Range
 
 FOLDER = Path(__file__).parents[2] / "data" / "plausible_inputs"

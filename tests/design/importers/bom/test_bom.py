@@ -280,7 +280,7 @@ def test_an_environment_of_the_design_holds_unless_another_is_said(tmp_path):
     [
         ({"assumptions": Assumptions(temperature="warm")}, "'warm' is not a number with a unit"),
         ({"assumptions": Assumptions(stress=1.5)}, "stress 1.5; expected a share"),
-        ({"environment": "moon"}, "environment 'moon' is no symbol of Table 3-2"),
+        ({"environment": "moon"}, "'moon' is no environment of MIL-HDBK-217F Table 3-2"),
         ({"assumptions": Assumptions(quality="comercial")}, "a level of no model; did you mean 'commercial'"),
         ({"mapping": ColumnMapping({"value": "Wert"})}, "has no column 'Wert'"),
     ],

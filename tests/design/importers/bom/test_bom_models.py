@@ -12,8 +12,8 @@ from robophm.design.importers.bom.kinds import KINDS, OTHER, PREFIXES
 from robophm.design.importers.bom.models import Rater, rates
 from robophm.design.importers.bom.parts import TYPES, Recognised
 from robophm.design.importers.bom.rules import RULES
+from robophm.hazard.environments import ENVIRONMENTS
 from robophm.hazard.handbooks import handbook_model
-from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS
 
 APPENDIX = json.loads((Path(__file__).parents[3] / "data" / "appendix_a_semiconductors.json").read_text())
 JUNCTION = APPENDIX["junction_temperature"]

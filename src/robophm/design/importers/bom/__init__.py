@@ -24,6 +24,7 @@ from robophm.design.importers.bom.models import Rater, Rating, rates
 from robophm.design.importers.bom.reading import Part, PartsList, read_parts
 from robophm.design.naming import design_name, printable, quoted
 from robophm.design.robot import Robot
+from robophm.hazard.environments import explained
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,7 @@ def import_bom(
     if there:
         parse(text, str(design))
     level = Level(text, str(design), module)
-    stated = level.environment
+    stated = level.environment and replace(assumed, environment=level.environment).environment
     assumed = replace(assumed, environment=environment or stated or Assumptions.environment)
     own_environment = assumed.environment if stated and stated != assumed.environment else None
     rated = rate_parts(found.parts, assumed)
@@ -132,7 +133,8 @@ def import_bom(
     remarks = (
         f"{file:.80}; where it says nothing else, assumed are: temperature {assumed.temperature},",
         f"junctions and windings {assumed.rise} above it, voltage, current and power {assumed.stress:g} of the rated,",
-        f"environment {assumed.environment}, quality {quality}.",
+        f"environment {explained(assumed.environment)},",
+        f"quality {quality}.",
     )
     result = level.merge(wanted, file=file, environment=assumed.environment, remarks=remarks)
     robot = parse(result.text, str(design) if there else f"{source}, as a design")

@@ -15,7 +15,6 @@ from robophm.design.importers.bom.kinds import DEVICE, GUESS
 from robophm.design.importers.bom.parts import Recognised
 from robophm.design.importers.bom.rules import RULES
 from robophm.hazard.handbooks import handbook_model
-from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS
 from robophm.hazard.model import Array, Choice
 
 
@@ -41,15 +40,12 @@ BEYOND = {
 class Rater:
     """Rates parts under the same assumptions; equal inputs are settled once.
 
-    Raises ModelError where the environment or the quality is none that any model knows.
+    Raises ModelError where the quality is none that any model knows.
     """
 
     def __init__(self, assumed: Assumptions) -> None:
         self.assumed = assumed
         self.settled: dict[tuple[str, ...], dict[str, str | float]] = {}
-        if assumed.environment not in ENVIRONMENTS:
-            hint = nearest(assumed.environment, ENVIRONMENTS)
-            raise ModelError(f"environment '{assumed.environment}' is no symbol of Table 3-2{hint}")
         models = [handbook_model(name) for name in dict.fromkeys(rule.model for rule in RULES.values())]
         levels = [choice for model in models if isinstance(choice := model.inputs.get("quality"), Choice)]
         if assumed.quality and not any(choice.option(assumed.quality) for choice in levels):

@@ -10,7 +10,8 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS, TITLE, per_million_hours
+from robophm.hazard.environments import ENVIRONMENTS, environment_choice
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
 SOURCE = Source(
@@ -89,7 +90,7 @@ CONDITIONS = {
     inputs={
         "part": Choice(RATES, "generic part"),
         "quality_factor": Range(1e-3, 30.0, "", "πQ of the part's own section; 1 where λg is printed", monotone=1),
-        "environment": Choice(tuple(ENVIRONMENTS), "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENTS),
     },
 )
 def hazard_rate(part: str, quality_factor: Array, environment: str) -> Factor:

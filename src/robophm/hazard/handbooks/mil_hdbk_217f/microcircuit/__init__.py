@@ -14,6 +14,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table, above, below
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, span
 from robophm.hazard.model import Array, Choice, Factor, Input, Range, more_than
 
@@ -146,7 +147,7 @@ RESISTANCE = Range(
 YEARS = Range(0.0, 100.0, "year", "years for which the generic part has been in production")
 QUALITIES = Choice(QUALITY, "quality level", default="commercial", aliases={"lower": "commercial"})
 SCREENING = Range(1.0, 200.0, "", "points of the screening; quality 'custom' needs it", required=False)
-ENVIRONMENTS = Choice(ENVIRONMENT, "environment of Table 3-2")
+ENVIRONMENTS = environment_choice(ENVIRONMENT)
 COMMON: dict[str, Input] = {
     "package": PACKAGES,
     "die": Choice(("small", "large"), "die up to or above 14,400 mil² (9.3 mm²)", default="small"),
