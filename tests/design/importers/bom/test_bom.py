@@ -186,7 +186,7 @@ def test_a_whole_board(tmp_path):
         "ferrite bead": "FB1, FB2", "connector": "J1 / J2 / J3", "relay": "K1",
         "inductor": "L1", "fet": "Q1", "bipolar transistor": "Q2", "resistor": "R1-R4 / R5", "potentiometer": "RV1",
         "switch": "SW1 / SW2", "microcontroller": "U1", "analog circuit": "U2 / U5", "memory": "U3", "logic": "U4",
-        "microcircuit": "U6", "oscillator": "X1", "crystal": "Y1",
+        "sensor chip": "U6", "oscillator": "X1", "crystal": "Y1",
     }  # fmt: skip
     found = imported("kicad_board.csv", tmp_path)
     assert {one.outcome.name: one.part.recognised.kind for one in found.parts} == {

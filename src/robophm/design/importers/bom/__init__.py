@@ -18,7 +18,7 @@ from robophm.design.file import parse, read
 from robophm.design.importers.bom.assumptions import Assumptions, TooLittle
 from robophm.design.importers.bom.columns import ColumnMapping
 from robophm.design.importers.bom.component import LONGEST_DESCRIPTION, LONGEST_NAME, Wanted
-from robophm.design.importers.bom.kinds import GUESS
+from robophm.design.importers.bom.kinds import is_guess
 from robophm.design.importers.bom.merging import Level, Outcome, State
 from robophm.design.importers.bom.models import Rater, Rating, rates
 from robophm.design.importers.bom.reading import Part, PartsList, read_parts
@@ -39,8 +39,8 @@ class ImportedPart:
 
     @property
     def guess(self) -> bool:
-        """Whether it is rated as what its letters alone say."""
-        return self.rating is not None and self.part.recognised.concluded.get("kind") == GUESS
+        """Whether it is rated as what nothing but its letters, its value or a doubtful word says."""
+        return self.rating is not None and is_guess(self.part.recognised.concluded.get("kind", ""))
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class ImportedList:
 
     @property
     def guesses(self) -> list[ImportedPart]:
-        """The parts that are rated as what their letters alone say."""
+        """The parts that are rated as what is a guess."""
         return [one for one in self.parts if one.guess]
 
     def of_state(self, state: State) -> list[ImportedPart]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError, UnitError, nearest
 from robophm.design.importers.bom.assumptions import Assumptions, TooLittle
-from robophm.design.importers.bom.kinds import DEVICE, GUESS
+from robophm.design.importers.bom.kinds import DEVICE, is_guess
 from robophm.design.importers.bom.parts import Recognised
 from robophm.design.importers.bom.rules import RULES
 from robophm.hazard.handbooks import handbook_model
@@ -64,8 +64,8 @@ class Rater:
         model = handbook_model(rule.model)
         try:
             inputs, assumed = rule.inputs(part, self.assumed)
-            if part.concluded.get("kind") == GUESS:
-                assumed["model"] = "; ".join(filter(None, (f"{part.kind} is {GUESS}", assumed.get("model", ""))))
+            if is_guess(why := part.concluded.get("kind", "")):
+                assumed["model"] = "; ".join(filter(None, (f"{part.kind} is {why}", assumed.get("model", ""))))
             level, choices = self.assumed.quality, model.inputs.get("quality")
             if level and isinstance(choices, Choice):
                 if choices.option(level) is not None:
