@@ -24,6 +24,7 @@ def command(design: Design, as_json: Json = False) -> None:
     warnings = list(robot.warnings)
     if left_out:
         warnings.append(f"{left_out.left_out} ({named(robot)})")
+    driven = sum(part.quantity for part in robot.all_components() if part.sensed)
     entries = {robot.part_of(mode): said for mode in robot.modes if (said := graded(mode.source))}
     if as_json:
         print_json(
@@ -31,6 +32,7 @@ def command(design: Design, as_json: Json = False) -> None:
                 "robot": robot.name,
                 "parts": robot.part_count,
                 "parts_of_unknown_rate": left_out.parts if left_out else 0,
+                "parts_no_sensor_drives": robot.part_count - driven,
                 "common_causes": len(robot.causes),
                 "signals": list(robot.signals),
                 "warnings": warnings,
@@ -51,6 +53,7 @@ def command(design: Design, as_json: Json = False) -> None:
     console().print(
         f"{design}: {robot.name} is valid: {len(list(robot.all_modules()))} modules, {robot.part_count} parts, "
         + (f"{left_out.parts} of them of unknown rate, " if left_out else "")
+        + (f"{robot.part_count - driven} that no sensor drives, " if robot.signals else "")
         + (f"{len(robot.causes)} common causes, " if robot.causes else "")
         + f"{len(robot.signals)} signals, {len(warnings)} warnings", markup=False, soft_wrap=True
     )  # fmt: skip
