@@ -59,7 +59,9 @@ def command(
     ] = None,
     temperature: Annotated[str, typer.Option(help="around the parts")] = "40 degC",
     stress: Annotated[float, typer.Option(help="applied by rated voltage or power", min=0, max=1)] = 0.5,
-    quality: Annotated[str | None, typer.Option(help="level; default each model's own")] = None,
+    quality: Annotated[
+        str | None, typer.Option(help="commercial, 'known pedigree', military, or a level; default each model's own")
+    ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="say what would be done, and write no design")] = False,
     as_json: Json = False,
 ) -> None:
@@ -152,7 +154,7 @@ def _print(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> N
         f"{source}: header in row {read.header_row}, {read.sheet}, decimal '{read.decimal}'{unused}", markup=False
     )
     of_all = found.assumptions
-    quality = of_all.quality or "each model's own"
+    quality = of_all.quality or of_all.board_quality or "each model's own"
     out.print(
         f"assumed of all: {of_all.temperature} around them, junctions and windings {of_all.rise} above it, applied "
         f"{of_all.stress:g} of the rated, quality {quality}, environment {explained(of_all.environment)}",

@@ -11,6 +11,7 @@ from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import PlugError
 from robophm.hazard.environments import SOURCE, rows
+from robophm.hazard.qualities import QUALITIES, VITA
 from robophm.hazard.search import find_models
 from robophm.parts import search
 from robophm.report.model_reference import reference
@@ -38,10 +39,19 @@ def print_environments(*, as_json: bool) -> None:
     print_table(console(), table(f"Environments ({SOURCE})", ("symbol", "handbook", "meaning", "or in words"), rows()))
 
 
+def print_qualities(*, as_json: bool) -> None:
+    """What a design calls the quality of a whole board, and what that means."""
+    if as_json:
+        rows = [{"quality": said, "meaning": meaning} for said, meaning in QUALITIES.items()]
+        print_json({"source": str(VITA), "qualities": rows})
+        return
+    print_table(console(), table("Qualities of a whole robot or board", ("quality", "meaning"), QUALITIES.items()))
+
+
 def command(
     kind: Annotated[
         str | None,
-        typer.Argument(help="of part, e.g. motor, 'chip resistor'; none lists all; environment: what those are"),
+        typer.Argument(help="of part, e.g. motor, 'chip resistor'; none lists all; environment, quality: their words"),
     ] = None,
     reference: Annotated[bool, typer.Option("--reference", help="print the reference page, Markdown")] = False,
     as_json: Json = False,
@@ -51,6 +61,8 @@ def command(
         print_reference()
     elif kind in ("environment", "environments"):
         print_environments(as_json=as_json)
+    elif kind in ("quality", "qualities"):
+        print_qualities(as_json=as_json)
     else:
         run(kind, as_json=as_json)
 

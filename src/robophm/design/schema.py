@@ -15,6 +15,7 @@ from robophm.design.schema_blocks import DependsOn, Diagram
 from robophm.design.schema_fields import LONGEST, Name, Strict, Written, quantity_in, share_in
 from robophm.design.schema_task import AnyTask
 from robophm.hazard.environments import ENVIRONMENTS, WORDS, environment
+from robophm.hazard.qualities import QUALITIES, quality
 from robophm.parts import completed
 from robophm.parts import part as library_part
 
@@ -244,6 +245,21 @@ Environment = Annotated[
 ]
 """Where parts work, the handbook's symbol; also where no model asks for it, a word that nobody knows is refused."""
 
+
+def _of_a_board(said: str) -> str:
+    try:
+        return quality(said)
+    except RobophmError as error:
+        raise ValueError(str(error)) from None
+
+
+Quality = Annotated[
+    str,
+    AfterValidator(_of_a_board),
+    WithJsonSchema({"type": "string", "description": "of all parts that state no level", "examples": [*QUALITIES]}),
+]
+"""How well all parts of a level are made that state no level of their own."""
+
 PartName = Annotated[str, AfterValidator(_in_library), WithJsonSchema({"type": "string", "examples": ["lidar_2d"]})]
 """Of an entry of the library of parts."""
 
@@ -258,6 +274,7 @@ class Component(FailureMode):
     quantity: int = Field(1, strict=True, ge=1, le=100_000, description="that many separate parts")
     required: int | None = Field(None, strict=True, ge=1, description="how many of them must work; default all")
     environment: Environment | None = None
+    quality: Quality | None = None
     monitored: bool = Field(False, description="known to work until reported failed")
     duty: Duty | None = None  # type: ignore[valid-type]
     depends_on: DependsOn | None = Field(None, description="works only while this does: a part, a block, or a list")
@@ -296,6 +313,7 @@ class CommonCause(Strict):
 class _Group(Strict):
     description: str | None = None
     environment: Environment | None = None
+    quality: Quality | None = None
     ambient: Written | None = Field(
         None, description="temperature around the parts as designed, e.g. 40 degC; default: as parts here state it"
     )

@@ -75,3 +75,20 @@ def test_a_junction_keeps_its_rise_above_the_board():
     (part,) = parse(text).all_components()
     (bound,) = part.modes[0].stresses[0].channels.values()
     assert bound.shift == pytest.approx(quantity("10 K", "K"))
+
+
+def test_the_quality_of_a_board_is_said_once_and_its_parts_follow(shared, tmp_path):
+    design = tmp_path / "robot.yaml"
+    design.write_text(BOARD, encoding="utf-8")
+    said = import_bom(
+        shared / "boms" / "vesc412.ods", design, assumptions=Assumptions(quality="known pedigree"), module=["Board"]
+    )
+    assert said.text.count("quality: known pedigree") == 1
+    assert not any(one.rating and "quality" in one.rating.inputs for one in said.parts)
+    rates = {one.outcome.name: one.hazard_rate for one in said.parts}
+    for part in said.robot.all_components():
+        if part.name != "Fan":
+            assert sum(mode.rate for mode in part.modes) == pytest.approx(rates[part.name], rel=1e-12)
+    plain = imported(shared, tmp_path, "vesc412.ods")
+    total = [sum(one.part.quantity * (one.hazard_rate or 0) for one in found.parts) for found in (said, plain)]
+    assert total[0] < 0.3 * total[1]

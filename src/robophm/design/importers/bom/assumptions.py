@@ -24,6 +24,8 @@ class Assumptions:
     """Symbol of MIL-HDBK-217F Table 3-2, or a word for one; a mobile robot is GM by the handbook's definition."""
     quality: str | None = None
     """A level, of the models that know it; None for each model's own default, its lowest or 'commercial'."""
+    board_quality: str | None = None
+    """What the level of the design states, or will; its parts inherit it."""
 
     def __post_init__(self) -> None:
         """Words are taken as their symbol. Raises ModelError for an environment that there is none of."""

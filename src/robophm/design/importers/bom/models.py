@@ -16,6 +16,7 @@ from robophm.design.importers.bom.parts import Recognised
 from robophm.design.importers.bom.rules import RULES
 from robophm.hazard.handbooks import handbook_model
 from robophm.hazard.model import Array, Choice
+from robophm.hazard.qualities import QUALITIES, level
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,8 @@ class Rater:
         self.settled: dict[tuple[str, ...], dict[str, str | float]] = {}
         models = [handbook_model(name) for name in dict.fromkeys(rule.model for rule in RULES.values())]
         levels = [choice for model in models if isinstance(choice := model.inputs.get("quality"), Choice)]
-        if assumed.quality and not any(choice.option(assumed.quality) for choice in levels):
+        board = assumed.quality and assumed.quality.casefold() in QUALITIES
+        if assumed.quality and not board and not any(choice.option(assumed.quality) for choice in levels):
             known = [level for choice in levels for level in (*choice.options, *choice.aliases)]
             raise ModelError(f"quality '{assumed.quality}' is a level of no model{nearest(assumed.quality, known)}")
 
@@ -66,13 +68,16 @@ class Rater:
             inputs, assumed = rule.inputs(part, self.assumed)
             if is_guess(why := part.concluded.get("kind", "")):
                 assumed["model"] = "; ".join(filter(None, (f"{part.kind} is {why}", assumed.get("model", ""))))
-            level, choices = self.assumed.quality, model.inputs.get("quality")
-            if level and isinstance(choices, Choice):
-                if choices.option(level) is not None:
-                    inputs["quality"] = level
+            said, choices = self.assumed.quality, model.inputs.get("quality")
+            if said and isinstance(choices, Choice):
+                if known := level(model, said, inputs):
+                    inputs["quality"] = said if choices.option(said) else known
                 elif choices.default:
-                    inputs["quality"], assumed["quality"] = choices.default, f"this model knows no {level}"
+                    inputs["quality"], assumed["quality"] = choices.default, f"this model knows no {said}"
             given: dict[str, Any] = dict(inputs)
+            board = self.assumed.board_quality
+            if board and "quality" not in inputs and (known := level(model, board, inputs)):
+                given["quality"] = known
             if "environment" in model.inputs:
                 given["environment"] = self.assumed.environment
             key = (rule.model, *(f"{name}={text}" for name, text in given.items()))
