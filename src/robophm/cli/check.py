@@ -9,7 +9,7 @@ from robophm.design.file import load
 from robophm.health.refusal import refusal
 from robophm.health.unknown_rates import alone, named
 from robophm.parts import graded
-from robophm.report.surroundings import environments, environments_in_words
+from robophm.report.surroundings import environments, environments_in_words, qualities, qualities_in_words
 
 
 def command(design: Design, as_json: Json = False) -> None:
@@ -38,6 +38,7 @@ def command(design: Design, as_json: Json = False) -> None:
                 "warnings": warnings,
                 "notes": list(robot.notes),
                 "environments": environments(robot),
+                "qualities": qualities(robot),
                 "library": [{"path": mode.path, "source": mode.source} for mode in robot.modes if graded(mode.source)],
             }
         )
@@ -46,7 +47,7 @@ def command(design: Design, as_json: Json = False) -> None:
         warn(warnings[-1])
     for note in robot.notes:
         warn(note, "note")
-    for line in environments_in_words(robot):
+    for line in (*environments_in_words(robot), *qualities_in_words(robot)):
         warn(line, "note")
     if entries:
         warn("by the library of parts: " + "; ".join(f"{path} ({said})" for path, said in entries.items()), "note")

@@ -60,7 +60,7 @@ def command(
     temperature: Annotated[str, typer.Option(help="around the parts")] = "40 degC",
     stress: Annotated[float, typer.Option(help="applied by rated voltage or power", min=0, max=1)] = 0.5,
     quality: Annotated[
-        str | None, typer.Option(help="commercial, 'known pedigree', military, or a level; default each model's own")
+        str | None, typer.Option(help="commercial, 'known pedigree', military, or a model's level")
     ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="say what would be done, and write no design")] = False,
     as_json: Json = False,

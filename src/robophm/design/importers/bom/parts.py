@@ -135,7 +135,11 @@ TYPES: Mapping[str, Mapping[str, re.Pattern[str]]] = {
         },
         "potentiometer": {"wirewound": r"wire.?wound|draht\w*", "trimmer": r"trim\w*"},
         "diode": {"switching": r"switching|small[ -]?signal|schaltdiode|1n4148\w*|1n914|bav\w+|bas[0-9]+\w*|ll4148"},
-        "fet": {"JFET": r"jfets?"},
+        "fet": {
+            "JFET": r"jfets?",
+            "GaN": r"e?gan ?(fets?)?|gallium nitride",
+            "SiC": r"sic ?(mos)?(fets?)?|silicon carbide",
+        },
         "photodetector": {"phototransistor": r"[pf]h?oto-?transistor(en|s)?", "photodiode": r"[pf]h?oto-?diod(en?|es)"},
         "optocoupler": {"photodarlington": r"(photo)?darlington", "photodiode": r"6n13[0-9]|photodiode"},
         "relay": {"reed": r"reed", "latching": r"latching|bistabil?e?", "contactor": r"contactors?|schütz"},
@@ -170,7 +174,11 @@ TYPES: Mapping[str, Mapping[str, re.Pattern[str]]] = {
             "lithium ion": r"li-?(ion|po|polymer)|lithium\w*|lipo|lifepo4|18650|21700",
         },
         "encoder": {"with contacts": r"mechanical|mechanisch\w*|ec1[12]\w*|(with )?switch|contacts?|kontakte?"},
-        "memory": {"DRAM": r"s?drams?|ddr[0-9]?|mt4[178]\w*|k4[abt]\w*", "SRAM": r"srams?|psrams?|is6[12]\w*|as6c\w*"},
+        "memory": {
+            "flash": r"(nor |nand )?flash|(w25[qn]|mx25|gd25|is25)[0-9a-z]*",
+            "DRAM": r"s?drams?|ddr[0-9]?|mt4[178]\w*|k4[abt]\w*",
+            "SRAM": r"srams?|psrams?|is6[12]\w*|as6c\w*",
+        },
         "sensor chip": {
             "magnetometer": r"magnetometers?|e?compass|(hmc5|qmc5|mmc[35]|lis3mdl|ist8|rm31|bmm1)[0-9]*\w*",
             "barometer": r"(pressure|barometric|altimeter) sensors?|barometers?|altimeters?|"
