@@ -281,3 +281,18 @@ def test_lines_go_out_as_they_are_written_also_into_a_pipe(command: list[str], d
             assert process.poll() is None
         finally:
             process.kill()
+
+
+def test_environments_are_explained_wherever_a_symbol_is_asked_for(inside, design):
+    listed = inside("models", "environment").stdout
+    assert "Ground, Mobile" in listed
+    assert "vehicle" in listed
+    rows = json.loads(inside("models", "environment", "--json").stdout)["environments"]
+    assert next(row for row in rows if row["symbol"] == "ARW")["words"].startswith("flying, drone")
+    taken = inside("rate", "mil_hdbk_217f.fuse", "--set", "environment=flying").stdout
+    assert "environment 'flying' is taken as ARW (Airborne, Rotary Wing: " in taken
+    design.write_text("schema_version: 1\nname: R\nenvironment: vehicle\n"
+                      "components: {A: {hazard: {model: mil_hdbk_217f.fuse}}}\n")  # fmt: skip
+    assert "note: environment GM (Ground, Mobile: on wheels" in inside("check", design).stderr
+    assert json.loads(inside("check", design, "--json").stdout)["environments"] == {"GM": 1}
+    assert "environment GM (Ground, Mobile: on wheels" in inside("show", design).stdout

@@ -150,6 +150,21 @@ def test_a_temperature_beside_another_unit_is_a_difference(text, inside, value):
     assert quantity(text, inside) == pytest.approx(value, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("text", "inside", "meant"),
+    [("25 C", "degC", "degC"), ("25 c", "degC", "degC"), ("77 F", "degC", "degF"), ("25 deg C", "degC", "degC"),
+     ("15 C", "delta_degC", "K"), ("25 °", "degC", "degC")],
+)  # fmt: skip
+def test_what_people_write_for_a_temperature_is_told_its_unit(text, inside, meant):
+    with pytest.raises(UnitError, match=f"did you mean '{meant}'"):
+        quantity(text, inside)
+
+
+@pytest.mark.parametrize(("text", "share"), [("8 h/day", 1 / 3), ("8 h per day", 1 / 3), ("30 %", 0.3), (0.3, 0.3)])
+def test_a_share_of_the_day(text, share):
+    assert quantity(text, "") == pytest.approx(share, rel=1e-15)
+
+
 def test_threads_that_begin_at_once_share_their_units():
     """In a process of its own: units are made when they are first asked for."""
     code = (

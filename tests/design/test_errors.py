@@ -385,11 +385,12 @@ def test_nothing_in_a_file_is_run(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("place", ["", "modules: {M: {components: {b: {rate: 1 FIT}}, environment: indoor}}\n"])
+@pytest.mark.parametrize("place", ["", "modules: {M: {components: {b: {rate: 1 FIT}}, environment: moon}}\n"])
 def test_an_environment_that_the_handbook_does_not_have_is_refused_also_where_no_model_asks(place):
-    text = "schema_version: 1\nname: R\n" + (place or "environment: indoor\n") + "components: {a: {rate: 1 FIT}}\n"
+    text = "schema_version: 1\nname: R\n" + (place or "environment: moon\n") + "components: {a: {rate: 1 FIT}}\n"
     with pytest.raises(
-        DesignError, match=r"environment: 'indoor' is no symbol of .* Table 3-2; expected one of GB \(ground, "
+        DesignError,
+        match=r"environment: 'moon' is no environment of .* Table 3-2; known: .*GB \(indoor\), .*GM \(vehicle",
     ):
         parse(text)
-    assert parse(text.replace("indoor", "GF")).name == "R"
+    assert parse(text.replace("moon", "GF")).name == "R"

@@ -130,6 +130,7 @@ schema_version: 1
 name: R
 description: of everything
 environment: GM
+quality: known pedigree
 powered: {topic: /on, field: data}
 max_gap: 2 min
 usage: {operating: 0.5, kilometres: 1 km/h, cycles: 3 cycle/h, starts: 0.1 start/h}

@@ -14,8 +14,8 @@ from robophm.blocks.diagram import Parallel
 from robophm.blocks.reliability import Structure
 from robophm.core.errors import ModelError
 from robophm.hazard.acceleration import acceleration_model
+from robophm.hazard.environments import ENVIRONMENTS
 from robophm.hazard.handbooks import handbook_model
-from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS
 
 from .handbooks.adapter import plausible
 

@@ -9,6 +9,7 @@ from robophm.design.file import load
 from robophm.health.refusal import refusal
 from robophm.health.unknown_rates import named, unknown_in_parts
 from robophm.parts import graded
+from robophm.report.surroundings import environments, environments_in_words, qualities, qualities_in_words
 
 
 def command(design: Design, as_json: Json = False) -> None:
@@ -23,6 +24,7 @@ def command(design: Design, as_json: Json = False) -> None:
     warnings = list(robot.warnings)
     if left_out:
         warnings.append(f"{left_out.left_out} ({named(robot)})")
+    driven = sum(part.quantity for part in robot.all_components() if part.sensed)
     entries = {robot.part_of(mode): said for mode in robot.modes if (said := graded(mode.source))}
     if as_json:
         print_json(
@@ -30,10 +32,13 @@ def command(design: Design, as_json: Json = False) -> None:
                 "robot": robot.name,
                 "parts": robot.part_count,
                 "parts_of_unknown_rate": left_out.parts if left_out else 0,
+                "parts_no_sensor_drives": robot.part_count - driven,
                 "common_causes": len(robot.causes),
                 "signals": list(robot.signals),
                 "warnings": warnings,
                 "notes": list(robot.notes),
+                "environments": environments(robot),
+                "qualities": qualities(robot),
                 "library": [{"path": mode.path, "source": mode.source} for mode in robot.modes if graded(mode.source)],
             }
         )
@@ -42,11 +47,14 @@ def command(design: Design, as_json: Json = False) -> None:
         warn(warnings[-1])
     for note in robot.notes:
         warn(note, "note")
+    for line in (*environments_in_words(robot), *qualities_in_words(robot)):
+        warn(line, "note")
     if entries:
         warn("by the library of parts: " + "; ".join(f"{path} ({said})" for path, said in entries.items()), "note")
     console().print(
         f"{design}: {robot.name} is valid: {len(list(robot.all_modules()))} modules, {robot.part_count} parts, "
         + (f"{left_out.parts} of them of unknown rate, " if left_out else "")
+        + (f"{robot.part_count - driven} that no sensor drives, " if robot.signals else "")
         + (f"{len(robot.causes)} common causes, " if robot.causes else "")
         + f"{len(robot.signals)} signals, {len(warnings)} warnings", markup=False, soft_wrap=True
     )  # fmt: skip

@@ -17,6 +17,7 @@ from robophm.design.importers.bom import ImportedList, ImportedPart, assumed_inp
 from robophm.design.importers.bom.assumptions import OF_ALL, Assumptions
 from robophm.design.importers.bom.columns import ColumnMapping, mapping_text, parse_mapping
 from robophm.design.importers.bom.merging import State
+from robophm.hazard.environments import explained
 from robophm.report.words import rate_text
 
 COUNTED: tuple[State, ...] = ("added", "changed", "unchanged", "kept")
@@ -52,10 +53,15 @@ def command(
     ] = None,
     mapping: Annotated[Path | None, typer.Option(help="what the columns mean, as --save-mapping wrote it")] = None,
     save_mapping: Annotated[Path | None, typer.Option(help="write what the columns were taken for")] = None,
-    environment: Annotated[str | None, typer.Option(help="symbol; default the design's, or GM: ground, mobile")] = None,
+    environment: Annotated[
+        str | None,
+        typer.Option(help="e.g. vehicle, indoor, flying, or a symbol such as GM; default the design's, or GM"),
+    ] = None,
     temperature: Annotated[str, typer.Option(help="around the parts")] = "40 degC",
     stress: Annotated[float, typer.Option(help="applied by rated voltage or power", min=0, max=1)] = 0.5,
-    quality: Annotated[str | None, typer.Option(help="level; default each model's own")] = None,
+    quality: Annotated[
+        str | None, typer.Option(help="commercial, 'known pedigree', military, or a model's level")
+    ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="say what would be done, and write no design")] = False,
     as_json: Json = False,
 ) -> None:
@@ -150,10 +156,10 @@ def _print(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> N
         f"{source}: header in row {read.header_row}, {read.sheet}, decimal '{read.decimal}'{unused}", markup=False
     )
     of_all = found.assumptions
-    quality = of_all.quality or "each model's own"
+    quality = of_all.quality or of_all.board_quality or "each model's own"
     out.print(
         f"assumed of all: {of_all.temperature} around them, junctions and windings {of_all.rise} above it, applied "
-        f"{of_all.stress:g} of the rated, environment {of_all.environment}, quality {quality}",
+        f"{of_all.stress:g} of the rated, quality {quality}, environment {explained(of_all.environment)}",
         markup=False,
     )
     kinds = [

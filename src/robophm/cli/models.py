@@ -10,6 +10,8 @@ from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import PlugError
+from robophm.hazard.environments import SOURCE, rows
+from robophm.hazard.qualities import QUALITIES, VITA
 from robophm.hazard.search import find_models
 from robophm.parts import search
 from robophm.report.model_reference import reference
@@ -28,14 +30,39 @@ def print_reference() -> None:
     typer.echo("\n".join(reference()))
 
 
+def print_environments(*, as_json: bool) -> None:
+    """What a design and the models call an environment, and what that means."""
+    if as_json:
+        keys = ("symbol", "name", "meaning", "words")
+        print_json({"source": str(SOURCE), "environments": [dict(zip(keys, row, strict=True)) for row in rows()]})
+        return
+    print_table(console(), table(f"Environments ({SOURCE})", ("symbol", "handbook", "meaning", "or in words"), rows()))
+
+
+def print_qualities(*, as_json: bool) -> None:
+    """What a design calls the quality of a whole board, and what that means."""
+    if as_json:
+        rows = [{"quality": said, "meaning": meaning} for said, meaning in QUALITIES.items()]
+        print_json({"source": str(VITA), "qualities": rows})
+        return
+    print_table(console(), table("Qualities of a whole robot or board", ("quality", "meaning"), QUALITIES.items()))
+
+
 def command(
-    kind: Annotated[str | None, typer.Argument(help="of part, e.g. motor, 'chip resistor'; none lists all")] = None,
+    kind: Annotated[
+        str | None,
+        typer.Argument(help="of part, e.g. motor, 'chip resistor'; none lists all; environment, quality: their words"),
+    ] = None,
     reference: Annotated[bool, typer.Option("--reference", help="print the reference page, Markdown")] = False,
     as_json: Json = False,
 ) -> None:
     """The hazard models for a kind of part."""
     if reference:
         print_reference()
+    elif kind in ("environment", "environments"):
+        print_environments(as_json=as_json)
+    elif kind in ("quality", "qualities"):
+        print_qualities(as_json=as_json)
     else:
         run(kind, as_json=as_json)
 

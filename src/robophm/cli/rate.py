@@ -14,6 +14,7 @@ from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import ModelError
 from robophm.core.units import in_unit
 from robophm.hazard.answer import Answer, answer
+from robophm.hazard.environments import explained
 from robophm.hazard.handbooks import handbook_model, handbook_models
 from robophm.hazard.model import Model, Range
 from robophm.report.words import number_text
@@ -109,7 +110,8 @@ def _print(found: Answer, given: dict[str, str], unit: str | None, *, explain: b
     model, out = found.model, console()
     out.print(f"{model.name}: {number_text(_in(found, unit))} {(unit or model.unit).removeprefix('1')}", markup=False)
     for name, option in found.taken.items():
-        out.print(f"{name} '{given[name]}' is taken as {option}", markup=False)
+        meant = explained(option) if name == "environment" else option
+        out.print(f"{name} '{given[name]}' is taken as {meant}", markup=False, soft_wrap=True)
     if explain:
         out.print(f"{model.formula}\n{model.source} ({model.source.status})", markup=False)
         for line in _inputs(found):

@@ -41,6 +41,7 @@ from robophm.report.diagram_svg import diagram_svg
 from robophm.report.diagram_text import diagram_text
 from robophm.report.labels import part_labels
 from robophm.report.outline import Label
+from robophm.report.surroundings import environments_in_words, qualities_in_words
 from robophm.report.words import duration_text, number_text, percent_text, rate_text
 
 
@@ -150,6 +151,8 @@ def shown(
     out = console()
     draw(out, new, unit)
     print_table(out, promises_table(robot, found, hours, unit))
+    for line in (*environments_in_words(robot), *qualities_in_words(robot)):
+        out.print(line, markup=False, soft_wrap=True)
     print_unknown(found[0][0].unknown, robot)
     print_failures_to_come(to_come, both=False)
 

@@ -21,7 +21,11 @@ _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)\Z",
 # What may follow the number. pint's own grammar would compute 9**9**9; this one cannot be made to work hard.
 _FACTOR = re.compile(r"\s*([*·/]?)\s*(?:(10\^-?\d{1,2}|1e-?\d{1,2}|1(?!\d))|([^\W\d]+|[%°Ω]\w?)(?:(?:\^|\*\*)(-?\d))?)")
 _DIFFERENCES = {"delta_degC": "K", "delta_degF": "delta_degF"}
-"""Units that a user writes for a difference of temperatures, whose 0 is no melting ice."""
+"""What a user writes for a difference of temperatures, whose 0 is no melting ice."""
+_TEMPERATURES = ("degC", "degF", "K", *_DIFFERENCES)
+_MISTAKEN = {"c": "degC", "f": "degF", "°": "degC", "deg": "degC", "deg c": "degC", "deg f": "degF",
+             "grad": "degC"}  # fmt: skip
+"""What people write for a temperature, and units know as coulombs, farads, the speed of light, an angle or nothing."""
 _SPAN = 2.0**20  # wide, so that the 273.15 of a temperature costs the scale no digits
 _NAMES = ("h", "s", "min", "day", "FIT", "FPMH", "degC", "degF", "K", "V", "A", "W", "ohm", "uF", "m", "km",
           "m/s", "km/h", "cycle", "start", "percent", "eV", "Pa", "N", "rpm")  # fmt: skip
@@ -62,6 +66,9 @@ def conversion(written: str, inside: str) -> Conversion:
     """
     import pint
 
+    if inside in _TEMPERATURES and (meant := _MISTAKEN.get(written.casefold())):
+        what, meant = ("a difference of temperatures", "K") if inside in _DIFFERENCES else ("temperature", meant)
+        raise UnitError(f"'{written}' is no unit of {what}; did you mean '{meant}'?")
     (power, source), (inside_power, target) = _parse(written), _parse(inside)
     try:
         low = _registry().Quantity(0.0, source).to(target).magnitude
@@ -78,7 +85,7 @@ def _parse(unit: str) -> tuple[int, Any]:
 
     text = unit.strip()
     inverse = re.match(r"(?:1\s*/|/|per\s)", text)
-    text = text[inverse.end() :] if inverse else text
+    text = re.sub(r"\sper\s", "/", text[inverse.end() :] if inverse else text)
     power, result, at = 0, _registry().Unit(""), 0
     while at < len(text):
         match = _FACTOR.match(text, at)

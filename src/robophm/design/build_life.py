@@ -39,8 +39,13 @@ def figure_of(place: Path, mode: schema.FailureMode, key: str, unit: str) -> flo
     """Return the rate [1/clock] or age [clock] that a key states. Raises LocatedError if that is not above zero."""
     at, said = (*place, key), getattr(mode, key)
     if key != "rate":
-        if not (age := quantity_at(at, said, unit)) > 0:
-            raise LocatedError(at, f"{key} {said}; expected above zero")
+        try:
+            age = written(at, said, unit)
+        except Fault as fault:
+            clock = "operating hours" if mode.clock == "operating" else f"the clock '{mode.clock}'"
+            raise Fault(at, f"{fault}: {key} is an age in {unit} of {clock}") from None
+        if not age > 0:
+            raise Fault(at, f"{key} {said}; expected above zero")
         return age
     try:
         rate = quantity_at(at, said, f"1/{unit}")

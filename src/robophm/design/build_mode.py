@@ -21,6 +21,7 @@ from robophm.hazard.acceleration import PER_CYCLE, acceleration_model, stress_in
 from robophm.hazard.formula import formula_model
 from robophm.hazard.handbooks import handbook_model
 from robophm.hazard.model import Model, Range
+from robophm.hazard.qualities import level
 from robophm.life._never import Never
 
 
@@ -143,6 +144,9 @@ class ModeBuilder:
         inputs: dict[str, object] = dict(hazard.inputs)
         if "environment" in model.inputs and scope.environment and "environment" not in inputs:
             inputs["environment"] = scope.environment
+        said = inputs.get("quality", scope.quality)
+        if said is not None and (known := level(model, str(said), inputs)):
+            inputs["quality"] = known
         # a board has hundreds of equal parts: what is stated and measured alike is one stress; as it is written,
         # since 1 and True are equal and the second is no number
         key = repr((model.name, inputs, [at for at, _ in scope.signals.values()], part.offsets, scope.ambient))

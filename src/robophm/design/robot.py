@@ -242,6 +242,11 @@ class Component:
         return any(mode.unknown for mode in self.modes)
 
     @property
+    def sensed(self) -> bool:
+        """Whether a sensor drives how fast it ages: one of its stresses, or a clock that is not time itself."""
+        return any(mode.measured or mode.measured_clock for mode in self.modes)
+
+    @property
     def multiplicity(self) -> int:
         """Return how many equal parts in series one of its units stands for."""
         return self.quantity if len(self.units) == 1 else 1

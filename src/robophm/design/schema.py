@@ -12,9 +12,10 @@ from pydantic import AfterValidator, ConfigDict, Field, WithJsonSchema, model_va
 
 from robophm.core.errors import RobophmError
 from robophm.design.schema_blocks import DependsOn, Diagram
-from robophm.design.schema_fields import LONGEST, Name, Strict, Written, quantity_in
+from robophm.design.schema_fields import LONGEST, Name, Strict, Written, quantity_in, share_in
 from robophm.design.schema_task import AnyTask
-from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS
+from robophm.hazard.environments import ENVIRONMENTS, WORDS, environment
+from robophm.hazard.qualities import QUALITIES, quality
 from robophm.parts import completed
 from robophm.parts import part as library_part
 
@@ -228,22 +229,41 @@ def _in_library(name: str) -> str:
         raise ValueError(str(error)) from None
 
 
-def _of_table_3_2(symbol: str) -> str:
-    if symbol not in ENVIRONMENTS:
-        known = ", ".join(f"{one} ({name.lower()})" for one, name in ENVIRONMENTS.items())
-        raise ValueError(f"{symbol!r:.60} is no symbol of MIL-HDBK-217F Table 3-2; expected one of {known}")
-    return symbol
+def _of_table_3_2(said: str) -> str:
+    try:
+        return environment(said)
+    except RobophmError as error:
+        raise ValueError(str(error)) from None
 
 
 Environment = Annotated[
-    str, AfterValidator(_of_table_3_2), WithJsonSchema({"type": "string", "enum": list(ENVIRONMENTS)})
+    str,
+    AfterValidator(_of_table_3_2),
+    WithJsonSchema(
+        {"type": "string", "description": "where it works, a symbol or word", "examples": [*ENVIRONMENTS, *WORDS]}
+    ),
 ]
-"""A symbol of the handbook for where parts work; an unknown one is refused also where no model asks for it."""
+"""Where parts work, the handbook's symbol; also where no model asks for it, a word that nobody knows is refused."""
+
+
+def _of_a_board(said: str) -> str:
+    try:
+        return quality(said)
+    except RobophmError as error:
+        raise ValueError(str(error)) from None
+
+
+Quality = Annotated[
+    str,
+    AfterValidator(_of_a_board),
+    WithJsonSchema({"type": "string", "description": "of all parts that state no level", "examples": [*QUALITIES]}),
+]
+"""How well all parts of a level are made that state no level of their own."""
 
 PartName = Annotated[str, AfterValidator(_in_library), WithJsonSchema({"type": "string", "examples": ["lidar_2d"]})]
 """The name of an entry of the library of parts."""
 
-Duty = Annotated[float, Field(ge=0, le=1, description="share at which parts age in a leg that does not need them")]
+Duty = share_in("share at which parts age in a leg that does not need them", "30 %", zero=True)
 
 
 class Component(FailureMode):
@@ -254,8 +274,9 @@ class Component(FailureMode):
     quantity: int = Field(1, strict=True, ge=1, le=100_000, description="that many separate parts")
     required: int | None = Field(None, strict=True, ge=1, description="how many of them must work; default all")
     environment: Environment | None = None
+    quality: Quality | None = None
     monitored: bool = Field(False, description="known to work until reported failed")
-    duty: Duty | None = None
+    duty: Duty | None = None  # type: ignore[valid-type]
     depends_on: DependsOn | None = Field(None, description="works only while this does: a part, a block, or a list")
     signals: dict[str, SignalBinding] = Field(default_factory=dict)
     offsets: dict[str, Written] = Field(default_factory=dict, description="added to inherited signals, e.g. 15 K")
@@ -292,6 +313,7 @@ class CommonCause(Strict):
 class _Group(Strict):
     description: str | None = None
     environment: Environment | None = None
+    quality: Quality | None = None
     ambient: Written | None = Field(
         None, description="temperature around the parts as designed, e.g. 40 degC; default: as parts here state it"
     )
@@ -299,7 +321,7 @@ class _Group(Strict):
     clocks: dict[Clock, ClockBinding] = Field(default_factory=dict)
     acceleration: Accelerations | None = Field(None, description="of the constant-rate parts below")
     uncertainty: Uncertainty | None = Field(None, description="of the rates below")
-    duty: Duty | None = None
+    duty: Duty | None = None  # type: ignore[valid-type]
     modules: dict[Name, Module] = Field(default_factory=dict)
     components: dict[Name, Component] = Field(default_factory=dict)
     diagram: Diagram | None = Field(None, description="how the blocks of this level are wired; default series")
@@ -336,13 +358,26 @@ class Module(_Group):
     depends_on: DependsOn | None = Field(None, description="works only while this does: a part, a block, or a list")
 
 
-class Usage(Strict):
-    """The use that the design expects per hour: the nominal future, on every clock."""
+def _or_operating_alone(schema: dict[str, Any]) -> None:
+    whole = dict(schema)
+    schema.clear()
+    schema["anyOf"] = [whole, *whole["properties"]["operating"]["anyOf"]]
 
-    operating: Annotated[float, Field(gt=0, le=1, description="share of calendar time that the robot works")] = 1.0
+
+class Usage(Strict):
+    """What an hour brings: the nominal future, on every clock; or only how much of the day it works, `8 h/day`."""
+
+    model_config = ConfigDict(json_schema_extra=_or_operating_alone)
+
+    operating: share_in("share of calendar time that the robot works", "8 h/day", zero=False) = 1.0  # type: ignore[valid-type]
     kilometres: quantity_in("km/h", "driven per operating hour", "1.2 km/h", 0.0) | None = None  # type: ignore[valid-type]
     cycles: quantity_in("cycle/h", "cycles per operating hour", "40 cycle/h", 0.0) | None = None  # type: ignore[valid-type]
     starts: quantity_in("start/h", "starts per operating hour", "0.1 start/h", 0.0) | None = None  # type: ignore[valid-type]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _hours_of_a_day_alone(cls, said: object) -> object:
+        return {"operating": said} if isinstance(said, str | int | float) and not isinstance(said, bool) else said
 
 
 class RobotFile(_Group):

@@ -38,6 +38,22 @@ def quantity_in(
     ]
 
 
+def share_in(description: str, example: str, *, zero: bool) -> Any:
+    """A field that takes a share as a number, a percentage or hours of a day, and holds it from 0 (or above) to 1."""
+
+    def read(value: object) -> object:
+        try:
+            return quantity(value, "") if isinstance(value, str) else value
+        except UnitError as error:
+            raise ValueError(f"{error}; expected a share, e.g. {example}") from None
+
+    bounds = Field(ge=0, le=1) if zero else Field(gt=0, le=1)
+    low = {"minimum": 0} if zero else {"exclusiveMinimum": 0}
+    kinds = [{"type": "number", **low, "maximum": 1}, {"type": "string"}]
+    said = {"anyOf": kinds, "description": description, "examples": [example]}
+    return Annotated[float, bounds, BeforeValidator(read), WithJsonSchema(said)]
+
+
 Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^/\[\]\x00-\x1f\x7f-\x9f\u2028\u2029]+$")]
 """The name of a module, component, mode or function: any text without / [ ] and control characters."""
 

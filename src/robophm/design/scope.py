@@ -22,6 +22,7 @@ class Scope:
     uncertainty: tuple[Path, schema.Uncertainty] | None = None
     duty: float = 1.0
     ambient: Ambient | None = None
+    quality: str | None = None
 
     def within(self, place: Path, level: Any) -> Scope:
         """Return the scope of a level inside this one: what that states, else what it inherits."""
@@ -33,6 +34,7 @@ class Scope:
             ((*place, "uncertainty"), level.uncertainty) if level.uncertainty else self.uncertainty,
             self.duty if level.duty is None else level.duty,
             self.ambient if isinstance(level, schema.Component) else ambient_of(place, level, self.ambient),
+            level.quality or self.quality,
         )
 
     def cover(self, part: schema.Component) -> SensorCover:

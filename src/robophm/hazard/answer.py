@@ -11,6 +11,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.hazard.model import Assumed, Choice, Model
+from robophm.hazard.qualities import level
 
 
 class FactorValue(NamedTuple):
@@ -40,9 +41,10 @@ class Answer:
 
 
 def answer(model: Model, given: Mapping[str, object]) -> Answer:
-    """Return the answer for inputs as written ('60 degC', 'CDR'). Raises ModelError and UnitError as
-    ``Model.settle``."""
-    inputs = model.settle(given)
+    """The answer for inputs as written ('60 degC', 'CDR'). Raises ModelError and UnitError as ``Model.settle``."""
+    said = given.get("quality")
+    known = level(model, str(said), given) if said is not None else None
+    inputs = model.settle({**given, "quality": known} if known else given)
     with np.errstate(all="ignore"):
         result = model.explain(inputs)
         value = float(np.asarray(result.value))

@@ -93,6 +93,8 @@ class Choice:
     aliases: Mapping[str, str] = field(default_factory=dict)
     """Names that people use for an option, and the option: {"mlcc": "CDR"}."""
     required: bool = True
+    shared: bool = False
+    """Whether its words are those of many models, which are listed once and say nothing of this one."""
 
     @cached_property
     def _spellings(self) -> Mapping[str, set[str]]:
@@ -106,6 +108,12 @@ class Choice:
         if written in self.options:
             return [written]
         return sorted(self._spellings.get(_spelled(written), ()))
+
+    @property
+    def listed(self) -> list[str]:
+        """The options as an error or a help text names them; shared ones with the word that is said most for each."""
+        words = {option: word for word, option in reversed([*self.aliases.items()])} if self.shared else {}
+        return [f"{option} ({words[option]})" if option in words else option for option in self.options]
 
     def option(self, written: str) -> str | None:
         """The one option that a word means; None where it means none, or more than one."""
@@ -240,7 +248,7 @@ class Model:
                 meant = entry.meant(str(value))
                 if len(meant) != 1:
                     may_be = "; it may be " + " or ".join(f"'{option}'" for option in meant)
-                    hint = may_be if meant else nearest(str(value), (*entry.options, *entry.aliases), entry.options)
+                    hint = may_be if meant else nearest(str(value), (*entry.options, *entry.aliases), entry.listed)
                     raise ModelError(f"{self.name}: {name} '{value}' is not one of its choices{hint}")
                 settled[name] = meant[0]
             else:
@@ -272,7 +280,7 @@ class Model:
         """Return what an input accepts, in words."""
         entry = self.inputs[name]
         if isinstance(entry, Choice):
-            return "one of " + ", ".join(entry.options)
+            return "one of " + ", ".join(entry.listed)
         if isinstance(entry, Note):
             return f"words, at most {LONGEST_NOTE} characters"
         return f"a whole number of {entry.span}" if entry.whole else entry.span

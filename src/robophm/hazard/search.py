@@ -39,7 +39,7 @@ def _names(name: str, model: Model) -> str:
     """The names of a model and its choices, in lower case."""
     said = [name.replace("_", " ").replace(".", " ")]
     for entry in model.inputs.values():
-        if isinstance(entry, Choice):
+        if isinstance(entry, Choice) and not entry.shared:
             said += [*entry.options, *entry.aliases]
     return " ".join(said).lower()
 
@@ -48,6 +48,6 @@ def _words(name: str, model: Model) -> str:
     """Everything that a model says of itself and its choices, in lower case."""
     said = [_names(name, model), model.formula, model.description, model.source.title]
     for entry in model.inputs.values():
-        if isinstance(entry, Choice) and isinstance(entry.options, Table):
+        if isinstance(entry, Choice) and isinstance(entry.options, Table) and not entry.shared:
             said += entry.options.notes.values()
     return " ".join(said).lower()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from robophm.core.table import Table
+from robophm.hazard.environments import SOURCE, rows
 from robophm.hazard.model import Choice, Input, Note
 from robophm.hazard.search import all_models
 
@@ -19,6 +20,7 @@ def reference() -> Iterator[str]:
     yield "`hazard: {model: NAME, inputs: {…}}`, an acceleration `acceleration: {model: NAME, …}`. *Checked* says how"
     yield "sure the transcription is. Any number may be bound to a sensor. Beyond a range a design is refused, and a"
     yield "live value is flagged."
+    yield from _environments()
     for name, model in all_models().items():
         yield from ("", f"## {name}", "", model.description)
         yield from ("", f"`{model.formula}` [{model.unit or 'factor'}]", "")
@@ -28,6 +30,13 @@ def reference() -> Iterator[str]:
             yield f"| `{key}` | {_takes(entry)} | {_default(entry)} | {_cell(entry.description)} |"
         for key, entry in model.inputs.items():
             yield from _options(key, entry)
+
+
+def _environments() -> Iterator[str]:
+    """What all models mean by an environment, once."""
+    yield from ("", "## Environments", "", f"Where a part works, in every model that asks for it: {SOURCE}.", "")
+    yield from ("| symbol | handbook | meaning | or in words |", "|---|---|---|---|")
+    yield from (f"| {' | '.join(map(_cell, row))} |" for row in rows())
 
 
 def _takes(entry: Input) -> str:
@@ -52,7 +61,7 @@ def _options(key: str, entry: Input) -> Iterator[str]:
     if len(entry.options) > _MANY:
         told = (f"{option} ({note})" if (note := _cell(notes.get(option, ""))) else option for option in entry.options)
         yield from ("", f"`{key}`: {', '.join(told)}.")
-    if entry.aliases:
+    if entry.aliases and not entry.shared:
         yield from (
             "",
             f"`{key}` is also written: {', '.join(f'{a} = {b}' for a, b in sorted(entry.aliases.items()))}.",

@@ -386,6 +386,17 @@ SECOND = {
 }  # fmt: skip
 
 ALONE = {
+    "generic rate λg of microcircuits at πQ = πL = 1": "the sections' own formulas, in the tests of Appendix A",
+    **{
+        f"{what}, up to, extended": "ANSI/VITA 51.1 is copyrighted: the file of its rules, tests/data/vita_51_1.json"
+        for what in (
+            "microprocessor C1 by bits",
+            "linear C1 by transistors",
+            "bipolar PLA C1 by gates",
+            "MOS PLA C1 by gates",
+            "memory C1 by bits",
+        )
+    },
     "circuit breaker πC": "the number of poles, as the second transcription says in words",
 }
 """Tables of which there is no second transcription, and what they are checked by instead."""

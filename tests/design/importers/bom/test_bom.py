@@ -186,7 +186,7 @@ def test_a_whole_board(tmp_path):
         "ferrite bead": "FB1, FB2", "connector": "J1 / J2 / J3", "relay": "K1",
         "inductor": "L1", "fet": "Q1", "bipolar transistor": "Q2", "resistor": "R1-R4 / R5", "potentiometer": "RV1",
         "switch": "SW1 / SW2", "microcontroller": "U1", "analog circuit": "U2 / U5", "memory": "U3", "logic": "U4",
-        "microcircuit": "U6", "oscillator": "X1", "crystal": "Y1",
+        "sensor chip": "U6", "oscillator": "X1", "crystal": "Y1",
     }  # fmt: skip
     found = imported("kicad_board.csv", tmp_path)
     assert {one.outcome.name: one.part.recognised.kind for one in found.parts} == {
@@ -280,7 +280,7 @@ def test_an_environment_of_the_design_holds_unless_another_is_said(tmp_path):
     [
         ({"assumptions": Assumptions(temperature="warm")}, "'warm' is not a number with a unit"),
         ({"assumptions": Assumptions(stress=1.5)}, "stress 1.5; expected a share"),
-        ({"environment": "moon"}, "environment 'moon' is no symbol of Table 3-2"),
+        ({"environment": "moon"}, "'moon' is no environment of MIL-HDBK-217F Table 3-2"),
         ({"assumptions": Assumptions(quality="comercial")}, "a level of no model; did you mean 'commercial'"),
         ({"mapping": ColumnMapping({"value": "Wert"})}, "has no column 'Wert'"),
     ],

@@ -12,8 +12,8 @@ from robophm.design.importers.bom.kinds import KINDS, OTHER, PREFIXES
 from robophm.design.importers.bom.models import Rater, rates
 from robophm.design.importers.bom.parts import TYPES, Recognised
 from robophm.design.importers.bom.rules import RULES
+from robophm.hazard.environments import ENVIRONMENTS
 from robophm.hazard.handbooks import handbook_model
-from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS
 
 APPENDIX = json.loads((Path(__file__).parents[3] / "data" / "appendix_a_semiconductors.json").read_text())
 JUNCTION = APPENDIX["junction_temperature"]
@@ -209,9 +209,9 @@ def test_parts_rated_together_are_rated_as_each_alone():
         ("switch", {"type": "rocker"}, {"style": "rocker"}),
         ("connector", {"type": "radio frequency"}, {"style": "rf-coaxial", "current": None, "wire_gauge": None}),
         ("microcontroller", {"bits": "8 bit", "pins": "28"}, {"bits": "8 bit", "pins": "28", "family": "CMOS"}),
-        ("microcontroller", {"pins": "400"}, {"pins": "224"}),
+        ("microcontroller", {"pins": "400"}, {"pins": "400"}),
         ("memory", {"bits": "262144 bit"}, {"bits": "262144 bit", "style": "MOS-EEPROM-flotox"}),
-        ("memory", {"bits": "134217728 bit", "type": "DRAM"}, {"bits": "1048576 bit", "programming_cycles": None}),
+        ("memory", {"bits": "134217728 bit", "type": "DRAM"}, {"bits": "134217728 bit", "programming_cycles": None}),
         ("battery", {"type": "primary"}, {"chemistry": "primary"}),
         ("motor", {"type": "stepper"}, {"kind": "stepper", "design_life": "10000 h"}),
         ("oscillator", {"frequency": "125 MHz"}, {"frequency": "105 MHz"}),

@@ -5,7 +5,8 @@ import random
 import pytest
 
 from robophm.design.importers.bom import read_parts
-from robophm.design.importers.bom.parts import Described, recognise, with_points
+from robophm.design.importers.bom.parts import Described, recognise
+from robophm.design.importers.bom.quantities import with_points
 from robophm.design.importers.bom.references import MOST_REFERENCES, ReferencesError, compressed, expand
 
 
@@ -205,7 +206,7 @@ def test_what_is_not_fitted_is_left_out_and_said(tmp_path, header, cells, fitted
             {"pins": "3", "mounting": "through hole"},
         ),
         ("U7", {"value": "XC7A35T"}, "programmable logic", {}),
-        ("U8", {"value": "MPU-6050"}, "microcircuit", {}),
+        ("U8", {"value": "MPU-6050"}, "sensor chip", {}),
         ("U9", {"value": "=Value", "part_number": "STM32F103RCT6"}, "microcontroller", {}),
         ("Q1", {"value": "2N7002", "footprint": "SOT-23"}, "fet", {"rated_power": "0.3 W"}),
         ("Q1", {"value": "IRLZ44N", "footprint": "TO-220"}, "fet", {"rated_power": "100 W", "type": None}),
@@ -277,7 +278,7 @@ BESIDE = {"footprint": "X_0805"}
         ("F3", "PTC RESTTBLE 0.35A 16V", "resettable fuse"),
         ("E5", "Gear Motor w Relative Enc. (Drive Motor)", "motor"), ("", "Wheel encoder", "encoder"),
         ("", "Screw terminal 2p", "connector"), ("J21", "expansion header for Raspberry Pi 2 & 3", "connector"),
-        ("R7", "RES 10K OHM 1/10W for lidar", "resistor"), ("U4", "Board Mount Pressure Sensors", "microcircuit"),
+        ("R7", "RES 10K OHM 1/10W for lidar", "resistor"), ("U4", "Board Mount Pressure Sensors", "sensor chip"),
     ],
 )  # fmt: skip
 def test_words_are_believed_before_letters(reference, words, kind):

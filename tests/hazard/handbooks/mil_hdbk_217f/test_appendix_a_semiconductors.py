@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from robophm.hazard.environments import ENVIRONMENTS
 from robophm.hazard.handbooks import handbook_model
-from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import OPTICAL_ENVIRONMENT, RF_ENVIRONMENT
 
 FILE = "appendix_a_semiconductors.json"

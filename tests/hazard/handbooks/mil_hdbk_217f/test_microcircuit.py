@@ -41,10 +41,9 @@ def test_complexity(model, inputs, expected, factors):
     ("model", "inputs", "message"),
     [
         (LOGIC, {"family": "CMOS", "gates": 60001}, "gates 60001 is outside 1 … 60000"),
-        (LINEAR, {"transistors": 10001}, "transistors 10001 is outside 1 … 10000"),
-        (PROCESSOR, {"family": "CMOS", "bits": "64 bit"}, "bits 64 bit is outside 1 … 32 bit"),
-        (PROGRAMMABLE, {"family": "MOS", "gates": 20001}, "gates 20001 is outside 1 … 20000"),
-        (PROGRAMMABLE, {"family": "TTL", "gates": 5001}, "5001 gates are more than the handbook's 5000 of bipolar"),
+        (LINEAR, {"transistors": 60001}, "transistors 60001 is outside 1 … 60000"),
+        (PROCESSOR, {"family": "CMOS", "bits": "256 bit"}, "bits 256 bit is outside 1 … 128 bit"),
+        (PROGRAMMABLE, {"family": "MOS", "gates": 60001}, "gates 60001 is outside 1 … 60000"),
     ],
 )  # fmt: skip
 def test_larger_circuits_have_no_model(model, inputs, message):

@@ -103,13 +103,13 @@ function OfLevel({ part, put }: { part: Part; put: Putting }): ReactNode {
       {part.kind === "robot" && (
         <Entry label="Name of the robot" value={part.name} set={(value) => value && operations([{ op: "put", path: ["name"], value }], `Name the robot ${value}`)} />
       )}
-      <Entry label="Environment" hint="symbol of the handbooks, e.g. GF or GM; inherited by all parts below" value={String(values.environment ?? "")} set={(value) => put(["environment"], value, `Environment of ${part.name}`)} />
+      <Entry label="Environment" hint="e.g. vehicle, indoor, flying, or a symbol such as GM; inherited by all parts below" value={String(values.environment ?? "")} set={(value) => put(["environment"], value, `Environment of ${part.name}`)} />
       <Life part={part} put={put} />
       {part.kind === "robot" && (
         <>
           <h3>Usage</h3>
           <div className="fields">
-            <Entry label="Share of the day that it works" value={nested("usage", "operating")} set={(value) => put(["usage", "operating"], value && Number(value), "Usage")} />
+            <Entry label="Share of the day that it works" hint="e.g. 0.3, 30 % or 8 h/day" value={nested("usage", "operating")} set={(value) => put(["usage", "operating"], value && (isNaN(Number(value)) ? value : Number(value)), "Usage")} />
             <Entry label="Driven per hour of operation" hint="e.g. 0.7 km/h" value={nested("usage", "kilometres")} set={(value) => put(["usage", "kilometres"], value, "Usage")} />
           </div>
           <h3>Its usual task</h3>

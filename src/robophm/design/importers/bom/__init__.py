@@ -18,12 +18,15 @@ from robophm.design.file import parse, read
 from robophm.design.importers.bom.assumptions import Assumptions, TooLittle
 from robophm.design.importers.bom.columns import ColumnMapping
 from robophm.design.importers.bom.component import LONGEST_DESCRIPTION, LONGEST_NAME, Wanted
-from robophm.design.importers.bom.kinds import GUESS
+from robophm.design.importers.bom.kinds import is_guess
 from robophm.design.importers.bom.merging import Level, Outcome, State
 from robophm.design.importers.bom.models import Rater, Rating, rates
 from robophm.design.importers.bom.reading import Part, PartsList, read_parts
 from robophm.design.naming import design_name, printable, quoted
 from robophm.design.robot import Robot
+from robophm.hazard.environments import explained
+from robophm.hazard.qualities import QUALITIES
+from robophm.hazard.qualities import quality as quality_of_board
 
 
 @dataclass(frozen=True)
@@ -38,8 +41,8 @@ class ImportedPart:
 
     @property
     def guess(self) -> bool:
-        """Whether its kind is known by the letters of its reference alone."""
-        return self.rating is not None and self.part.recognised.concluded.get("kind") == GUESS
+        """Whether it is rated as what nothing but its letters, its value or a doubtful word says."""
+        return self.rating is not None and is_guess(self.part.recognised.concluded.get("kind", ""))
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,7 @@ class ImportedList:
 
     @property
     def guesses(self) -> list[ImportedPart]:
-        """The parts that are rated as what their letters alone say."""
+        """The parts that are rated as what is a guess."""
         return [one for one in self.parts if one.guess]
 
     def of_state(self, state: State) -> list[ImportedPart]:
@@ -122,19 +125,28 @@ def import_bom(
     if there:
         parse(text, str(design))
     level = Level(text, str(design), module)
-    stated = level.environment
+    stated = level.environment and replace(assumed, environment=level.environment).environment
     assumed = replace(assumed, environment=environment or stated or Assumptions.environment)
+    wished, there_stated = assumed.quality, level.quality
+    board = wished.casefold() if wished and wished.casefold() in QUALITIES else None
+    if board and there_stated in (None, board):  # said once, for the whole level
+        assumed = replace(assumed, quality=None, board_quality=board)
+    else:
+        assumed = replace(assumed, board_quality=there_stated and quality_of_board(there_stated))
     own_environment = assumed.environment if stated and stated != assumed.environment else None
     rated = rate_parts(found.parts, assumed)
     file = printable(source.name)
     wanted = [_wanted(part, *rating, own_environment) for part, rating in zip(found.parts, rated, strict=True)]
-    quality = assumed.quality or "each model's default, its lowest or commercial"
+    quality = assumed.quality or assumed.board_quality or "each model's default, its lowest or commercial"
     remarks = (
         f"{file:.80}; where it says nothing else, assumed are: temperature {assumed.temperature},",
         f"junctions and windings {assumed.rise} above it, voltage, current and power {assumed.stress:g} of the rated,",
-        f"environment {assumed.environment}, quality {quality}.",
+        f"environment {explained(assumed.environment)},",
+        f"quality {quality}.",
     )
-    result = level.merge(wanted, file=file, environment=assumed.environment, remarks=remarks)
+    result = level.merge(
+        wanted, file=file, environment=assumed.environment, quality=assumed.board_quality, remarks=remarks
+    )
     robot = parse(result.text, str(design) if there else f"{source}, as a design")
     parts = tuple(
         ImportedPart(part, one.rating, one.hazard_rate, outcome)

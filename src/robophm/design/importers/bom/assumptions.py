@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from robophm.core.units import quantity
 from robophm.design.importers.bom.parts import Recognised
+from robophm.hazard.environments import environment
 
 
 @dataclass(frozen=True)
@@ -20,9 +21,15 @@ class Assumptions:
     rise: str = "10 K"
     """Rise of what warms itself, junctions and windings, above its surroundings."""
     environment: str = "GM"
-    """Symbol of MIL-HDBK-217F Table 3-2; a mobile robot is GM by the handbook's definition."""
+    """Symbol of MIL-HDBK-217F Table 3-2, or a word for one; a mobile robot is GM by the handbook's definition."""
     quality: str | None = None
-    """Quality level for the models that know it; None: each model's own default, its lowest or 'commercial'."""
+    """A level, of the models that know it; None for each model's own default, its lowest or 'commercial'."""
+    board_quality: str | None = None
+    """What the level of the design states, or will; its parts inherit it."""
+
+    def __post_init__(self) -> None:
+        """Words are taken as their symbol. Raises ModelError for an environment that there is none of."""
+        object.__setattr__(self, "environment", environment(self.environment))
 
 
 OF_ALL = frozenset({

@@ -28,7 +28,8 @@ FIELDS: Mapping[str, tuple[str, ...]] = {
     ),
     "quantity": (
         "quantity", "qty", "qnty", "quantity per pcb", "qty per board", "quantities", "qté", "quantité", "menge",
-        "anzahl", "stückzahl", "stück", "cantidad", "quantità", "count", "amount", "pcs",
+        "anzahl", "stückzahl", "stück", "cantidad", "quantità", "total used", "qty used", "qty needed", "needed",
+        "per board", "per robot", "count", "amount", "pcs",
     ),
     "value": (
         "value", "val", "wert", "valeur", "valor", "valore", "comment", "designation", "part value", "device value",
@@ -51,7 +52,8 @@ FIELDS: Mapping[str, tuple[str, ...]] = {
         "mpn", "manufacturer part number", "manufacturer part", "manufacturer part #", "manufacturer_part_number",
         "mfr part number", "mfr part", "mfg part number", "mfr. part #", "mfr no", "manufacturer pn", "manufacturer_pn",
         "part number", "part no", "herstellernummer", "hersteller-nr.", "herstellerteilenummer", "bestellnummer",
-        "référence fabricant", "supplier and ref",
+        "référence fabricant", "manf#", "mfr#", "mfg#", "manf part", "mfr. part number", "mfg. part number", "mfg part",
+        "order number", "order code", "supplier and ref",
     ),
     "manufacturer": (
         "manufacturer", "mfr", "mfg", "manf", "manufacturer name", "hersteller", "fabricant", "fabricante",
@@ -100,6 +102,8 @@ class PartsTable:
     rows: tuple[Row, ...]
     titles: int
     """Rows before the header."""
+    others: tuple[str, ...] = ()
+    """Further sheets of a workbook that look like parts lists; they are not read."""
 
 
 @dataclass(frozen=True)
@@ -108,6 +112,8 @@ class ColumnMapping:
 
     columns: Mapping[str, str]
     decimal: Decimal | None = None
+    sheet: str | None = None
+    """Of a workbook; None for the one that is best understood."""
 
 
 def read_table(path: Path, said: ColumnMapping | None = None) -> PartsTable:
@@ -123,7 +129,11 @@ def _chosen(path: Path, said: ColumnMapping) -> PartsTable:
     best: tuple[float, Sheet, Row, list[Column]] | None = None
     seen: Row | None = None
     fault: SheetError | None = None
-    for sheet in read_sheets(path):
+    lists: dict[str, None] = {}
+    sheets = read_sheets(path)
+    if said.sheet is not None and said.sheet not in (names := [sheet.name for sheet in sheets]):
+        raise SheetError(f"has no sheet '{said.sheet}', which the mapping names{nearest(said.sheet, names)}")
+    for sheet in sheets if said.sheet is None else [one for one in sheets if one.name == said.sheet]:
         try:
             head = list(islice(sheet.rows(), HEADER_WITHIN))
         except SheetError as error:  # a quotation mark that only another delimiter understands
@@ -132,6 +142,8 @@ def _chosen(path: Path, said: ColumnMapping) -> PartsTable:
         for i, row in enumerate(head):
             columns = _columns(row.cells, head[i + 1 :], said)
             score = sum(column.confidence for column in columns)
+            if {"reference", "value", "part_number"} & {column.field for column in columns} and len(columns) > 2:
+                lists[sheet.name] = None
             if best is None or score > best[0] + _MARGIN:
                 best = score, sheet, row, columns
             if seen is None or len(row.cells) > len(seen.cells):
@@ -158,7 +170,8 @@ def _chosen(path: Path, said: ColumnMapping) -> PartsTable:
     written = sheet.name in DELIMITERS.values()  # and not numbers of a workbook, which have points in all countries
     places_with_numbers = [column.place for column in columns if column.field in _WITH_NUMBERS]
     decimal = said.decimal or _decimal(rows, places_with_numbers, semicolons, written)
-    return PartsTable(sheet.name, header.number, tuple(columns), unused, decimal, rows, titles)
+    others = tuple(name for name in lists if name != sheet.name and not written)
+    return PartsTable(sheet.name, header.number, tuple(columns), unused, decimal, rows, titles, others)
 
 
 _MARGIN = 0.3
@@ -280,8 +293,8 @@ def parse_mapping(path: Path) -> ColumnMapping:
     def fail(place: tuple[str, ...], text: str) -> DesignError:
         return DesignError(located(str(path), lines, place, text))
 
-    for key in data.keys() - {"schema_version", "columns", "decimal"}:
-        raise fail((key,), f"unknown key '{key}'{nearest(key, ('columns', 'decimal'))}")
+    for key in data.keys() - {"schema_version", "columns", "decimal", "sheet"}:
+        raise fail((key,), f"unknown key '{key}'{nearest(key, ('columns', 'decimal', 'sheet'))}")
     columns = data.get("columns")
     if not isinstance(columns, dict):
         raise fail(("columns",), "expected what each column means, e.g. {reference: Designator, value: Comment}")
@@ -293,7 +306,10 @@ def parse_mapping(path: Path) -> ColumnMapping:
     decimal: Any = data.get("decimal")
     if decimal not in (None, ",", "."):
         raise fail(("decimal",), f"{decimal!r:.20}; expected ',' or '.'")
-    return ColumnMapping({field: str(header) for field, header in columns.items()}, decimal)
+    sheet = data.get("sheet")
+    if sheet is not None and not isinstance(sheet, str):
+        raise fail(("sheet",), f"{sheet!r:.40}; expected the name of a sheet")
+    return ColumnMapping({field: str(header) for field, header in columns.items()}, decimal, sheet)
 
 
 def mapping_text(table: PartsTable) -> str:
@@ -304,6 +320,7 @@ def mapping_text(table: PartsTable) -> str:
         "# What the columns of a parts list mean; robophm import-bom reads it with --mapping.",
         "schema_version: 1",
     ]
+    lines += [f"sheet: {quoted(table.sheet)}"] if table.others else []
     lines += [f"decimal: {quoted(table.decimal)}", "columns:"]
     lines += [f"  {column.field}: {quoted(column.header)}" for column in table.columns]
     return "\n".join(lines) + "\n"

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from robophm.design.importers.bom.kinds import GUESS
 from robophm.design.importers.bom.models import Rating
 from robophm.design.importers.bom.references import ReferencesError, compressed, expand
 from robophm.design.naming import printable, quoted
@@ -58,7 +57,8 @@ def content(part: Wanted, file: str) -> Content:
     else:
         made["hazard"] = {"model": part.rating.model, "inputs": dict(part.rating.inputs)}
     assumed = f"; assumed {', '.join(part.rating.assumed)}" if part.rating and part.rating.assumed else ""
-    guess = f"; {GUESS}" if part.rating and GUESS in part.rating.assumed.get("model", "") else ""
+    doubt = re.search(r"a guess[^;]*", part.rating.assumed.get("model", "")) if part.rating else None
+    guess = f"; {doubt[0]}" if doubt else ""
     return made | {"source": f"{_source(part, file)}{guess}{assumed} [import {stamp(made)}]"}
 
 

@@ -94,9 +94,16 @@ class Level:
         stated = [found[1] for level in self.levels if (found := child(level, "environment"))]
         return str(plain(stated[-1])) if stated else None
 
-    def merge(self, parts: Sequence[Wanted], *, file: str, environment: str, remarks: Iterable[str]) -> Merged:
-        """Put parts into the level. The ``environment`` is stated where nothing above states one. Raises
-        DesignError."""
+    @property
+    def quality(self) -> str | None:
+        """What the level states or inherits."""
+        stated = [found[1] for level in self.levels if (found := child(level, "quality"))]
+        return str(plain(stated[-1])) if stated else None
+
+    def merge(
+        self, parts: Sequence[Wanted], *, file: str, environment: str, quality: str | None, remarks: Iterable[str]
+    ) -> Merged:
+        """Put parts in. What is given of a whole level is stated where nothing above states it. Raises DesignError."""
         exists = len(self.levels) == len(self.module) + 1
         entry = child(self.levels[-1], "components") if exists else None
         if entry:
@@ -143,6 +150,7 @@ class Level:
             why = f", e.g. {needing[0].name}: {needing[0].text}" if needing else ""
             raise DesignError(f"{self.design.label}: no part of {file} has a rate{why}; and no other part is there")
         head = [f"environment: {quoted(environment)}"] if self.environment is None else []
+        head += [f"quality: {quoted(quality)}"] if quality and self.quality is None else []
         head += [_REMARK + remark for remark in remarks]
         if entry and (entry[1].value or not entry[1].flow_style):
             self._into(entry, head, added, file)

@@ -11,12 +11,12 @@ import numpy as np
 
 from robophm.core.errors import ModelError, UnitError, nearest
 from robophm.design.importers.bom.assumptions import Assumptions, TooLittle
-from robophm.design.importers.bom.kinds import DEVICE, GUESS
+from robophm.design.importers.bom.kinds import DEVICE, is_guess
 from robophm.design.importers.bom.parts import Recognised
 from robophm.design.importers.bom.rules import RULES
 from robophm.hazard.handbooks import handbook_model
-from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS
 from robophm.hazard.model import Array, Choice
+from robophm.hazard.qualities import QUALITIES, level
 
 
 @dataclass(frozen=True)
@@ -41,18 +41,16 @@ BEYOND = {
 class Rater:
     """Rates parts under the same assumptions; equal inputs are settled once.
 
-    Raises ModelError where the environment or the quality is none that any model knows.
+    Raises ModelError where the quality is none that any model knows.
     """
 
     def __init__(self, assumed: Assumptions) -> None:
         self.assumed = assumed
         self.settled: dict[tuple[str, ...], dict[str, str | float]] = {}
-        if assumed.environment not in ENVIRONMENTS:
-            hint = nearest(assumed.environment, ENVIRONMENTS)
-            raise ModelError(f"environment '{assumed.environment}' is no symbol of Table 3-2{hint}")
         models = [handbook_model(name) for name in dict.fromkeys(rule.model for rule in RULES.values())]
         levels = [choice for model in models if isinstance(choice := model.inputs.get("quality"), Choice)]
-        if assumed.quality and not any(choice.option(assumed.quality) for choice in levels):
+        board = assumed.quality and assumed.quality.casefold() in QUALITIES
+        if assumed.quality and not board and not any(choice.option(assumed.quality) for choice in levels):
             known = [level for choice in levels for level in (*choice.options, *choice.aliases)]
             raise ModelError(f"quality '{assumed.quality}' is a level of no model{nearest(assumed.quality, known)}")
 
@@ -68,15 +66,18 @@ class Rater:
         model = handbook_model(rule.model)
         try:
             inputs, assumed = rule.inputs(part, self.assumed)
-            if part.concluded.get("kind") == GUESS:
-                assumed["model"] = "; ".join(filter(None, (f"{part.kind} is {GUESS}", assumed.get("model", ""))))
-            level, choices = self.assumed.quality, model.inputs.get("quality")
-            if level and isinstance(choices, Choice):
-                if choices.option(level) is not None:
-                    inputs["quality"] = level
+            if is_guess(why := part.concluded.get("kind", "")):
+                assumed["model"] = "; ".join(filter(None, (f"{part.kind} is {why}", assumed.get("model", ""))))
+            said, choices = self.assumed.quality, model.inputs.get("quality")
+            if said and isinstance(choices, Choice):
+                if known := level(model, said, inputs):
+                    inputs["quality"] = said if choices.option(said) else known
                 elif choices.default:
-                    inputs["quality"], assumed["quality"] = choices.default, f"this model knows no {level}"
+                    inputs["quality"], assumed["quality"] = choices.default, f"this model knows no {said}"
             given: dict[str, Any] = dict(inputs)
+            board = self.assumed.board_quality
+            if board and "quality" not in inputs and (known := level(model, board, inputs)):
+                given["quality"] = known
             if "environment" in model.inputs:
                 given["environment"] = self.assumed.environment
             key = (rule.model, *(f"{name}={text}" for name, text in given.items()))

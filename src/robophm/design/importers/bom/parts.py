@@ -8,10 +8,24 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from robophm.design.importers.bom.columns import Decimal
 from robophm.design.importers.bom.kinds import MICROCIRCUITS, Spoken, any_of, kind_of, spread
+from robophm.design.importers.bom.part_numbers import part_number
+from robophm.design.importers.bom.quantities import (
+    CURRENT,
+    END,
+    NUMBER,
+    POWER,
+    VOLTAGE,
+    first,
+    measured,
+    plain,
+    plain_value,
+    value_of,
+    with_unit,
+)
 from robophm.design.importers.bom.references import prefix
 
 
@@ -40,31 +54,24 @@ class Recognised:
     facts: Mapping[str, str] = field(default_factory=dict)
     concluded: Mapping[str, str] = field(default_factory=dict)
     """Facts, and 'kind', that something only suggests: by what."""
+    contradictions: tuple[str, ...] = ()
+    """What the cells of a row say against each other, and what is taken."""
 
 
 def recognise(references: tuple[str, ...], row: Described, decimal: Decimal = ".") -> Recognised:
     """The kind of a part and what is known of it."""
+    if not row.value and row.description:  # a list whose comment is the value
+        row = replace(row, value=row.description)
     said = _Said(row, decimal)
     letters = prefix(references[0]) if references else ""
-    kind, why = kind_of(letters, said.spoken(row))
+    kind, why, against = kind_of(letters, said.spoken(row))
     if why:
         said.concluded["kind"] = why
-    return Recognised(kind, said.facts(kind), said.concluded)
+    facts = said.facts(kind)
+    return Recognised(kind, facts, said.concluded, tuple(filter(None, (against, *said.contradictions))))
 
 
-_NUMBER = r"(?<![\w.])([0-9]{1,9}(?:\.[0-9]{1,6})?)"
-_END = r"(?![^\W_])"
-_CAPACITANCE = re.compile(rf"{_NUMBER}\s?([pnuµμmPNU]?)[Ff]{_END}"), re.compile(rf"{_NUMBER}\s?([pnuµμPNU]){_END}")
-_RESISTANCE = (
-    re.compile(rf"{_NUMBER}\s?([mkKMG]?)\s?(?:Ω|\u2126|[oO]hms?|OHMS?){_END}"),
-    re.compile(rf"{_NUMBER}([kKMGR]){_END}"),
-)
-_INDUCTANCE = re.compile(rf"{_NUMBER}\s?([pnuµμmPNUM])[Hh]{_END}"), re.compile(rf"{_NUMBER}([nuµμNU]){_END}")
-_VOLTAGE = (re.compile(rf"{_NUMBER}\s?(k?)[Vv](?:DC|dc)?{_END}"),)
-_CURRENT = (re.compile(rf"{_NUMBER}\s?([mu]?)A{_END}"),)
-_FREQUENCY = (re.compile(rf"{_NUMBER}\s?([kKMG]?)[hH][zZ]{_END}"),)
-_POWER = (re.compile(rf"(?<![\w./])([0-9]{{1,9}}(?:\.[0-9]{{1,6}})?(?:/[0-9]{{1,2}})?)\s?(m?)W{_END}"),)
-_SIZE = re.compile(rf"{_NUMBER}[ -]?([kKMG]?)i?[ -]?((?i:bits?|bytes?)|[bB]){_END}")
+_SIZE = re.compile(rf"{NUMBER}[ -]?([kKMG]?)i?[ -]?((?i:bits?|bytes?)|[bB]){END}")
 _SERIAL_MEMORY = re.compile(r"2[45](?:LC|AA|FC|C)0*([1-9][0-9]{0,3})(?![0-9])", re.IGNORECASE)
 _WORD = re.compile(r"(?<![0-9])(4|8|16|32)[ -]?bit", re.IGNORECASE)
 _LAYERS = re.compile(r"(?<![0-9])([0-9]{1,2})[ -]?(?:layers?|lagig|lagen|couches)", re.IGNORECASE)
@@ -74,12 +81,6 @@ _CONTACTS = re.compile(
     r"(?<![A-Z0-9])([SD346]P[SD]T)(?![A-Z0-9])|([1-4]) ?(?:x ?)?(form ?[ac]|wechsler|schließer)", re.IGNORECASE
 )
 _TOLERANCE = re.compile(r"(?<![\w.])([0-9]{1,2}(?:\.[0-9]{1,3})?)\s?%")
-_SCALE = {"µ": "u", "μ": "u", "K": "k", "R": "", "P": "p", "N": "n", "U": "u"}
-"""Prefixes that people write in capitals; M is a million, but for henries, of which nobody has as many."""
-_LETTER_AS_POINT = re.compile(
-    r"(?<![\w.])([0-9]{1,4})([pnuµμmkKMGRVPNU])([0-9]{1,3})(?=[FfHhΩ]?(?![^\W_]))"
-)  # 4u7, 6V3
-
 _CHIP = re.compile(r"(?<![0-9])(01005|0201|0402|0603|0805|1206|1210|1218|1806|1808|1812|2010|2220|2225|2512)(?![0-9])")
 _NUMBERS_OF_CHIPS = ("201", "402", "603", "805")
 """Numbers that spreadsheets make of chip sizes."""
@@ -96,8 +97,8 @@ _SURFACE = re.compile(
     r"[A-Z]{0,2}BGA|LGA|WLCSP|PLCC)-?[0-9]",
     re.IGNORECASE,
 )
-_POSITIONS = re.compile(rf"{_NUMBER}[ -]?(?:pins?|pos(?:itions?)?|ways?|pol(?:ig)?|contacts?|p){_END}", re.IGNORECASE)
-_PINS = re.compile(rf"{_NUMBER}[ -]?(?:pins?|leads?){_END}", re.IGNORECASE)
+_POSITIONS = re.compile(rf"{NUMBER}[ -]?(?:pins?|pos(?:itions?)?|ways?|pol(?:ig)?|contacts?|p){END}", re.IGNORECASE)
+_PINS = re.compile(rf"{NUMBER}[ -]?(?:pins?|leads?){END}", re.IGNORECASE)
 _LAND_PATTERN = re.compile(
     r"(?<![A-Z])[A-Z]{2,5}[0-9]{1,3}P[0-9]{2,4}X[0-9]{2,4}(?:X[0-9]{2,4})?-([0-9]{1,4})(?![0-9])"
 )
@@ -134,7 +135,11 @@ TYPES: Mapping[str, Mapping[str, re.Pattern[str]]] = {
         },
         "potentiometer": {"wirewound": r"wire.?wound|draht\w*", "trimmer": r"trim\w*"},
         "diode": {"switching": r"switching|small[ -]?signal|schaltdiode|1n4148\w*|1n914|bav\w+|bas[0-9]+\w*|ll4148"},
-        "fet": {"JFET": r"jfets?"},
+        "fet": {
+            "JFET": r"jfets?",
+            "GaN": r"e?gan ?(fets?)?|gallium nitride",
+            "SiC": r"sic ?(mos)?(fets?)?|silicon carbide",
+        },
         "photodetector": {"phototransistor": r"[pf]h?oto-?transistor(en|s)?", "photodiode": r"[pf]h?oto-?diod(en?|es)"},
         "optocoupler": {"photodarlington": r"(photo)?darlington", "photodiode": r"6n13[0-9]|photodiode"},
         "relay": {"reed": r"reed", "latching": r"latching|bistabil?e?", "contactor": r"contactors?|schütz"},
@@ -169,7 +174,16 @@ TYPES: Mapping[str, Mapping[str, re.Pattern[str]]] = {
             "lithium ion": r"li-?(ion|po|polymer)|lithium\w*|lipo|lifepo4|18650|21700",
         },
         "encoder": {"with contacts": r"mechanical|mechanisch\w*|ec1[12]\w*|(with )?switch|contacts?|kontakte?"},
-        "memory": {"DRAM": r"s?drams?|ddr[0-9]?|mt4[178]\w*|k4[abt]\w*", "SRAM": r"srams?|psrams?|is6[12]\w*|as6c\w*"},
+        "memory": {
+            "flash": r"(nor |nand )?flash|(w25[qn]|mx25|gd25|is25)[0-9a-z]*",
+            "DRAM": r"s?drams?|ddr[0-9]?|mt4[178]\w*|k4[abt]\w*",
+            "SRAM": r"srams?|psrams?|is6[12]\w*|as6c\w*",
+        },
+        "sensor chip": {
+            "magnetometer": r"magnetometers?|e?compass|(hmc5|qmc5|mmc[35]|lis3mdl|ist8|rm31|bmm1)[0-9]*\w*",
+            "barometer": r"(pressure|barometric|altimeter) sensors?|barometers?|altimeters?|"
+            r"(ms5[568]|bm[ep][0-9]{3}|lps[23]|dps3)[0-9]*\w*",
+        },
         "motor": {"stepper": r"stepp\w*|schritt\w*|nema ?[0-9]+", "servo": r"servo\w*"},
     }.items()
 }  # fmt: skip
@@ -206,27 +220,33 @@ class _Said:
     """The cells of a row, with letters such as in 4k7 made decimal points."""
 
     def __init__(self, row: Described, decimal: Decimal) -> None:
-        def plain(text: str) -> str:
-            return _LETTER_AS_POINT.sub(r"\1.\3\2", with_points(text, decimal))
-
-        self.value = plain(row.value)
-        self.rest = plain(" ".join((row.description, row.library, row.note, row.part_number)))
-        self.column = {name: plain(getattr(row, name)) for name in ("voltage", "tolerance", "power")}
+        self.value = plain_value(row.value, decimal)
+        self.rest = plain(" ".join((row.description, row.library, row.note, row.part_number)), decimal)
+        self.described = plain(f"{row.description} {row.library}", decimal)
+        self.column = {name: plain(getattr(row, name), decimal) for name in ("voltage", "tolerance", "power")}
+        self.number = part_number(row.part_number, row.library, row.value, row.footprint, row.description, row.note)
+        self.contradictions: list[str] = []
         self.footprint = row.footprint
         self.words = " ".join((row.description, row.library, row.footprint, row.value, row.material, row.note))
         self.concluded: dict[str, str] = {}
 
     def spoken(self, row: Described) -> Spoken:
-        measured = {
-            "capacitor": self.first(_CAPACITANCE, "F", self.value),
-            "inductor": self.first(_INDUCTANCE, "H", self.value),
-            "resistor": self.first(_RESISTANCE, "ohm", _unit(self.value, "ohm")),
-            "crystal": self.first(_FREQUENCY, "Hz", self.value),
-        }  # fmt: skip
+        may, does = measured(self.value)
         return Spoken(
             (row.description, row.library, row.material), row.value, row.part_number, row.note, row.footprint,
-            frozenset(kind for kind, found in measured.items() if found),
+            may, does,
+            self.number.kind if self.number else "",
         )  # fmt: skip
+
+    def value_of(self, kind: str, fact: str) -> str | None:
+        """The capacitance, resistance, inductance or frequency; by what, and what speaks against it, is kept."""
+        number = self.number.facts.get(fact) if self.number else None
+        text, why, contradiction = value_of(kind, self.value, self.described, number)
+        if why:
+            self.concluded[fact] = why
+        if contradiction:
+            self.contradictions.append(contradiction)
+        return text
 
     def facts(self, kind: str) -> dict[str, str]:
         """Return the facts that matter for this kind of part, as far as the row states them."""
@@ -241,9 +261,9 @@ class _Said:
         elif kind in _TRANSISTORS:
             found["rated_power"] = self.transistor_power()
         elif kind in ("inductor", "ferrite bead"):
-            found["inductance"] = self.first(_INDUCTANCE, "H", self.value, self.rest)
+            found["inductance"] = self.value_of("inductor", "inductance")
         elif kind in ("crystal", "oscillator"):
-            found["frequency"] = self.first(_FREQUENCY, "Hz", self.value, self.rest)
+            found["frequency"] = self.value_of("crystal", "frequency")
         elif kind in ("connector", "socket", "optocoupler", *MICROCIRCUITS):
             found["pins"] = self.pins(circuit=kind in MICROCIRCUITS)
         if kind == "memory":
@@ -261,11 +281,16 @@ class _Said:
         elif kind in ("relay", "switch", "circuit breaker"):
             found["contact_form"] = self.contact_form()
         if kind in _WITH_VOLTAGE:
-            column = _unit(self.column["voltage"], "V")
-            found["rated_voltage"] = self.first(_VOLTAGE, "V", column, self.value, self.rest)
+            column = with_unit(self.column["voltage"], "V")
+            found["rated_voltage"] = first(VOLTAGE, "V", column, self.value, self.rest)
         if kind in _WITH_CURRENT:
-            found["rated_current"] = self.first(_CURRENT, "A", self.value, self.rest)
-        return {name: text for name, text in found.items() if text}
+            found["rated_current"] = first(CURRENT, "A", self.value, self.rest)
+        known = {name: text for name, text in found.items() if text}
+        of_number = self.number.facts if self.number and self.number.kind == kind else {}
+        for name in ("type", "rated_power"):  # what a size suggests, the maker's number knows
+            if name in of_number and self.concluded.pop(name, ""):
+                del known[name]
+        return {**of_number, **known}
 
     def mounting(self, text: str) -> str | None:
         if _THROUGH_HOLE.search(text):
@@ -277,34 +302,32 @@ class _Said:
         return next((name for name, pattern in TYPES.get(kind, {}).items() if pattern.search(words)), None)
 
     def capacitor(self, kind: str | None) -> dict[str, str | None]:
-        value = re.sub(r"(?<=[0-9]) (?=[pnuµμ]$)", "", self.value)  # 100 n
         dielectric = _DIELECTRIC.search(self.words)
         if not kind and (dielectric or self.chip()):
             kind = "ceramic"
             self.concluded["type"] = f"by its {'dielectric' if dielectric else f'size {self.chip()}'}"
         said = dielectric[0].upper() if dielectric else None
         return {
-            "capacitance": self.first(_CAPACITANCE, "F", value, self.rest),
+            "capacitance": self.value_of("capacitor", "capacitance"),
             "dielectric": "C0G" if said in ("COG", "NP0", "NPO") else said,
             "type": kind,
         }
 
     def resistor(self) -> dict[str, str | None]:
-        value = _unit(re.sub(r"(?<=[0-9]) (?=[kKMR]$)", "", self.value), "ohm")  # 100 in a column of values is ohms
-        power = self.first(_POWER, "W", _unit(self.column["power"], "W"), self.value, self.rest)
+        power = first(POWER, "W", with_unit(self.column["power"], "W"), self.value, self.rest)
         size = self.chip()
         if not power and size in CHIP_POWER and size:
             power = CHIP_POWER[size]
             self.concluded["rated_power"] = f"by its size {size}"
-        tolerance = _TOLERANCE.search(" ".join((_unit(self.column["tolerance"], "%"), self.value, self.rest)))
+        tolerance = _TOLERANCE.search(" ".join((with_unit(self.column["tolerance"], "%"), self.value, self.rest)))
         return {
-            "resistance": self.first(_RESISTANCE, "ohm", value, self.rest),
+            "resistance": self.value_of("resistor", "resistance"),
             "rated_power": power,
             "tolerance": f"{tolerance[1]} %" if tolerance else None,
         }
 
     def transistor_power(self) -> str | None:
-        power = self.first(_POWER, "W", _unit(self.column["power"], "W"), self.value, self.rest)
+        power = first(POWER, "W", with_unit(self.column["power"], "W"), self.value, self.rest)
         for usual, packages in () if power else PACKAGE_POWER.items():
             if package := packages.search(spread(self.words)):
                 self.concluded["rated_power"] = f"by its package {package[0]}"
@@ -331,19 +354,6 @@ class _Said:
         throws = "ST" if match[3].lower() in ("forma", "form a", "schließer") else "DT"
         return {"1": "SP", "2": "DP"}.get(match[2], f"{match[2]}P") + throws
 
-    @staticmethod
-    def first(patterns: tuple[re.Pattern[str], ...], unit: str, *texts: str) -> str | None:
-        """The first quantity of a kind, as '4.7 uF'."""
-        for text in texts:
-            for pattern in patterns:
-                if match := pattern.search(text):
-                    number, _, below = match[1].partition("/")  # 1/10 W
-                    if below and float(below):
-                        number = f"{float(number) / float(below):.4g}"
-                    scale = match[2]
-                    return f"{number} {'m' if (scale, unit) == ('M', 'H') else _SCALE.get(scale, scale)}{unit}"
-        return None
-
     def chip(self) -> str | None:
         if self.footprint in _NUMBERS_OF_CHIPS:
             return f"0{self.footprint}"
@@ -364,19 +374,3 @@ class _Said:
         pattern = _PINS if circuit else _POSITIONS  # an LM358P has not 358
         positions = next((found for text in texts if (found := pattern.search(text))), None)
         return positions[1] if positions else None
-
-
-def _unit(text: str, unit: str) -> str:
-    """A bare number with the unit of its column, where that is clear."""
-    return f"{text} {unit}" if re.fullmatch(r"[0-9]{1,9}(\.[0-9]{1,6})?", text) else text
-
-
-def with_points(text: str, decimal: Decimal) -> str:
-    """Return a text whose numbers have points and no thousands: 4,7 and 1.000 in a list with commas, 1,000 in
-    another."""
-    if decimal == "," or re.fullmatch(r"[0-9]{1,3},[0-9]{1,2}\s?[A-Za-zµμΩ]+", text):
-        text = re.sub(
-            r"(?<![\w.,])[1-9][0-9]{0,2}(?:\.[0-9]{3})+(?![0-9.])", lambda match: match[0].replace(".", ""), text
-        )
-        return re.sub(r"(?<![\w.,])(0|[1-9][0-9]{0,3}),([0-9]{1,6})(?![0-9,])", r"\1.\2", text)
-    return re.sub(r"(?<![\w.,])[1-9][0-9]{0,2}(?:,[0-9]{3})+(?![0-9,])", lambda match: match[0].replace(",", ""), text)

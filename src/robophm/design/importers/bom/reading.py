@@ -12,7 +12,8 @@ from robophm.core.errors import DesignError
 from robophm.design.importers.bom.columns import Column, ColumnMapping, PartsTable, read_table
 from robophm.design.importers.bom.component import LONGEST_NAME
 from robophm.design.importers.bom.kinds import NO_PARTS
-from robophm.design.importers.bom.parts import Described, Recognised, recognise, with_points
+from robophm.design.importers.bom.parts import Described, Recognised, recognise
+from robophm.design.importers.bom.quantities import with_points
 from robophm.design.importers.bom.references import ReferencesError, are_references, compressed, expand
 from robophm.design.importers.bom.tables import Row
 from robophm.design.naming import design_name
@@ -98,9 +99,18 @@ class _List:
         self.left_out: list[Note] = []
         self.notes: list[Note] = []
         self.count = 0
+        self.boards = 1
 
     def read(self) -> PartsList:
         rows = list(self.table.rows)
+        self.boards = self.built(rows)
+        if self.boards > 1:
+            self.notes.append(Note(self.table.header_row, f"all quantities are for {self.boards} boards; one is taken"))
+        for name in self.table.others:
+            text = (
+                f"the sheet '{name}' looks like a parts list too and is not read; a mapping with sheet: {name} reads it"
+            )
+            self.notes.append(Note(self.table.header_row, text))
         for i, row in enumerate(rows):
             ends = _SUM.match(next(cell for cell in row.cells if cell))
             if ends and not self.any_parts(rows[i:]):
@@ -115,6 +125,19 @@ class _List:
                 Note(places[0], f"{reference} stands in rows {at}; each of them is taken for parts of its own")
             )
         return PartsList(self.table, tuple(self.parts), tuple(self.errors), tuple(self.left_out), tuple(self.notes))
+
+    def built(self, rows: Sequence[Row]) -> int:
+        """For how many boards the quantities are, where all of three rows and more are the same multiple."""
+        times = []
+        for row in rows:
+            quantity = re.fullmatch(r"([0-9]{1,9})(?:\.0{1,6})?", self.cell(row, "quantity"))
+            try:
+                references = expand(self.cell(row, "reference"))
+            except ReferencesError:
+                continue
+            if quantity and references and int(quantity[1]):
+                times.append(int(quantity[1]) / len(references))
+        return round(times[0]) if len(times) > 2 and len({*times}) == 1 and times[0].is_integer() else 1
 
     def cell(self, row: Row, field: str) -> str:
         at = self.places.get(field, len(row.cells))
@@ -179,6 +202,8 @@ class _List:
         if recognised.kind in NO_PARTS:
             self.left_out.append(Note(row.number, f"{reference or name} is no electrical part"))
             return
+        named = reference or name
+        self.notes += [Note(row.number, f"{named:.40}: {text}") for text in recognised.contradictions]
         self.parts.append(
             Part(
                 row.number,
@@ -209,6 +234,8 @@ class _List:
         number = self.quantity(row, quantity) if quantity else len(references) or 1
         if number is None:
             return None
+        if references and self.boards > 1 and number == self.boards * len(references):
+            return len(references)
         ordered = "quantity" in self.headers and _ORDERED.search(self.headers["quantity"])
         if references and number > len(references) and (of_a_group or ordered):
             why = "is of this row and those of the same part below" if of_a_group else "is what is ordered"

@@ -12,6 +12,8 @@ _APART = re.compile(r"(?:(?<=\d)\s*[/&+]\s*|\s+(?:and|und|et)\s+)(?=[A-Za-z]{1,1
 _RANGE = re.compile(
     r"([A-Za-z_]{1,10})(\d{1,9})\s*(?:-|–|—|\.\.\.?|…|\bto\b|\bbis\b)\s*([A-Za-z_]{1,10})(\d{1,9})(?![\w.])", re.ASCII
 )
+_SPACED = re.compile(r"(?<![\w-])([A-Za-z]{1,3}) (\d{1,4})(?=[,;]|$)", re.ASCII)
+"""C 2, C 3"""
 _ONE = re.compile(r"[A-Za-z_*#]{1,10}\d{1,9}[A-Za-z]?(?:[-_.:][\w.]{1,20})?", re.ASCII)
 _NUMBERED = re.compile(r"([A-Za-z_]+)([1-9]\d{0,8}|0)", re.ASCII)
 
@@ -23,6 +25,7 @@ class ReferencesError(ValueError):
 def expand(text: str) -> tuple[str, ...]:
     """Return the references of a cell, in its order. Raises ReferencesError with what was expected."""
     found: list[str] = []
+    text = _SPACED.sub(r"\1\2", text)
     at = 0
     for match in _RANGE.finditer(text):
         begin, low, again, high = match[1], match[2], match[3], match[4]

@@ -27,12 +27,17 @@ from robophm.design.importers.bom.assumptions import (
     share,
 )
 from robophm.design.importers.bom.parts import TYPES, Recognised
+from robophm.parts import Entry as LibraryEntry
+from robophm.parts import part as library_part
 
 APPENDIX = "as in the handbook's Appendix A"
 STAND_IN = "a stand-in: only the ratio to what is applied counts"
 NEAREST = "the nearest"
 CLASS_I = ("C0G", "U2J")
-MOST_BITS = 1048576
+MOST_BITS = 268435456
+"""Of ANSI/VITA 51.1."""
+
+USUAL_BITS = 1048576
 LARGE = 1.0
 """µF, from which on a capacitor of which nothing else is known is taken for an electrolytic one."""
 
@@ -111,7 +116,7 @@ def _package(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
 def _microcircuit(model: str, pins: str, **entries: Entry) -> Rule:
     common: dict[str, Entry] = {
         "package": _package,
-        "pins": at_most("pins", "", 224, said_or("pins", pins, "a usual number")),
+        "pins": at_most("pins", "", 3000, said_or("pins", pins, "a usual number")),
         "power": NO_MORE_HEAT,
         "case_temperature": junction,
         "years_in_production": assume("2 year", "or longer: no new type"),
@@ -120,15 +125,18 @@ def _microcircuit(model: str, pins: str, **entries: Entry) -> Rule:
 
 
 _CMOS = assume("CMOS", "as is usual")
+_MOST_GATES = "the most that ANSI/VITA 51.1 has; most FPGAs have more: state their maker's figure"
 _LINEAR = {"transistors": assume("1000", "the third of the handbook's four classes")}
 
 
 def _programming(part: Recognised, assumed: Assumptions) -> tuple[str, str] | None:
-    """The number of times a memory is written, which counts for EEPROMs and what is nearest to them."""
-    return None if part.facts.get("type") in _WRITTEN_AT_WILL else ("1000 cycle", "in its life")
+    """How often a memory is written, which counts for EEPROMs and what is nearest to them."""
+    kind = part.facts.get("type")
+    return None if kind in _WRITTEN_AT_WILL else ("100 cycle" if kind == "flash" else "1000 cycle", "in its life")
 
 
 _WRITTEN_AT_WILL = {"DRAM": "MOS-DRAM", "SRAM": "MOS-SRAM"}
+_MEMORIES = {**_WRITTEN_AT_WILL, "flash": "MOS-EEPROM-flotox"}
 
 
 def _unless_radio(text: str, why: str) -> Entry:
@@ -145,10 +153,18 @@ _COIL = Rule(
     {"kind": assume("fixed", "as is usual"), "temperature": around, "temperature_rise": rise},
 )
 
+
+def _fet_kind(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
+    kind = part.facts.get("type", "")
+    if kind in ("GaN", "SiC"):
+        return "MOSFET", f"of silicon, for no handbook has {kind}"
+    return ("JFET", "") if kind == "JFET" else ("MOSFET", APPENDIX)
+
+
 _FET = Rule(
     "mil_hdbk_217f.transistor_fet_low_frequency",
     {
-        "kind": by_type({"JFET": "JFET"}, "MOSFET", APPENDIX),
+        "kind": _fet_kind,
         "application": assume("switching", APPENDIX),
         "rated_power": said_or("rated_power", "0.5 W", "of a small one"),
         **_JUNCTION,
@@ -159,6 +175,24 @@ _CRYSTAL = Rule(
     "mil_hdbk_217f.crystal",
     {"frequency": at_most("frequency", "MHz", 105.0, said_or("frequency", "10 MHz", "nothing is said"))},
 )
+
+
+_OF_LIBRARY = {"magnetometer": "magnetometer", "barometer": "barometer"}
+
+
+def _library_entry(part: Recognised) -> LibraryEntry:
+    """What the library of parts has for a sensor in a chip."""
+    return library_part(_OF_LIBRARY.get(part.facts.get("type", ""), "imu"))
+
+
+def _library_mtbf(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
+    entry = _library_entry(part)
+    factor = entry.part["uncertainty"]["error_factor"]
+    return entry.part["mtbf"], f"as the library's {entry.name}, grade {entry.grade}, give or take a factor of {factor}"
+
+
+def _library_source(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
+    return f"library: {_library_entry(part).name}", "no handbook has micromechanics"
 
 
 def _switch(style: Entry) -> Rule:
@@ -265,18 +299,26 @@ RULES: Mapping[str, Rule] = {
         "processor", "64", family=_CMOS, bits=said_or("bits", "32 bit", "the widest that the handbook has")
     ),
     "programmable logic": _microcircuit(
-        "programmable", "144", family=_CMOS, gates=assume("20000", "the most that the handbook has")
+        "programmable",
+        "144",
+        family=_CMOS,
+        gates=assume("60000", _MOST_GATES),
     ),
     "memory": _microcircuit(
         "memory",
         "8",
-        style=by_type(_WRITTEN_AT_WILL, "MOS-EEPROM-flotox", f"{NEAREST} to what keeps what it is told"),
-        bits=at_most("bits", "bit", MOST_BITS, said_or("bits", f"{MOST_BITS} bit", "the most that the handbook has")),
+        style=by_type(
+            {**_WRITTEN_AT_WILL, "flash": "MOS-EEPROM-flotox"},
+            "MOS-EEPROM-flotox",
+            f"{NEAREST} to what keeps what it is told",
+        ),
+        bits=at_most("bits", "bit", MOST_BITS, said_or("bits", f"{USUAL_BITS} bit", "the most of the handbook itself")),
         programming_cycles=_programming,
     ),
     "logic": _microcircuit("logic", "16", family=_CMOS, gates=assume("100", "the first of the handbook's classes")),
     "analog circuit": _microcircuit("linear", "8", **_LINEAR),
     "microcircuit": replace(_microcircuit("linear", "16", **_LINEAR), taken_for="an analog circuit"),
+    "sensor chip": Rule("general.mtbf", {"mtbf": _library_mtbf, "source": _library_source}),
     "inductor": _COIL,
     "ferrite bead": _COIL,
     "transformer": _transformer(

@@ -4,30 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from robophm.core.table import Source, Table, band
+from robophm.core.table import Table, band
 from robophm.hazard.model import PER_MILLION_HOURS, Array, Factor
 
 TITLE = "MIL-HDBK-217F Notice 2"
-
-ENVIRONMENTS = {
-    "GB": "Ground, Benign",
-    "GF": "Ground, Fixed",
-    "GM": "Ground, Mobile",
-    "NS": "Naval, Sheltered",
-    "NU": "Naval, Unsheltered",
-    "AIC": "Airborne, Inhabited Cargo",
-    "AIF": "Airborne, Inhabited Fighter",
-    "AUC": "Airborne, Uninhabited Cargo",
-    "AUF": "Airborne, Uninhabited Fighter",
-    "ARW": "Airborne, Rotary Wing",
-    "SF": "Space, Flight",
-    "MF": "Missile, Flight",
-    "ML": "Missile, Launch",
-    "CL": "Cannon, Launch",
-}
-"""Symbols of Table 3-2. A mobile robot is GM by the handbook's definition."""
-
-ENVIRONMENT_SOURCE = Source(TITLE, "3", "3-3 (Table 3-2)", "two sources agree")
 
 
 def handbook_arrhenius(temperature: Array, activation_energy: float, reference: float = 298.0) -> Array:

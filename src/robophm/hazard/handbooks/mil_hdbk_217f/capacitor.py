@@ -6,6 +6,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table, above, band
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, span
 from robophm.hazard.model import PER_MILLION_HOURS, Array, Choice, Factor, Range, hazard_model, more_than
 
@@ -117,7 +118,7 @@ SERIES_RESISTANCE = (0.1, 0.2, 0.4, 0.6, 0.8, np.inf), (3.3, 2.7, 2.0, 1.3, 1.0,
             monotone=-1,
         ),
         "quality": Choice(QUALITY, "quality level", default="commercial"),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.model import Choice, Factor, hazard_model
 
@@ -48,7 +49,7 @@ ENVIRONMENT = Table("circuit breaker πE", SOURCE, """
         "poles": Choice(POLES, "form of the contacts", aliases={"1": "SPST", "2": "DPST", "3": "3PST", "4": "4PST"}),
         "use": Choice(USE, "whether it is also the switch"),
         "quality": Choice(QUALITY, "quality level", default="lower", aliases={"commercial": "lower"}),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2; none for CL"),
+        "environment": environment_choice(ENVIRONMENT, but="none for CL"),
     },
 )
 def hazard_rate(poles: str, use: str, quality: str, environment: str) -> Factor:

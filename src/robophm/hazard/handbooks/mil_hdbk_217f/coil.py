@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._inductive import ENVIRONMENT, hot_spot_inputs, temperature_factor
@@ -33,7 +34,7 @@ QUALITY = Table("coil quality πQ", SOURCE, """
         ),
         **hot_spot_inputs(),
         "quality": Choice(QUALITY, "quality level", default="lower", aliases={"commercial": "lower"}),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(

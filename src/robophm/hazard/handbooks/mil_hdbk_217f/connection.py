@@ -6,6 +6,7 @@ One connection; a terminal block and a spring contact count each of theirs. Join
 from __future__ import annotations
 
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.model import Choice, Factor, hazard_model
 
@@ -54,7 +55,7 @@ ENVIRONMENT = Table("connection πE", SOURCE, """
             "kind of connection",
             aliases={"hand solder": "hand-solder-no-wrap", "reflow": "reflow-solder", "wire wrap": "solderless-wrap"},
         ),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(kind: str, environment: str) -> Factor:

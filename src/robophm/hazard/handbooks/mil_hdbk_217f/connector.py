@@ -9,6 +9,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table, above
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import (
     TITLE,
     handbook_arrhenius,
@@ -101,7 +102,7 @@ RADIO_FREQUENCY_RISE = {"rf-coaxial": 5.0, "rf-coaxial-power": 50.0}  # °C
         "matings": Range(0.0, 1e5, "/10^3 h", "matings and unmatings", monotone=1),
         "half": Choice(tuple(HALVES), "a mated pair, or one half of it", default="mated pair"),
         "quality": Choice(QUALITY, "quality level", default="lower", aliases={"commercial": "lower"}),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )  # fmt: skip
 def hazard_rate(

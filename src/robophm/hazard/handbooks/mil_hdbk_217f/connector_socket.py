@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
@@ -50,7 +51,7 @@ ENVIRONMENT = Table("socket πE", SOURCE, """
         ),
         "contacts": Range(1, 180, "", "active contacts", whole=True, monotone=1),
         "quality": Choice(QUALITY, "quality level", default="lower", aliases={"commercial": "lower"}),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(style: str, contacts: Array, quality: str, environment: str) -> Factor:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
@@ -41,7 +42,7 @@ ENVIRONMENT = Table("crystal πE", SOURCE, """
     inputs={
         "frequency": Range(1e-3, 105.0, "MHz", "frequency; below 0.5 MHz by the equation", monotone=1),
         "quality": Choice(QUALITY, "quality level", default="lower", aliases={"commercial": "lower"}),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(frequency: Array, quality: str, environment: str) -> Factor:

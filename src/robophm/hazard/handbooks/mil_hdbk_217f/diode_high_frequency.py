@@ -6,6 +6,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table, above
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -74,7 +75,7 @@ ALIASES = {
         "application": Choice(APPLICATION, "application; only a varactor is not 'other'", default="other"),
         "rated_power": Range(1e-3, 3000.0, "W", "rated power; a PIN diode needs it", required=False),
         "quality": Choice(QUALITY, "quality level; Schottky has no plastic", aliases=COMMERCIAL_IS_PLASTIC),
-        "environment": Choice(RF_ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(RF_ENVIRONMENT),
     },
 )
 def hazard_rate(

@@ -6,6 +6,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table, above
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing, stress_ratio
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -64,7 +65,7 @@ ALIASES = {
             1.0, 1e3, "", "junctions of a high-voltage stack; it needs it", whole=True, required=False, monotone=1
         ),
         "quality": quality(),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -39,7 +40,7 @@ LOGIC_CHIP = Table("display logic chip λb", SOURCE, """
         "logic_chip": Choice(LOGIC_CHIP, "with or without a logic chip"),
         **junction_inputs(),
         "quality": quality(),
-        "environment": Choice(OPTICAL_ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(OPTICAL_ENVIRONMENT),
     },
 )
 def hazard_rate(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table, above, band
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import surroundings
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
@@ -43,7 +44,7 @@ ENVIRONMENT = Table("elapsed-time meter environment πE", SOURCE, """
         "kind": Choice(KIND, "drive of the meter", aliases={"dc": "commutator_dc", "inverter": "inverter_driven"}),
         "temperature": Range(-55.0, 200.0, "degC", "operating temperature", monotone=1, warmth="own"),
         "rated_temperature": Range(1.0, 200.0, "degC", "largest rated temperature", monotone=-1),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2; the handbook has no cannon launch"),
+        "environment": environment_choice(ENVIRONMENT, but="the handbook has no cannon launch"),
     },
 )
 def hazard_rate(

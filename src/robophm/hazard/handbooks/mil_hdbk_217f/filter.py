@@ -6,6 +6,7 @@ Non-tunable filters as parts; one built of its parts on a board is the sum of th
 from __future__ import annotations
 
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.model import Choice, Factor, hazard_model
 
@@ -46,7 +47,7 @@ ENVIRONMENT = Table("filter πE", SOURCE, """
     inputs={
         "style": Choice(STYLE, "construction"),
         "quality": Choice(QUALITY, "quality level", default="lower", aliases={"commercial": "lower"}),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(style: str, quality: str, environment: str) -> Factor:

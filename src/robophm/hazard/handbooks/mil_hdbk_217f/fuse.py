@@ -7,8 +7,9 @@ has no model in the handbook: use the thermistor's or a maker's figure, and say 
 from __future__ import annotations
 
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
-from robophm.hazard.model import Choice, Factor, hazard_model
+from robophm.hazard.model import Factor, hazard_model
 
 SOURCE = Source(TITLE, "22.1", "–", "four transcriptions agree, and Appendix A")
 
@@ -30,7 +31,7 @@ ENVIRONMENT = Table("fuse πE", SOURCE, """
 """)  # fmt: skip
 
 
-@hazard_model(source=SOURCE, inputs={"environment": Choice(ENVIRONMENT, "environment of Table 3-2")})
+@hazard_model(source=SOURCE, inputs={"environment": environment_choice(ENVIRONMENT)})
 def hazard_rate(environment: str) -> Factor:
     """λp = λb · πE"""
     return (

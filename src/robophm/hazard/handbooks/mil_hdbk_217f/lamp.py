@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table, above, below
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
@@ -44,7 +45,7 @@ UTILISATION = 0.10, 0.72, 1.0  # lit below a tenth of the time, to nine tenths, 
         "rated_voltage": Range(0.1, 1e3, "V", "rated voltage", monotone=1),
         "utilisation": Range(0.0, 1.0, "", "share of the operating time in which it is lit", monotone=1),
         "supply": Choice(SUPPLY, "alternating or direct current"),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(rated_voltage: Array, utilisation: Array, supply: str, environment: str) -> Factor:

@@ -6,6 +6,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table, above
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -48,7 +49,7 @@ LARGEST_RATIO = 0.95
         "required_optical_power": Range(1e-9, 1e3, "W", "optical power that is needed", monotone=1),
         "rated_optical_power": Range(1e-9, 1e3, "W", "rated optical power", monotone=-1),
         "quality": Choice(QUALITY, "package"),
-        "environment": Choice(OPTICAL_ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(OPTICAL_ENVIRONMENT),
     },
 )
 def hazard_rate(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -49,7 +50,7 @@ ALIASES = {
         "kind": Choice(KIND, "kind of device", aliases=ALIASES),
         **junction_inputs(),
         "quality": quality(),
-        "environment": Choice(OPTICAL_ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(OPTICAL_ENVIRONMENT),
     },
 )
 def hazard_rate(

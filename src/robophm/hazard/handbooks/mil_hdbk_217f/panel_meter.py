@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.model import Choice, Factor, hazard_model
 
@@ -46,7 +47,7 @@ ENVIRONMENT = Table("panel meter πE", SOURCE, """
         "application": Choice(APPLICATION, "direct or alternating current"),
         "function": Choice(FUNCTION, "what it measures"),
         "quality": Choice(QUALITY, "quality level", default="lower", aliases={"commercial": "lower"}),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2; none for ML, CL"),
+        "environment": environment_choice(ENVIRONMENT, but="none for ML, CL"),
     },
 )
 def hazard_rate(application: str, function: str, quality: str, environment: str) -> Factor:

@@ -9,6 +9,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
@@ -56,7 +57,7 @@ ENVIRONMENT = Table("plated through holes πE", SOURCE, """
         "quality": Choice(
             QUALITY, "quality level", default="lower", aliases={"ipc level 3": "MIL-SPEC", "commercial": "lower"}
         ),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table, above
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, per_million_hours
 from robophm.hazard.handbooks.mil_hdbk_217f._contacts import LOAD, load_factor
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
@@ -119,7 +120,7 @@ RATED_TEMPERATURE = {"85 degC": (85.0, 0.19), "125 degC": (125.0, 0.17)}  # °C,
         "contact_form": Choice(CONTACT_FORM, "form of the contacts"),
         "cycling": Range(0.0, 1e5, "cycle/h", "how often it switches", monotone=1),
         "quality": Choice(QUALITY, "quality level", default="commercial"),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2; none for CL"),
+        "environment": environment_choice(ENVIRONMENT, but="none for CL"),
     },
 )
 def hazard_rate(

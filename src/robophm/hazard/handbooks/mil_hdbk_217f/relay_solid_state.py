@@ -7,6 +7,7 @@ Solid-state, solid-state time-delay and hybrid relays alike. The load does not c
 from __future__ import annotations
 
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.model import Choice, Factor, hazard_model
 
@@ -39,7 +40,7 @@ ENVIRONMENT = Table("solid-state relay πE", SOURCE, """
     source=SOURCE,
     inputs={
         "quality": Choice(QUALITY, "quality level", default="commercial", aliases={"lower": "commercial"}),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(quality: str, environment: str) -> Factor:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table, above
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import STEEPEST, closing, stress_ratio
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
@@ -114,7 +115,7 @@ ALIASES = {
         "power": Range(1e-9, 1e4, "W", "power dissipated", monotone=1),
         "rated_power": Range(1e-6, 1e4, "W", "rated power", monotone=-1),
         "quality": Choice(QUALITY, "quality level", default="commercial"),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(

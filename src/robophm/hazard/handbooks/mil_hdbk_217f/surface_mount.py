@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, steps
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import EFFECTIVE_FAILURES
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
@@ -122,7 +123,7 @@ def _swing(given: Mapping[str, Any]) -> tuple[float, str]:
         ),
         "application": Choice(CYCLING, "what the equipment is for, which says how often it is switched"),
         "design_life": Range(1.0, 1e6, "h", "design life of the equipment", monotone=1),
-        "environment": Choice(TEMPERATURE_SWING, "environment of Table 3-2; none for MF, ML, CL"),
+        "environment": environment_choice(TEMPERATURE_SWING, but="none for MF, ML, CL"),
     },
 )  # fmt: skip
 def hazard_rate(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.handbooks.mil_hdbk_217f._contacts import LOAD, load_factor
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
@@ -78,7 +79,7 @@ WITH_CONTACT_FACTOR = ("toggle", "pushbutton")
         "load_current": Range(0.0, 1e3, "A", "current of the load", monotone=1, stress="current"),
         "rated_current": Range(1e-3, 1e3, "A", "rated resistive current", monotone=-1),
         "quality": Choice(QUALITY, "quality level", default="lower", aliases={"commercial": "lower"}),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(

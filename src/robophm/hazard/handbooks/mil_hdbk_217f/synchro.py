@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table, above, band
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import surroundings
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
@@ -49,7 +50,7 @@ HOTTEST = 135.0  # °C of the frame
         ),
         "size": Range(1.0, 50.0, "", "frame size", monotone=-1),
         "brushes": Range(0.0, 4.0, "", "number of brushes", whole=True, monotone=1),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, above
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing, stress_ratio
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -17,7 +18,7 @@ from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
     quality,
     temperature_factor,
 )
-from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, more_than
+from robophm.hazard.model import Array, Factor, Range, hazard_model, more_than
 
 
 @hazard_model(
@@ -28,7 +29,7 @@ from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model, mor
         "voltage": Range(0.0, 1e5, "V", "blocking voltage, applied", monotone=1),
         "rated_voltage": Range(1e-3, 1e5, "V", "rated blocking voltage", monotone=-1),
         "quality": quality(),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(

@@ -9,6 +9,7 @@ import numpy as np
 
 from robophm.core.errors import ModelError
 from robophm.core.table import Source, Table, above, band
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing, stress_ratio
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -56,7 +57,7 @@ LARGEST_POWER = (1.0, 2.0, 3.0, 4.0, np.inf), (600.0, 300.0, 200.0, 100.0, 50.0)
         "duty": Range(0.0, 1.0, "", "share of time in pulses; pulsed needs it", required=False, monotone=1),
         "matching": Choice(MATCHING, "internal matching network"),
         "quality": rf_quality(),
-        "environment": Choice(RF_ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(RF_ENVIRONMENT),
     },
 )
 def hazard_rate(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table, above
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import STEEPEST, closing, stress_ratio
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -33,7 +34,7 @@ APPLICATION = Table("bipolar transistor application πA", SOURCE, """
         "voltage": Range(0.0, 1e5, "V", "collector to emitter VCE, applied", monotone=1),
         "rated_voltage": Range(1e-3, 1e5, "V", "rated VCEO, base open", monotone=-1),
         "quality": quality(),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from robophm.core.table import Source
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -16,7 +17,7 @@ from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
     temperature_factor,
 )
 from robophm.hazard.handbooks.mil_hdbk_217f.transistor_bipolar_low_frequency import power_rating, voltage_stress
-from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
+from robophm.hazard.model import Array, Factor, Range, hazard_model
 
 
 @hazard_model(
@@ -29,7 +30,7 @@ from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
         "voltage": Range(0.0, 1e4, "V", "collector to emitter VCE, applied", monotone=1),
         "rated_voltage": Range(1e-3, 1e4, "V", "rated VCEO, base open", monotone=-1),
         "quality": rf_quality(),
-        "environment": Choice(RF_ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(RF_ENVIRONMENT),
     },
 )
 def hazard_rate(

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from robophm.core.table import Source, Table
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -36,7 +37,7 @@ KIND = Table("high-frequency silicon field-effect transistor type λb", SOURCE, 
         "kind": Choice(KIND, "MOSFET or junction FET"),
         **junction_inputs(),
         "quality": rf_quality(),
-        "environment": Choice(RF_ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(RF_ENVIRONMENT),
     },
 )
 def hazard_rate(

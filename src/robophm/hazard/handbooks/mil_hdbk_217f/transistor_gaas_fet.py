@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from robophm.core.table import Source, Table, below
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, span
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -68,7 +69,7 @@ ENVIRONMENT = Table("GaAs transistor environment πE", SOURCE, """
         ),
         "matching": Choice(MATCHING, "internal matching network"),
         "quality": rf_quality(),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from robophm.core.table import Source
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE
 from robophm.hazard.handbooks.mil_hdbk_217f._factors import closing
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
@@ -12,7 +13,7 @@ from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import (
     quality,
     temperature_factor,
 )
-from robophm.hazard.model import Array, Choice, Factor, hazard_model
+from robophm.hazard.model import Array, Factor, hazard_model
 
 
 @hazard_model(
@@ -20,7 +21,7 @@ from robophm.hazard.model import Array, Choice, Factor, hazard_model
     inputs={
         **junction_inputs(),
         "quality": quality(),
-        "environment": Choice(ENVIRONMENT, "environment of Table 3-2"),
+        "environment": environment_choice(ENVIRONMENT),
     },
 )
 def hazard_rate(

@@ -2,7 +2,8 @@
 
 λp = (C1 · πT + C2 · πE) · πQ · πL   failures/10⁶ h, but for §5.3 and §5.5
 
-That the tables end at 224 pins and a junction of 175 °C, and screening at 200 points, is from memory.
+That a junction ends at 175 °C and screening at 200 points is from memory. The printed rows of C2 end at 224 pins; its
+equation, which is printed too, goes on, as ANSI/VITA 51.1 has it.
 """
 
 from __future__ import annotations
@@ -13,11 +14,19 @@ from typing import Any
 import numpy as np
 
 from robophm.core.errors import ModelError
-from robophm.core.table import Source, Table, above, below
+from robophm.core.table import Source, Table, above, band, below
+from robophm.hazard.environments import environment_choice
 from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, span
 from robophm.hazard.model import Array, Choice, Factor, Input, Range, more_than
 
-LIMITS = "limits of 224 pins, 175 °C and 200 screening points from memory"
+VITA = Source(
+    "ANSI/VITA 51.1-2013 (R2018)",
+    "2.1.2",
+    "–",
+    "single source: a public program's account of Table 2.1.2-1; the standard's own text was not to be had",
+)
+EXTENDED = "C1 beyond the handbook's bands is of ANSI/VITA 51.1, Table 2.1.2-1, by a single source"
+LIMITS = "limits of 175 °C and 200 screening points from memory; C2 beyond 224 pins by the printed equation"
 STATUS = f"C1, C2, πE, πQ: two transcriptions agree; {LIMITS}"
 SOURCE = Source(TITLE, "5.8 … 5.11", "–", f"{STATUS}; families F and FTTL are printed both")
 
@@ -110,7 +119,7 @@ PACKAGES = Choice(
         "lccc": "SMT-hermetic", "to-5": "can",
     },
 )  # fmt: skip
-PINS = Range(1, 224, "", "functional pins", whole=True, monotone=1)
+PINS = Range(1, 3000, "", "functional pins", whole=True, monotone=1)
 POWER = Range(0.0, 1e3, "W", "power dissipated; 0 W where the case temperature is the junction's", monotone=1)
 
 
@@ -146,7 +155,7 @@ RESISTANCE = Range(
 YEARS = Range(0.0, 100.0, "year", "years for which the generic part has been in production")
 QUALITIES = Choice(QUALITY, "quality level", default="commercial", aliases={"lower": "commercial"})
 SCREENING = Range(1.0, 200.0, "", "points of the screening; quality 'custom' needs it", required=False)
-ENVIRONMENTS = Choice(ENVIRONMENT, "environment of Table 3-2")
+ENVIRONMENTS = environment_choice(ENVIRONMENT)
 COMMON: dict[str, Input] = {
     "package": PACKAGES,
     "die": Choice(("small", "large"), "die up to or above 14,400 mil² (9.3 mm²)", default="small"),
@@ -160,6 +169,13 @@ COMMON: dict[str, Input] = {
     "environment": ENVIRONMENTS,
 }
 """The inputs of the sections that know a package; an unstated case temperature is the environment's."""
+
+
+def die_factor(printed: Table, extended: Table, value: Array, column: str, note: str) -> Factor:
+    """C1 by how complex a die is, in the handbook's bands and beyond them in those of ANSI/VITA 51.1."""
+    bands = {float(limit): table.cell(limit, column) for table in (printed, extended) for limit in table}
+    limits = tuple(bands)
+    return Factor("C1", band(value, (*limits[:-1], np.inf), tuple(bands.values())), note)
 
 
 def junction_temperature(

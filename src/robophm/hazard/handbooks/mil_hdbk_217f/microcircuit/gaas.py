@@ -21,7 +21,13 @@ from robophm.hazard.handbooks.mil_hdbk_217f.microcircuit import (
 )
 from robophm.hazard.model import Array, Choice, Factor, Range, hazard_model
 
-SOURCE = Source(TITLE, "5.4", "–", f"{STATUS}; MMIC checked against a worked example")
+SOURCE = Source(
+    TITLE,
+    "5.4",
+    "–",
+    f"{STATUS}; MMIC checked against a worked example; Appendix A contradicts it: its generic rates are higher, up to "
+    "several times, and rise less with temperature than 1.4 or 1.5 eV make them",
+)
 
 MMIC = Table("GaAs MMIC C1 by elements, up to", SOURCE, """
     100   4.5

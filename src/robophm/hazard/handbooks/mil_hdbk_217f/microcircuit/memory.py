@@ -1,6 +1,7 @@
 """MIL-HDBK-217F(2) §5.2, memories:  λp = (C1 · πT + C2 · πE + λcyc) · πQ · πL   failures/10⁶ h
 
-Up to 1 Mbit; λcyc = (A1 · B1 + A2 · B2 / πQ) · πECC is the programming of EEPROMs, and 0 for all others.
+Up to 1 Mbit; 256 Mbit by ANSI/VITA 51.1, which takes flash memories for Flotox EEPROMs.
+λcyc = (A1 · B1 + A2 · B2 / πQ) · πECC is the programming of EEPROMs, and 0 for all others.
 A1 and A2 are taken from the printed bands, as the handbook's worked example does, not from the equation beside them.
 That they grow with the life of the system is from one transcription; one would expect the inverse.
 """
@@ -17,9 +18,11 @@ from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, handbook_arrhenius, pe
 from robophm.hazard.handbooks.mil_hdbk_217f.microcircuit import (
     CASE,
     COMMON,
+    EXTENDED,
     POWER,
     RESISTANCE,
     STATUS,
+    VITA,
     environment_factor,
     junction_temperature,
     learning_factor,
@@ -33,9 +36,9 @@ SOURCE = Source(
     TITLE,
     "5.2",
     "5-20 f. (example)",
-    f"{STATUS}; Flotox checked against a worked example; that an EEPROM of unknown kind is Flotox is from memory; that "
-    "λcyc grows with the life of the system, by 10,000 h, is from a single transcription, and the inverse would be "
-    "expected of physics",
+    f"{STATUS}; {EXTENDED}; Flotox checked against a worked example; that an EEPROM of unknown kind is Flotox is from "
+    "memory; that λcyc grows with the life of the system, by 10,000 h, is from a single transcription, and the inverse "
+    "would be expected of physics",
 )
 
 STYLE = Table("memory C1 by bits, up to", SOURCE, """
@@ -51,6 +54,22 @@ STYLE = Table("memory C1 by bits, up to", SOURCE, """
     bipolar-PROM         0.0094   0.019    0.038    0.075
     bipolar-SRAM         0.0052   0.011    0.021    0.042
 """, columns=("16384", "65536", "262144", "1048576"))  # fmt: skip
+
+MORE = Table("memory C1 by bits, up to, extended", VITA, """
+    MOS-ROM              0.0104   0.0208   0.0416   0.0832
+    MOS-PROM             0.0136   0.0272   0.0544   0.1088
+    MOS-UVPROM           0.0136   0.0272   0.0544   0.1088
+    MOS-EEPROM-flotox    0.0136   0.0272   0.0544   0.1088
+    MOS-EEPROM-textured  0.0136   0.0272   0.0544   0.1088
+    MOS-EAPROM           0.0136   0.0272   0.0544   0.1088
+    MOS-DRAM             0.020    0.040    0.080    0.160
+    MOS-SRAM             0.124    0.248    0.496    0.992
+    bipolar-ROM          0.150    0.300    0.600    1.20
+    bipolar-PROM         0.150    0.300    0.600    1.20
+    bipolar-SRAM         0.084    0.168    0.336    0.672
+""", columns=("4194304", "16777216", "67108864", "268435456"))  # fmt: skip
+
+_BANDS = tuple(float(bits) for bits in (*STYLE.columns, *MORE.columns))
 
 CYCLING = Table("EEPROM A1, A2 by programming cycles over its life, up to", SOURCE, """
     0       0        0       0
@@ -94,9 +113,11 @@ SYSTEM_LIFE = 10_000.0  # h, of the printed A1 and A2
                 "dram": "MOS-DRAM",
                 "sdram": "MOS-DRAM",
                 "sram": "MOS-SRAM",
+                "flash": "MOS-EEPROM-flotox",
+                "nvsram": "MOS-SRAM",
             },
         ),
-        "bits": Range(1, 1048576, "bit", "size", whole=True, monotone=1),
+        "bits": Range(1, 268435456, "bit", "size", whole=True, monotone=1),
         **COMMON,
         # textured-poly cells wear less when warm
         "case_temperature": replace(CASE, monotone=0),
@@ -143,7 +164,7 @@ def hazard_rate(
     junction = junction_temperature(package, die, power, environment, case_temperature, thermal_resistance)
     quality_of_part = quality_factor(quality, screening_points)
     rate = (
-        Factor("C1", band(bits, (16384, 65536, 262144, np.inf), STYLE.rows[style]), f"{style} by bits")
+        Factor("C1", band(bits, (*_BANDS[:-1], np.inf), (*STYLE.rows[style], *MORE.rows[style])), f"{style} by bits")
         * temperature_factor(junction, ACTIVATION_ENERGY)
     ) + package_factor(package, pins) * environment_factor(environment)
     if "EEPROM" in style:

@@ -1,17 +1,20 @@
 """MIL-HDBK-217F(2) §5.1, microprocessors, microcontrollers:  λp = (C1 · πT + C2 · πE) · πQ · πL   failures/10⁶ h
 
-Up to 32 bits. A microcontroller counts by its word: an STM32F407 is CMOS of 32 bits.
+Up to 32 bits; 64 and 128 by ANSI/VITA 51.1. A microcontroller counts by its word: an STM32F407 is CMOS of 32 bits.
 """
 
 from __future__ import annotations
 
 from robophm.core.table import Source, Table
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours, steps
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.handbooks.mil_hdbk_217f.microcircuit import (
     COMMON,
+    EXTENDED,
     FAMILIES,
     FAMILY,
     STATUS,
+    VITA,
+    die_factor,
     environment_factor,
     junction_temperature,
     learning_factor,
@@ -21,7 +24,7 @@ from robophm.hazard.handbooks.mil_hdbk_217f.microcircuit import (
 )
 from robophm.hazard.model import Array, Factor, Range, hazard_model
 
-SOURCE = Source(TITLE, "5.1", "–", f"{STATUS}; C1 three; checked against Appendix A")
+SOURCE = Source(TITLE, "5.1", "–", f"{STATUS}; C1 three; {EXTENDED}; checked against Appendix A")
 
 DIE = Table("microprocessor C1 by bits, up to", SOURCE, """
     8   0.060  0.14
@@ -29,10 +32,15 @@ DIE = Table("microprocessor C1 by bits, up to", SOURCE, """
     32  0.24   0.56
 """, columns=("bipolar", "MOS"))  # fmt: skip
 
+MORE = Table("microprocessor C1 by bits, up to, extended", VITA, """
+    64   0.48  1.12
+    128  0.96  2.24
+""", columns=("bipolar", "MOS"))  # fmt: skip
+
 
 @hazard_model(
     source=SOURCE,
-    inputs={"family": FAMILIES, "bits": Range(1, 32, "bit", "width of a word", whole=True, monotone=1), **COMMON},
+    inputs={"family": FAMILIES, "bits": Range(1, 128, "bit", "width of a word", whole=True, monotone=1), **COMMON},
 )
 def hazard_rate(
     family: str,
@@ -53,7 +61,7 @@ def hazard_rate(
     junction = junction_temperature(package, die, power, environment, case_temperature, thermal_resistance)
     return (
         (
-            Factor("C1", steps(DIE, bits, column), f"{column} by bits of a word")
+            die_factor(DIE, MORE, bits, column, f"{column} by bits of a word")
             * temperature_factor(junction, FAMILY[family])
             + package_factor(package, pins) * environment_factor(environment)
         )

@@ -1,19 +1,20 @@
 """MIL-HDBK-217F(2) §5.1, programmable logic arrays (PLA, PAL):  λp = (C1 · πT + C2 · πE) · πQ · πL   failures/10⁶ h
 
-Up to 5,000 gates bipolar, 20,000 MOS.
+Up to 5,000 gates bipolar, 20,000 MOS; 60,000 of both by ANSI/VITA 51.1, which ends there: most FPGAs have more.
 """
 
 from __future__ import annotations
 
-import numpy as np
-
-from robophm.core.table import Source, Table, above
-from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours, steps
+from robophm.core.table import Source, Table
+from robophm.hazard.handbooks.mil_hdbk_217f import TITLE, per_million_hours
 from robophm.hazard.handbooks.mil_hdbk_217f.microcircuit import (
     COMMON,
+    EXTENDED,
     FAMILIES,
     FAMILY,
     STATUS,
+    VITA,
+    die_factor,
     environment_factor,
     junction_temperature,
     learning_factor,
@@ -23,7 +24,7 @@ from robophm.hazard.handbooks.mil_hdbk_217f.microcircuit import (
 )
 from robophm.hazard.model import Array, Factor, Range, hazard_model
 
-SOURCE = Source(TITLE, "5.1", "–", f"{STATUS}; C1 three; checked against Appendix A")
+SOURCE = Source(TITLE, "5.1", "–", f"{STATUS}; C1 three; {EXTENDED}; checked against Appendix A")
 
 BIPOLAR = Table("bipolar PLA C1 by gates, up to", SOURCE, """
     200   0.010
@@ -38,12 +39,23 @@ MOS = Table("MOS PLA C1 by gates, up to", SOURCE, """
     20000  0.0068
 """)  # fmt: skip
 
+MORE_BIPOLAR = Table("bipolar PLA C1 by gates, up to, extended", VITA, """
+    10000  0.084
+    30000  0.168
+    60000  0.336
+""")  # fmt: skip
+
+MORE_MOS = Table("MOS PLA C1 by gates, up to, extended", VITA, """
+    30000  0.0136
+    60000  0.0272
+""")  # fmt: skip
+
 
 @hazard_model(
     source=SOURCE,
     inputs={
         "family": FAMILIES,
-        "gates": Range(1, 20000, "", "gates, at most 5000 bipolar", whole=True, monotone=1),
+        "gates": Range(1, 60000, "", "gates", whole=True, monotone=1),
         **COMMON,
     },
 )
@@ -62,20 +74,11 @@ def hazard_rate(
     screening_points: Array | None = None,
 ) -> Factor:
     """λp = (C1 · πT + C2 · πE) · πQ · πL"""
-    name, table, limit = ("MOS", MOS, 20000) if FAMILY.cell(family, "MOS") else ("bipolar", BIPOLAR, 5000)
+    name, tables = ("MOS", (MOS, MORE_MOS)) if FAMILY.cell(family, "MOS") else ("bipolar", (BIPOLAR, MORE_BIPOLAR))
     junction = junction_temperature(package, die, power, environment, case_temperature, thermal_resistance)
     return (
         (
-            Factor(
-                "C1",
-                steps(table, gates),
-                f"{name} array by gates, at most {limit}",
-                outside=above(gates, limit),
-                beyond=lambda: (
-                    f"{float(np.max(gates)):.6g} gates are more than the handbook's {limit} of {name} arrays"
-                ),
-            )
-            * temperature_factor(junction, FAMILY[family])
+            die_factor(*tables, gates, "value", f"{name} array by gates") * temperature_factor(junction, FAMILY[family])
             + package_factor(package, pins) * environment_factor(environment)
         )
         * quality_factor(quality, screening_points)
