@@ -117,8 +117,8 @@ def _print(robot: Robot, learned: Sequence[LearnedRate], unrated: Sequence[Unsta
         if one.fleet.spread and found.failures >= FEWEST_TO_DIFFER:
             mean = [number_text(one.stated * end, 3) for end in one.fleet.mean[1:]]
             out.print(
-                f"{one.mode.path}: {spread_text(one.fleet.spread)}; their mean is {mean[0]} … {mean[1]} /{unit} with 90 %"
-                + ("" if one.of else "; --robot says of one"),
+                f"{one.mode.path}: {spread_text(one.fleet.spread)}; "
+                f"their mean is {mean[0]} … {mean[1]} /{unit} with 90 %" + ("" if one.of else "; --robot says of one"),
                 markup=False, soft_wrap=True,
             )  # fmt: skip
     for other in unrated:

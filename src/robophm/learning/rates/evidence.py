@@ -18,7 +18,7 @@ SHOWN = 0.1
 
 def spread_text(spread: tuple[float, float, float]) -> str:
     """By how much robots differ, from its quantiles."""
-    low, usual, high = (f"{100 * part:.2g}" for part in spread)
+    low, usual, high = (f"{100 * part:.0f}" for part in spread)
     if spread[0] < SHOWN:
         return f"whether robots differ is not told: by {low} … {high} %"
     return f"robots differ by {usual} % ({low} … {high} %)"
