@@ -59,7 +59,7 @@ class Promise(Protocol):
         """Between ± which logarithms of the ratio of rates are."""
 
     def to_each(self, log_times: Array) -> Array:
-        """To each robot, by rates exp(log_times) times the stated one; shapes (robots or 1, points) → (robots, points)."""
+        """To each robot, by rates exp(log_times) times the stated one; shape (robots, points) or (1, points)."""
 
     def to_some(self, robots: Indices, log_times: Array) -> Array:
         """To some robots, each by its own ratio; shapes (robots,)."""
