@@ -1,7 +1,8 @@
 """``python -m benchmarks.honesty``: are predictions honest about robots that really fail? Exits with 1 where not.
 
 A fleet is simulated from a fresh seed by a room that shares nothing with the engine but files; every task and every
-remaining life is predicted, by us and by models that are known to be wrong, and scored against what happened.
+remaining life is predicted, by us and by models that are known to be wrong, and scored against what happened. So are
+the rates that are learned of fleets (``learned_rates.py``, by a fixed seed).
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from benchmarks import learned_rates
 from robophm.calibration.fleet import CONTROLS, OURS, predict_fleet
 from robophm.calibration.score import Calibration, score
 from robophm.calibration.tasks import likelihood_ratio_p_value
@@ -115,6 +117,10 @@ def main() -> int:
     told = ", ".join(f"{name} p = {p_value:.2g}" for name, p_value in controls.items())
     out.print(f"\nby the ratio of likelihoods to ours: {told}", highlight=False)
     wrong = faults(calibration, controls)
+    with stage("rates learned"):
+        rates = learned_rates.scored()
+    out.print("\n".join(["", *learned_rates.text(*rates)]), highlight=False)
+    wrong += learned_rates.faults(*rates)
     out.print("\n".join(["", *wrong]) if wrong else "\nhonest", style="bold red" if wrong else "green", markup=False)
     return 1 if wrong else 0
 

@@ -66,6 +66,10 @@ def test_stress_and_repairs(inside, tmp_path):
     assert said["estimates"]["unbiased"]["beta"]["value"] == said["beta"]["value"] == pytest.approx(0.483506, rel=1e-5)
     (tmp_path / "two.csv").write_text("item,time [h],censored\na,5,\na,40,\na,90,yes\nb,20,\nb,30,\nb,60,yes\n")
     assert "of these there is no unbiased estimate" in inside("fit", "two.csv", "--repairable").stdout
+    (tmp_path / "ended.csv").write_text("item,time [h]\n" + "".join(f"a,{t}\n" for t in times))
+    ended = inside("fit", "ended.csv", "--repairable").stdout
+    assert "Taken as watched until the last failure" in ended
+    assert json.loads(inside("fit", "ended.csv", "--repairable", "--json").stdout)["ended_with_failure"] is True
 
 
 @pytest.mark.parametrize(
@@ -73,6 +77,8 @@ def test_stress_and_repairs(inside, tmp_path):
     [
         (("lives.csv", "--seed", 1), "--seed"),
         (("lives.csv", "--use", "temperature=40 degC", "--by", "ranks", "--refits", 5), "--by, --refits"),
+        (("lives.csv", "--some-never-fail", "--by", "ranks", "--report", "x.html"), "--by, --report"),
+        (("modes.csv", "--by", "ranks", "--refits", 5), "--by, --refits"),
         (("hot.csv", "--by", "likelihood"), "--by"),  # as stated as its default, but not used
         (("lives.csv", "--repairable", "--by", "ranks", "--distribution", "normal", "--refits", 5, "--seed", 2,
           "--use", "temperature=40 degC", "--law", "temperature=q10", "--report", "x.html", "--to", "robot.yaml",
@@ -82,10 +88,53 @@ def test_stress_and_repairs(inside, tmp_path):
 )  # fmt: skip
 def test_an_option_that_is_not_used_is_refused(inside, lives, tmp_path, words, unused):
     (tmp_path / "hot.csv").write_text("time [h],temperature [degC]\n5,80\n6,90\n")
+    (tmp_path / "modes.csv").write_text("time [h],mode\n5,a\n6,a\n7,b\n")
     refused = inside("fit", *words)
     assert (refused.returncode, refused.stdout) == (2, "")
     assert f"Error: {unused}: not used for " in refused.stderr
     assert not (tmp_path / "x.html").exists()
+
+
+def test_failure_modes_in_every_face(inside, lives, tmp_path):
+    (tmp_path / "modes.csv").write_text(
+        "time [h],mode,censored\n10,wear,\n20,wear,\n33,surge,\n35,surge,\n28,wear,\n40,,yes\n"
+    )
+    (tmp_path / "arm.yaml").write_text(
+        "schema_version: 1\nname: R\ncomponents:\n  arm:\n    failure_modes:\n"
+        "      wear: {rate: 5 FPMH}  # guess\n      surge: {rate: 1 FPMH}\n"
+    )
+    done = inside("fit", "modes.csv", "--report", "modes.html", "--to", "arm.yaml", "--part", "arm")
+    assert done.returncode == 0
+    assert re.search(r"wear +3 .*\nsurge +2 ", done.stdout) or re.search(r"surge +2 .*\n.*wear +3 ", done.stdout)
+    assert "all together" in done.stdout
+    assert "the failure modes of arm have these lives now" in done.stdout
+    assert "# guess" in (tmp_path / "arm.yaml").read_text()
+    page = (tmp_path / "modes.html").read_text()
+    assert "all together" in page
+    assert page.count("<circle") == 5
+    said = json.loads(inside("fit", "modes.csv", "--json").stdout)
+    assert sum(one["first_in"] for one in said["modes"].values()) == pytest.approx(1, abs=1e-3)
+    assert said["mean"] < min(one["mean"] for one in said["modes"].values())
+
+
+def test_no_figure_from_far_outside_the_data(inside, tmp_path):
+    (tmp_path / "few.csv").write_text("time [h],censored,count\n0.1,,3\n3,,1\n20,,1\n90,,1\n1000,yes,5000\n")
+    done = inside("fit", "few.csv", "--distribution", "weibull", "--report", "few.html")
+    assert "beyond 100,000" in done.stdout
+    assert "of which these data tell nothing; --some-never-fail" in done.stdout.replace("\n", " ")
+    assert "Not for a design" in done.stdout
+    table = (tmp_path / "few.html").read_text()
+    for text in (done.stdout.partition("probability plot")[0], table.partition("<svg")[0]):
+        assert not re.search(r"\de\d\d", text)  # no 1.2e34
+    said = json.loads(inside("fit", "few.csv", "--distribution", "weibull", "--json").stdout)["fits"][0]
+    assert said["mean"] is None
+    assert said["known_until"] == 100_000
+    assert said["quantiles"]["0.5"]["value"] is None
+    some = inside("fit", "few.csv", "--some-never-fail")
+    assert re.search(r"share that ever fails \[%\] +0.1", some.stdout)
+    assert "never so many" in some.stdout
+    share = json.loads(inside("fit", "few.csv", "--some-never-fail", "--json").stdout)
+    assert share["share_that_fails"]["low"] < 0.0012 < share["share_that_fails"]["high"]
 
 
 def test_mistakes_are_one_line(inside, lives, tmp_path):
@@ -93,8 +142,8 @@ def test_mistakes_are_one_line(inside, lives, tmp_path):
     for name, times in (("word", "five\n6\n7\n"), ("wide", "1e-300\n2\n1e300\n")):
         (tmp_path / f"{name}.csv").write_text(f"time [h]\n{times}")
     (tmp_path / "typo.csv").write_text("time [h],temprature\n5,80\n6,90\n")
-    (tmp_path / "event.csv").write_text("time [h],event\n5,failure\n6,censored\n")
-    (tmp_path / "since.csv").write_text("time [h],since\n5,1\n6,2\n")
+    (tmp_path / "event.csv").write_text("time [h],event\n5,failure\n6,gone\n")
+    (tmp_path / "since.csv").write_text("time [h],since [h]\n5,1\n6,9\n")
     (tmp_path / "hot.csv").write_text("item,time [h],temperature [degC],censored\na,5,80,\na,6,90,yes\n")
     (tmp_path / "counts.csv").write_text("item,time [h],count,censored\na,5,2,\na,6,1,yes\n")
     (tmp_path / "km.csv").write_text("time [km]\n5\n6\n7\n")
@@ -110,8 +159,9 @@ def test_mistakes_are_one_line(inside, lives, tmp_path):
         ((lives, "--use", "temperature=40 degC"), "states no stress"),
         (("grit.csv",), "at which grit will parts be used? expected --use 'grit=…'"),
         (("typo.csv",), "column 'temprature' is not known; did you mean 'temperature'?"),
-        (("event.csv",), "column 'event' is no stress; expected 'censored', with yes for what still worked"),
-        (("since.csv",), "column 'since' is no stress; expected lives watched from 0 on; `robophm learn` takes others"),
+        (("event.csv",), "event.csv:3: event: 'gone'; expected failed or worked or left"),
+        (("since.csv",), "since.csv:3: since: 9 is not before the part was last seen"),
+        (("since.csv", "--use", "since=3"), "since.csv:3: since: 9 is not before the part was last seen"),
         (("hot.csv", "--repairable"), "repaired systems are taken at one stress; it has temperature"),
         (("counts.csv", "--repairable"), "each failure of a repaired system is a row; expected no count but 1"),
         (("grit.csv", "--use", "grit"), "--use 'grit'; expected e.g. temperature="),

@@ -1,11 +1,13 @@
 """robophm learn and robophm service, run as a newcomer does."""
 
 import json
+import re
 
 import pytest
 
 from robophm.core.signal import SECOND
 from robophm.design.file import load
+from robophm.learning.rates.gamma_poisson import update
 from robophm.transports.synthetic import SyntheticOta
 
 ROBOT = """
@@ -35,10 +37,31 @@ def test_learned_and_written(inside, robot, tmp_path):
     said = json.loads(inside("learn", robot, "log.csv", "--json").stdout)["rates"]
     (motor,) = (one for one in said if one["mode"] == "motor")
     assert motor["expected"] == pytest.approx(13000 * 8e-6)
-    assert motor["learned_rate"] == pytest.approx(8e-6 * 2 / (1 + 0.104))
+    assert motor["learned_rate"] == pytest.approx(8e-6 * update(1, 0.104, 1.0).estimate)
     assert load(tmp_path / "new.yaml").modes[0].rate == pytest.approx(motor["learned_rate"], rel=1e-5)
     again = json.loads(inside("learn", "new.yaml", "log.csv", "--json").stdout)["rates"]
     assert again[0]["factor"] == pytest.approx(motor["factor"], rel=1e-5)
+
+
+def test_a_fleet_whose_robots_differ(inside, robot, tmp_path):
+    """The next robot, their mean, each robot: three rates with their intervals, in every face."""
+    rows = [f"motor,r{i},20000,{no}\n" for i in (0, 1, 2, 3, 5) for no in ("", "", "yes")]
+    rows += ["motor,r4,500,\n"] * 30
+    (tmp_path / "fleet.csv").write_text("part,robot,exposure [h],censored\n" + "".join(rows))
+    text = inside("learn", robot, "fleet.csv", "--to", "new.yaml").stdout
+    assert "90 % of the next robot" in text
+    assert re.search(r"motor: robots differ by \d+ % \(\d+ … \d+ %\); their mean is .* /h with 90 %", text)
+    assert re.search(r'note: ".*robots differ by', (tmp_path / "new.yaml").read_text())
+    (said,) = json.loads(inside("learn", robot, "fleet.csv", "--json").stdout)["rates"]
+    assert said["robots"]["r4"]["failures"] == 30
+    assert said["spread_of_robots"]["low"] > 0.1
+    assert (said["low"], said["high"]) == (said["next_robot"]["low"], said["next_robot"]["high"])
+    assert (
+        said["next_robot"]["low"] < said["fleet_mean"]["low"] < said["fleet_mean"]["high"] < said["next_robot"]["high"]
+    )
+    (own,) = json.loads(inside("learn", robot, "fleet.csv", "--robot", "r4", "--json").stdout)["rates"]
+    assert own["factor"] == said["robots"]["r4"]["factor"]
+    assert "90 % of r4" in inside("learn", robot, "fleet.csv", "--robot", "r4").stdout
 
 
 def test_nothing_is_lost_by_a_mistake(inside, robot, tmp_path):

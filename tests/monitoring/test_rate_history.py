@@ -59,14 +59,16 @@ def test_every_life_of_every_part(robot):
 
 
 def test_what_was_seen_in_one_robot_adds_up(robot):
-    """One log after the other is as one log of all: of a constant rate (a + n)/(a/λ + T)."""
+    """One log after the other is as one log of all."""
     motor = robot.modes[0]
     parts = [Seen(motor, "r1", 1.0, 0.3, 30.0), Seen(motor, "r2", 0.0, 0.1, 10.0), Seen(motor, "r1", 2.0, 0.6, 60.0)]
     one, other = merged(parts)
     assert (one.robot, one.failures, one.expected, one.exposure) == ("r1", 3.0, pytest.approx(0.9), 90.0)
     assert other.robot == "r2"
     (found,) = learn(robot, parts[::2], "2 failures")
-    assert found.rate == pytest.approx((2 + 3) / (2 / 0.01 + 90))
+    assert (found.failures, found.expected) == (3.0, pytest.approx(0.9))
+    (at_once,) = learn(robot, [Seen(motor, "r1", 3.0, 0.9, 90.0)], "2 failures")
+    assert found.rate == pytest.approx(at_once.rate)
     assert found.robots == ("r1",)
 
 

@@ -10,13 +10,20 @@ from typing import Annotated, Any, Literal
 import typer
 from rich.console import Console
 
+from robophm.cli.shared.fit_results import (
+    bounded_json,
+    fit_json,
+    limited_json,
+    modes_json,
+    show_limited,
+    show_modes,
+)
 from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, may_make, may_write, print_json, print_table, table, write
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
 from robophm.design import file
 from robophm.learning.life_data.distribution_fitting import (
-    Bounded,
     Fit,
     Goodness,
     How,
@@ -26,11 +33,13 @@ from robophm.learning.life_data.distribution_fitting import (
     fit_all,
     goodness,
 )
+from robophm.learning.life_data.failure_modes import edited_modes, fit_modes
 from robophm.learning.life_data.fit_in_design import edited_design, snippet
 from robophm.learning.life_data.life_stress import LifeStressFit, fit_life_stress
+from robophm.learning.life_data.limited_failures import fit_limited
 from robophm.learning.life_data.observed_lives import LifeData, read_life_data, written_quantity
 from robophm.learning.life_data.repairable_systems import PowerLaw, power_laws
-from robophm.report.fit_page import fit_page, life_stress_page, parameters_text, span_text
+from robophm.report.fit_page import figure_text, fit_page, life_stress_page, modes_page, parameters_text, span_text
 from robophm.report.probability_plot import probability_text
 from robophm.report.words import number_text
 
@@ -45,6 +54,7 @@ class Wishes:
     use: tuple[str, ...]
     laws: tuple[str, ...]
     repairable: bool
+    some_never: bool
     refits: int
     seed: int
     report: Path | None
@@ -70,6 +80,9 @@ def command(
         list[str] | None, typer.Option(metavar="STRESS=LAW", help="arrhenius, eyring, q10, inverse_power")
     ] = None,
     repairable: Annotated[bool, typer.Option("--repairable", help="items are repaired and go on: power law")] = False,
+    some_never: Annotated[
+        bool, typer.Option("--some-never-fail", help="fit the share of parts that ever fails too")
+    ] = False,
     level: Annotated[float, typer.Option(help="of intervals", min=0.01, max=0.999)] = 0.9,
     refits: Annotated[
         int, typer.Option(help="simulate so many fits to say how well the best fits", min=0, max=10_000)
@@ -82,8 +95,8 @@ def command(
 ) -> None:
     """Fit life data: distributions, lives at stress, repaired systems (needs robophm[fit])."""
     wishes = Wishes(
-        distribution, by, level, tuple(use or ()), tuple(law or ()), repairable, refits, seed, report, to, part,
-        as_json,
+        distribution, by, level, tuple(use or ()), tuple(law or ()), repairable, some_never, refits, seed, report,
+        to, part, as_json,
     )  # fmt: skip
     run(lives, wishes)
 
@@ -104,6 +117,10 @@ def run(path: Path, wishes: Wishes) -> None:
     elif data.stresses or wishes.use or wishes.laws:
         _only(wishes, stress=True)
         _stress(data, wishes)
+    elif wishes.some_never:
+        _limited(data, wishes)
+    elif data.modes:
+        _modes(data, wishes)
     else:
         _plain(data, wishes)
 
@@ -113,11 +130,40 @@ def _only(wishes: Wishes, *, stress: bool = False) -> None:
     drawn = ["seed"] * (wishes.refits > 0)
     if wishes.repairable:
         refuse_unused("repaired systems (--repairable), whose power law is no life of a part", ("repairable", "level"))
+    elif wishes.some_never:
+        refuse_unused("lives of which some never end (--some-never-fail)", ("some_never", "distribution", "level"))
     elif stress or wishes.use or wishes.laws:
         refuse_unused("lives at stress", ("distribution", "use", "law", "level", "report", "to", "part"))
     else:
         refuse_unused(f"lives{'' if drawn else ' that are not fitted again (--refits)'}",
              ("distribution", "by", "use", "law", "level", "refits", "report", "to", "part", *drawn))  # fmt: skip
+
+
+def _limited(data: LifeData, wishes: Wishes) -> None:
+    if data.modes:
+        raise RobophmError(f"{data.source}: has failure modes, each of which may never come; expected a table of one")
+    found = fit_limited(data, wishes.distribution or "weibull", level=wishes.level)
+    if wishes.as_json:
+        print_json(limited_json(found))
+    else:
+        show_limited(found)
+
+
+def _modes(data: LifeData, wishes: Wishes) -> None:
+    refuse_unused("failure modes (a column 'mode')", ("distribution", "level", "report", "to", "part"))
+    found = fit_modes(data, wishes.distribution, level=wishes.level)
+    design = edited_modes(found, wishes.to, wishes.part) if wishes.to and wishes.part else None
+    if wishes.as_json:
+        print_json(modes_json(found))
+    else:
+        show_modes(found)
+    if wishes.report:
+        write(wishes.report, modes_page(found))
+    if wishes.to and design is not None:
+        file.write(wishes.to, design)
+        if not wishes.as_json:
+            console().print(f"{wishes.to}: the failure modes of {wishes.part} have these lives now; as it was: "
+                            f"{wishes.to.name}.bak", markup=False, soft_wrap=True)  # fmt: skip
 
 
 def _plain(data: LifeData, wishes: Wishes) -> None:
@@ -132,7 +178,7 @@ def _plain(data: LifeData, wishes: Wishes) -> None:
     if wishes.as_json:
         print_json({
             "data": data.described(), "unit": data.unit, "level": wishes.level,
-            "fits": [_fit_json(one) for one in fits],
+            "fits": [fit_json(one) for one in fits],
             "refused": refused, "anderson_darling": tested and {"statistic": tested.statistic, "p": tested.p_value},
         })  # fmt: skip
     else:
@@ -197,13 +243,14 @@ def _show(
     unit = f" [{data.unit}]" if data.unit else ""
     columns = ["", f"parameters{unit}", "10 % by", "half by", "mean", "AICc", "R²"]
     rows = [
-        [one.name, parameters_text(one.parameters), number_text(one.quantiles[0.1].value),
-         number_text(one.quantiles[0.5].value), number_text(one.mean), number_text(one.aic_corrected, 5),
+        [one.name, parameters_text(one.parameters, one.life, one.known_until),
+         figure_text(one.quantiles[0.1].value, one.known_until), figure_text(one.quantiles[0.5].value, one.known_until),
+         figure_text(one.mean, one.known_until), number_text(one.aic_corrected, 5),
          number_text(one.straightness, 3)]
         for one in fits
     ]  # fmt: skip
     print_table(out, table(f"{data.source}: {data.described()}", columns, rows, figures=range(2, len(columns))))
-    best = fits[0]
+    best, limit = fits[0], fits[0].known_until
     out.print(
         f"In brackets: {100 * wishes.level:g} % intervals. AICc: less is better, two apart is little. R² of the "
         "probability plot", markup=False,
@@ -217,8 +264,9 @@ def _show(
         also = f"; {', '.join(close)} cannot be told from it" if close else ""
         out.print(f"Best: {best.name}{also}", style="bold", markup=False, soft_wrap=True)
     out.print(
-        f"{best.name}: 1 % fail by {span_text(best.quantiles[0.01])}, 10 % by {span_text(best.quantiles[0.1])}, half "
-        f"by {span_text(best.quantiles[0.5])}", markup=False, soft_wrap=True,
+        f"{best.name}: 1 % fail by {span_text(best.quantiles[0.01], limit)}, 10 % by "
+        f"{span_text(best.quantiles[0.1], limit)}, half by {span_text(best.quantiles[0.5], limit)}",
+        markup=False, soft_wrap=True,
     )  # fmt: skip
     if tested:
         fits_well = "it does not fit" if tested.doubtful else "no reason to doubt it"
@@ -244,8 +292,10 @@ def _show_stress(found: LifeStressFit) -> None:
     out, unit = console(), found.data.unit
     use = ", ".join(f"{name} {value:g}" for name, value in found.reference.items())
     rows = [[f"{stress}: {found.laws[stress]}", span_text(one)] for stress, one in found.coefficients.items()]
-    rows += [[f"{name} at {use}", span_text(one)] for name, one in found.parameters.items()]
-    rows += [[f"{100 * p:g} % fail by [{unit}]" if unit else f"{100 * p:g} % fail by", span_text(one)]
+    limit = found.known_until
+    rows += [[f"{name} at {use}", parameters_text({name: one}, found.life, limit).removeprefix(f"{name} ")]
+             for name, one in found.parameters.items()]  # fmt: skip
+    rows += [[f"{100 * p:g} % fail by [{unit}]" if unit else f"{100 * p:g} % fail by", span_text(one, limit)]
              for p, one in found.quantiles.items()]  # fmt: skip
     print_table(out, table(f"{found.data.source}: {found.data.described()}; {found.name} life", ["", "value"], rows))
     if found.levels:
@@ -272,7 +322,7 @@ def _show_power_law(by: Mapping[str, PowerLaw], data: LifeData, wishes: Wishes) 
     if wishes.as_json:
         print_json({
             "systems": found.systems, "failures": found.failures, "estimate": found.estimate, **_power_law(found),
-            "until": found.until, "trend_p": found.p_value, "unit": data.unit,
+            "until": found.until, "ended_with_failure": found.at_failure, "trend_p": found.p_value, "unit": data.unit,
             "estimates": {name: _power_law(one) for name, one in by.items()},
         })  # fmt: skip
         return
@@ -291,37 +341,28 @@ def _show_power_law(by: Mapping[str, PowerLaw], data: LifeData, wishes: Wishes) 
     out.print(f"In brackets: {100 * wishes.level:g} % intervals. Unbiased: Crow's, with n − 1 in the place of n; "
               "maximum likelihood: MIL-HDBK-189's, too high on average where failures are few",
               markup=False, soft_wrap=True)  # fmt: skip
+    if found.at_failure:
+        out.print("Taken as watched until the last failure, which ended it: n − 2 in the place of n − 1, and bounds of "
+                  "such a test. If it was watched on, a row with censored: yes says until when",
+                  style="yellow", markup=False, soft_wrap=True)  # fmt: skip
     if len(by) == 1:
         out.print("Systems were not watched equally long: of these there is no unbiased estimate", markup=False)
 
 
 def _power_law(found: PowerLaw) -> dict[str, Any]:
     return {
-        "beta": _bounded(found.shape), "lambda": found.scale, "mean_time_between_failures": _bounded(found.mean_time),
-    }  # fmt: skip
-
-
-def _bounded(one: Bounded) -> dict[str, float]:
-    return one._asdict()
-
-
-def _fit_json(one: Fit) -> dict[str, Any]:
-    return {
-        "distribution": one.name, "parameters": {name: _bounded(value) for name, value in one.parameters.items()},
-        "log_likelihood": one.log_likelihood, "aic": one.aic,
-        "aic_corrected": one.aic_corrected,
-        "mean": one.mean,
-        "quantiles": {str(p): _bounded(value) for p, value in one.quantiles.items()},
-        "r_squared": one.straightness, "notes": list(one.notes),
+        "beta": bounded_json(found.shape), "lambda": found.scale,
+        "mean_time_between_failures": bounded_json(found.mean_time),
     }  # fmt: skip
 
 
 def _stress_json(found: LifeStressFit) -> dict[str, Any]:
     return {
         "distribution": found.name, "laws": dict(found.laws), "use": dict(found.reference), "unit": found.data.unit,
-        "coefficients": {name: _bounded(one) for name, one in found.coefficients.items()},
-        "parameters": {name: _bounded(one) for name, one in found.parameters.items()},
-        "quantiles": {str(p): _bounded(one) for p, one in found.quantiles.items()},
+        "coefficients": {name: bounded_json(one) for name, one in found.coefficients.items()},
+        "parameters": {name: bounded_json(one) for name, one in found.parameters.items()},
+        "quantiles": {str(p): bounded_json(one, found.known_until) for p, one in found.quantiles.items()},
+        "known_until": found.known_until,
         "log_likelihood": found.log_likelihood, "aic": found.aic, "step_stress": found.steps,
         "levels": [
             {"stress": dict(stress), "parts": parts, "failures": failures, "acceleration": factor}

@@ -16,8 +16,9 @@ from robophm.core.errors import DataError
 from robophm.design.file import load, read, write
 from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Robot
 from robophm.health.unknown_rates import few
-from robophm.learning.rates.evidence import with_evidence
+from robophm.learning.rates.evidence import FEWEST_TO_DIFFER, spread_text, with_evidence
 from robophm.learning.rates.failure_log import Seen, read_failure_log
+from robophm.learning.rates.fleet import Ratio
 from robophm.learning.rates.rate_update import LearnedRate, UnstatedRate, learn, unstated
 from robophm.monitoring.rate_history import rate_history
 from robophm.report.words import number_text
@@ -82,7 +83,11 @@ def _paths(unrated: Sequence[UnstatedRate]) -> str:
 
 def _print(robot: Robot, learned: Sequence[LearnedRate], unrated: Sequence[UnstatedRate]) -> None:
     out = console()
-    columns = ["", "failures", "expected", "exposure", "stated rate", "learned rate", "90 %", "times"]
+    robots = {name for one in learned for name in one.robots}
+    whose = " of the next robot" if len(robots) > 1 else ""
+    if learned and learned[0].of:
+        whose = f" of {learned[0].of}"
+    columns = ["", "failures", "expected", "exposure", "stated rate", "learned rate", f"90 %{whose}", "times"]
     rows = []
     for one in learned:
         unit = CLOCK_UNITS[one.mode.clock]
@@ -96,26 +101,26 @@ def _print(robot: Robot, learned: Sequence[LearnedRate], unrated: Sequence[Unsta
     for other in unrated:
         exposure = f"{number_text(other.exposure)} {CLOCK_UNITS[other.mode.clock]}"
         rows.append([other.mode.path, number_text(other.failures), "–", exposure, UNKNOWN, "–", "–", "–"])
-    robots = {name for one in learned for name in one.robots}
     fleet = f", {len(robots)} robots" if len(robots) > 1 else ""
     print_table(
         out, table(f"What the field says of {robot.name}{fleet}", columns, rows, figures=range(1, len(columns)))
     )
     for one in learned:
-        found = one.posterior
+        found, unit = one.posterior, CLOCK_UNITS[one.mode.clock]
         if found.conflict:
             out.print(
                 f"* {one.mode.path}: {_failures(found.failures)} the stated rate, by which "
-                f"{number_text(found.expected, 3)} were expected (p = {number_text(found.surprise, 2)}); its weight "
-                f"of {number_text(found.prior, 3)} failures was cut to {number_text(100 * found.weight, 2)} % of that",
-                style="yellow", markup=False,
+                f"{number_text(found.expected, 3)} were expected (p = {number_text(found.surprise, 2)}); of the "
+                f"{number_text(found.prior, 3)} failures that it counted as {number_text(found.left, 2)} are left",
+                style="yellow", markup=False, soft_wrap=True,
             )  # fmt: skip
-        if one.of_fleet.spread:
+        if one.fleet.spread and found.failures >= FEWEST_TO_DIFFER:
+            mean = [number_text(one.stated * end, 3) for end in one.fleet.mean[1:]]
             out.print(
-                f"{one.mode.path}: robots differ by {number_text(100 * one.of_fleet.spread, 2)} % beyond chance "
-                f"(p = {number_text(one.of_fleet.p_value, 2)}); what is stated is of any robot, --robot says of one",
-                markup=False,
-            )
+                f"{one.mode.path}: {spread_text(one.fleet.spread)}; "
+                f"their mean is {mean[0]} … {mean[1]} /{unit} with 90 %" + ("" if one.of else "; --robot says of one"),
+                markup=False, soft_wrap=True,
+            )  # fmt: skip
     for other in unrated:
         out.print(_unstated_text(other), style="yellow", markup=False, soft_wrap=True)
     out.print("expected: failures by the stated rate; times: learned over stated. --to NEW.YAML writes the design.")
@@ -153,15 +158,15 @@ def _json(one: LearnedRate) -> dict[str, Any]:
         "mode": one.mode.path, "clock": one.mode.clock, "failures": one.failures, "expected": one.expected,
         "exposure": one.exposure, "stated_rate": one.stated, "learned_rate": one.rate, "factor": one.factor,
         "low": one.low, "high": one.high, "shape": one.shape, "prior_failures": found.prior,
-        "conflict": found.conflict, "surprise": found.surprise, "prior_weight": found.weight,
-        "spread_of_robots": one.of_fleet.spread,
+        "conflict": found.conflict, "surprise": found.surprise, "prior_failures_left": found.left,
+        "fleet_mean": _ratio(one.fleet.mean), "next_robot": _ratio(one.fleet.next),
+        "spread_of_robots": one.fleet.spread and dict(zip(("low", "median", "high"), one.fleet.spread, strict=True)),
         "robots": {
-            name: {
-                "failures": own.failures,
-                "hazard_ratio": own.estimate,
-                "low": own.interval[0],
-                "high": own.interval[2],
-            }
-            for name, own in zip(one.robots, one.of_fleet.robots, strict=True)
+            name: {"failures": failures, **_ratio(own)}
+            for name, failures, own in zip(one.robots, one.failures_of, one.fleet.robots, strict=True)
         },
     }  # fmt: skip
+
+
+def _ratio(one: Ratio) -> dict[str, float]:
+    return {"factor": one.times, "low": one.low, "high": one.high}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -12,21 +13,33 @@ from robophm.report.words import number_text
 
 if TYPE_CHECKING:
     from robophm.learning.life_data.distribution_fitting import Bounded, Fit
+    from robophm.learning.life_data.failure_modes import ModesFit
     from robophm.learning.life_data.life_stress import LifeStressFit
+    from robophm.life.distribution import LifeDistribution
 
 MOST_DRAWN = 4
 
 
-def span_text(one: Bounded) -> str:
-    """A figure with its interval: "607 (432 … 851)"."""
-    if one.low != one.low:
-        return number_text(one.value)
-    return f"{number_text(one.value)} ({number_text(one.low, 3)} … {number_text(one.high, 3)})"
+def figure_text(value: float, limit: float = math.inf, digits: int = 4) -> str:
+    """A figure that is known up to a limit: "607", "beyond 5,000"."""
+    return f"beyond {number_text(limit)}" if value > limit else number_text(value, digits)
 
 
-def parameters_text(parameters: Mapping[str, Bounded]) -> str:
-    """Return parameters as text: 'scale 607 (432 … 851), shape 1.72 (1.06 … 2.78)'."""
-    return ", ".join(f"{name} {span_text(one)}" for name, one in parameters.items())
+def span_text(one: Bounded, limit: float = math.inf) -> str:
+    """A figure with its interval, each known up to a limit: "607 (432 … 851)", "beyond 5,000"."""
+    if one.low != one.low or one.value > limit:
+        return figure_text(one.value, limit)
+    return f"{number_text(one.value)} ({figure_text(one.low, limit, 3)} … {figure_text(one.high, limit, 3)})"
+
+
+def parameters_text(
+    parameters: Mapping[str, Bounded], life: LifeDistribution | None = None, limit: float = math.inf
+) -> str:
+    """'scale 607 (432 … 851), shape 1.72 (1.06 … 2.78)'; what is a time is known up to a limit."""
+    times = {name for name, dimension in life.dimensions.items() if dimension == 1} if life else set()
+    return ", ".join(
+        f"{name} {span_text(one, limit if name in times else math.inf)}" for name, one in parameters.items()
+    )
 
 
 def fit_page(fits: Sequence[Fit], refused: Mapping[str, str]) -> Html:
@@ -39,8 +52,10 @@ def _sections(fits: Sequence[Fit], refused: Mapping[str, str]) -> Iterable[Html 
     yield f"{best.data.described()}. Intervals hold with {100 * best.level:g} %."
     columns = ("distribution", "parameters", "10 % fail by", "half fail by", "mean", "ln L", "AIC", "corrected", "R²")
     rows = [
-        (one.name, parameters_text(one.parameters), span_text(one.quantiles[0.1]), span_text(one.quantiles[0.5]),
-         one.mean, one.log_likelihood, one.aic, one.aic_corrected, number_text(one.straightness, 3))
+        (one.name, parameters_text(one.parameters, one.life, one.known_until),
+         span_text(one.quantiles[0.1], one.known_until), span_text(one.quantiles[0.5], one.known_until),
+         figure_text(one.mean, one.known_until), one.log_likelihood, one.aic, one.aic_corrected,
+         number_text(one.straightness, 3))
         for one in fits
     ]  # fmt: skip
     yield section("Distributions", table_html(columns, rows, "The best by its corrected AIC first; two apart is little",
@@ -51,6 +66,31 @@ def _sections(fits: Sequence[Fit], refused: Mapping[str, str]) -> Iterable[Html 
     notes += [f"{name}: {why}" for name, why in refused.items()]
     if notes:
         yield section("Notes", *notes)
+
+
+def modes_page(found: ModesFit) -> Html:
+    """A part that fails in several ways: each mode, and the part."""
+    return page(f"Life data: {found.data.source}", _mode_sections(found))
+
+
+def _mode_sections(found: ModesFit) -> Iterable[Html | str]:
+    yield f"{found.data.described()}, by {len(found.modes)} failure modes; of each the others' failures are censored."
+    limit = found.known_until
+    rows = [
+        (name, one.data.failures, one.name, parameters_text(one.parameters, one.life, one.known_until),
+         span_text(one.quantiles[0.1], limit), span_text(one.quantiles[0.5], limit), figure_text(one.mean, limit),
+         f"{100 * found.shares[name]:.3g} %")
+        for name, one in found.modes.items()
+    ]  # fmt: skip
+    rows.append(("all together", found.data.failures, "product", "", figure_text(found.quantiles[0.1], limit),
+                 figure_text(found.quantiles[0.5], limit), figure_text(found.mean, limit), "100 %"))  # fmt: skip
+    columns = ("mode", "failures", "distribution", "parameters", "10 % fail by", "half fail by", "mean", "first in")
+    yield section("Failure modes", table_html(columns, rows, "As if no mode depended on another", "lrllrrrr"))
+    yield section("Probability plots", side_by_side(*(
+        figure(probability_svg(one, title=name)) for name, one in found.modes.items() if len(one.plot.times) > 1
+    )))  # fmt: skip
+    if found.notes:
+        yield section("Notes", *found.notes)
 
 
 def life_stress_page(found: LifeStressFit) -> Html:
@@ -64,8 +104,9 @@ def _stress_sections(found: LifeStressFit) -> Iterable[Html | str]:
     rows: list[tuple[object, ...]] = [
         (f"{stress}: {found.laws[stress]}", span_text(one)) for stress, one in found.coefficients.items()
     ]
-    rows += [(f"{name} at use", span_text(one)) for name, one in found.parameters.items()]
-    rows += [(f"{100 * p:g} % fail by", span_text(one)) for p, one in found.quantiles.items()]
+    rows += [(f"{name} at use", parameters_text({name: one}, found.life, found.known_until).removeprefix(f"{name} "))
+             for name, one in found.parameters.items()]  # fmt: skip
+    rows += [(f"{100 * p:g} % fail by", span_text(one, found.known_until)) for p, one in found.quantiles.items()]
     yield section(f"{found.name} life", table_html(("", "value"), rows))
     if found.levels:
         tested = [

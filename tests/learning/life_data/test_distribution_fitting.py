@@ -353,7 +353,8 @@ def test_more_refusals():
         fit_power_law({"a": [5.0]}, {"a": 10.0})
     with pytest.raises(DataError, match="expected after 0, by 10"):
         fit_power_law({"a": [5.0, 11.0, 3]}, {"a": 10.0})
+    times = np.array([5.0, 6.0])
     with pytest.raises(DataError, match="until when was 'a' watched"):
-        systems(LifeData("x", np.array([5.0]), np.array([5.0]), np.ones(1), "h", items=("a",)))
+        systems(LifeData("x", times, times, np.ones(2), "h", items=("a", "b")))
     with pytest.raises(DataError, match="whose failures"):
         systems(lives)

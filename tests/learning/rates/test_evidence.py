@@ -3,12 +3,14 @@
 import math
 
 import pytest
+from scipy.stats import gamma
 
 from robophm.core.errors import DesignError
 from robophm.design.file import parse
 from robophm.learning.failure_mode_edits import edited
 from robophm.learning.rates.evidence import with_evidence
 from robophm.learning.rates.failure_log import Seen
+from robophm.learning.rates.gamma_poisson import update
 from robophm.learning.rates.rate_update import learn
 
 TEXT = """\
@@ -80,24 +82,16 @@ def test_learned_again_it_is_not_counted_twice(text):
     assert more.count("learned:") == once.count("learned:")
 
 
-def test_weibull_by_numerical_integration(text):
-    """θ of a Weibull of shape 2: the hazard is θ² times, whose gamma posterior is integrated."""
+def test_of_a_weibull_it_is_the_root_of_the_hazard(text):
+    """θ of a Weibull of shape 2: the hazard is θ² times, of which test_gamma_poisson has what it is by quadrature."""
     robot = parse(text)
     mode = next(one for one in robot.modes if one.path == "bearing")
     (learned,) = learn(robot, [Seen(mode, "a", 3, 2.0, 1.0)])
-    from scipy.integrate import quad
-
-    shape, rate = 1 + 3, 1 + 2.0
-
-    def density(theta):
-        x = theta**2
-        return 2 * theta * rate**shape * x ** (shape - 1) * math.exp(-rate * x) / math.gamma(shape)
-
-    first, second = (quad(lambda t, k=k: t**k * density(t), 0, 10)[0] for k in (1, 2))
-    hazard = quad(lambda t: t**2 * density(t), 0, 10)[0]
-    assert learned.factor == pytest.approx(math.sqrt(hazard), rel=1e-8)  # the rate at which the hazard is the mean one
-    assert learned.shape == pytest.approx(first**2 / (second - first**2), rel=1e-7)
-    assert quad(density, learned.low, learned.high)[0] == pytest.approx(0.9, rel=1e-7)
+    hazard = update(3, 2.0, 1.0)
+    assert learned.factor == pytest.approx(math.sqrt(hazard.estimate), rel=1e-9)  # at which the hazard is the mean one
+    assert (learned.low, learned.high) == pytest.approx([math.sqrt(end) for end in hazard.interval], rel=1e-9)
+    low, high = gamma.ppf((0.05, 0.95), learned.shape)
+    assert high / low == pytest.approx(learned.high / learned.low, rel=1e-6)
 
 
 def test_an_alias_cannot_have_evidence_of_its_own():

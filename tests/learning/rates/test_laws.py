@@ -105,7 +105,7 @@ def test_laws(name, tmp_path):
         assert after.failures == n + 1
         assert after.factor >= found.factor * (1 - 1e-5)
         which = found.robots.index(rows[i][1])
-        one, other = (some.of_fleet.robots[which].estimate for some in (found, after))
+        one, other = (some.fleet.robots[which].times for some in (found, after))
         assert other >= one * (1 - 1e-5)
     assert told >= 5
     assert all("whatever its rate" in one or "at which it cannot" in one for one in refused)

@@ -54,6 +54,12 @@ AS_GOOD = 2.0
 DOUBTFUL = 0.05
 """p below which data do not go with what was fitted to them."""
 
+FAR = 10.0
+"""Times the longest time at which anything was seen, beyond which a figure rests on a distribution's shape alone."""
+
+UNKNOWN = 100.0
+"""The same, beyond which it is not told at all."""
+
 MOST_BELOW_ZERO = 0.01
 """Share of lives below zero from which on a distribution is no life."""
 
@@ -93,6 +99,11 @@ class Fit:
     """The fitted model of the library itself."""
 
     @property
+    def known_until(self) -> float:
+        """Beyond which a figure is not known."""
+        return UNKNOWN * seen_long(self.data, self.name)
+
+    @property
     def below_zero(self) -> float:
         """Share of lives that it has below zero."""
         return float(self.life.failure_probability(0.0))
@@ -116,6 +127,8 @@ def fit(data: LifeData, name: str = "weibull", *, how: How = "likelihood", level
     if name not in FAMILIES:
         raise DataError(f"no distribution '{name}'{nearest(name, FAMILIES)}")
     supports(data, name)
+    if how == "ranks" and len(data.since):
+        raise DataError(f"{data.source}: ranks know nothing of parts not watched from new; expected --by likelihood")
     family, sp = FAMILIES[name], library()
     with asked(f"{data.source}: {name}") as said:
         options: dict[str, Any] = (
@@ -169,7 +182,7 @@ def supports(data: LifeData, name: str) -> None:
         )
     needed = FEWEST.get(name, 2)
     if data.failures == 0:
-        total = float((data.count * data.low).sum())
+        total = float((data.count * (data.low - data.began)).sum())
         raise DataError(
             f"{data.source}: no failure among {data.parts} parts: nothing can be fitted, only that a constant rate "
             f"would be below {-math.log(0.05) / total:.3g} /{data.unit or 'unit'} with 95 %; expected at least "
@@ -203,13 +216,14 @@ def _overlapping(data: LifeData) -> bool:
 
 def as_theirs(data: LifeData) -> dict[str, Any]:
     """Lives as SurPyval takes them."""
+    late = {"tl": data.since} if len(data.since) else {}
     exact, left = data.low == data.high, data.failed & (data.low == 0)
     kind = np.where(exact, 0, np.where(~data.failed, 1, np.where(left, -1, 2)))
     if not np.any(kind == 2):
-        return {"x": np.where(kind == -1, data.high, data.low), "c": kind, "n": data.count.astype(int)}
+        return {"x": np.where(kind == -1, data.high, data.low), "c": kind, "n": data.count.astype(int), **late}
     ends = np.where(kind == 2, data.high, np.where(kind == -1, data.high, data.low))
     starts = np.where(kind == -1, data.high, data.low)
-    return {"x": np.stack([starts, ends], axis=1), "c": kind, "n": data.count.astype(int)}
+    return {"x": np.stack([starts, ends], axis=1), "c": kind, "n": data.count.astype(int), **late}
 
 
 def _fit(data: LifeData, name: str, how: How, level: float, model: Any) -> dict[str, Any]:
@@ -243,6 +257,9 @@ def _fit(data: LifeData, name: str, how: How, level: float, model: Any) -> dict[
         notes.append("the location has run into the first failure: a third parameter is more than these data tell")
     if name == "weibull" and (shape := parameters["shape"]).low < 1 < shape.high:
         notes.append("the shape's interval holds 1: that parts wear, or fail early, is not shown")
+    if far := far_out(life.mean(), data, name):
+        never = "; --some-never-fail says whether some never will" if data.failures < data.parts / 2 else ""
+        notes.append(f"its mean {far}{never}")
     covariance = np.asarray(model.covariance()) if sure else np.empty((0, 0))
     return {
         "name": name, "data": data, "how": how, "level": level, "parameters": parameters, "life": life,
@@ -250,6 +267,21 @@ def _fit(data: LifeData, name: str, how: How, level: float, model: Any) -> dict[
         "mean": life.mean(),
         "straightness": straightness, "plot": points, "covariance": covariance, "notes": tuple(notes), "model": model,
     }  # fmt: skip
+
+
+def seen_long(data: LifeData, name: str) -> float:
+    """The longest time that tells of a distribution's figures; of a constant rate, all times together."""
+    return float((data.count * (data.low - data.began)).sum()) if name == "exponential" else data.longest
+
+
+def far_out(value: float, data: LifeData, name: str) -> str:
+    """What is to be said of a figure that lies far outside the data; "" where it does not."""
+    times = value / seen_long(data, name)
+    if times <= FAR:
+        return ""
+    if times <= UNKNOWN:
+        return f"lies {times:.0f} times beyond the longest time seen: it rests on the shape of the distribution alone"
+    return f"would lie more than {UNKNOWN:g} times beyond the longest time seen, of which these data tell nothing"
 
 
 def _told(said: Sequence[str]) -> list[str]:
@@ -269,18 +301,20 @@ def _plot(data: LifeData, life: LifeDistribution, name: str) -> tuple[Probabilit
     """Failures at their adjusted median ranks (Johnson 1964; Benard), intervals at their middle."""
     middle = np.where(data.failed, (data.low + data.high) / 2, data.low)
     order = np.lexsort((~data.failed, middle))
-    left, total, rank = float(data.count.sum()), float(data.count.sum()), 0.0
+    total, gone, rank = float(data.count.sum()), 0.0, 0.0
+    entered = np.sort(data.began)
+    counted = np.concatenate([[0.0], np.cumsum(data.count[np.argsort(data.began)])])
     times, ranks = [], []
     for i in order:
         number = float(data.count[i])
         if data.failed[i]:
+            left = float(counted[np.searchsorted(entered, middle[i])]) - gone  # who was watched then
             for _ in range(min(int(number), 10_000)):
                 rank += (total + 1 - rank) / (left + 1)
                 left -= 1
             times.append(float(middle[i]))
             ranks.append(rank)
-        else:
-            left -= number
+        gone += number
     at, failed = np.array(times), (np.array(ranks) - 0.3) / (total + 0.4)
     x, y = straight(name, at, failed, float(getattr(life, "location", 0.0)) if name == "weibull3" else 0.0)
     if len(at) < 2 or np.ptp(x) == 0 or np.ptp(y) == 0:
@@ -325,8 +359,11 @@ class Goodness(NamedTuple):
 def goodness(found: Fit, refits: int, seed: int) -> Goodness:
     """Return the goodness of a fit, by so many simulated refits.
 
-    Raises DataError for left or interval censored data, of which it is not known when somebody looked.
+    Raises DataError for left or interval censored data, of which it is not known when somebody looked, and for parts
+    that were not watched from new.
     """
+    if len(found.data.since):
+        raise DataError("a goodness of fit by simulation knows nothing of parts not watched from new")
     if np.any(found.data.failed & (found.data.low != found.data.high)):
         raise DataError("a goodness of fit by simulation needs to know when parts were looked at; intervals do not say")
     with asked(f"{found.data.source}: {found.name}"):

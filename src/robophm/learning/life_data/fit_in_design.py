@@ -10,7 +10,7 @@ from robophm.design.file import load, read
 from robophm.design.naming import quoted
 from robophm.design.robot import CLOCK_UNITS, FailureMode
 from robophm.learning.failure_mode_edits import edited, named_mode
-from robophm.learning.life_data.distribution_fitting import FAMILIES, Fit
+from robophm.learning.life_data.distribution_fitting import FAMILIES, UNKNOWN, Fit
 from robophm.learning.life_data.life_stress import LAWS, LifeStressFit
 from robophm.parts import FIGURES
 
@@ -33,6 +33,11 @@ def design_keys(found: Fit | LifeStressFit, mode: FailureMode | None = None) -> 
     mean = found.life.mean()
     if not 0 < mean < math.inf:
         raise DataError(f"a {found.name} of these parameters has no mean life, so that a design has no rate for it")
+    if mean > found.known_until:
+        raise DataError(
+            f"a {found.name} life whose mean would lie beyond {found.known_until:g} {unit}, {UNKNOWN:g} times the "
+            "longest time seen, is not known; expected another --distribution, or longer lives"
+        )
     family = FAMILIES[found.name]
     scale = found.life.scale_parameter
     shape = {

@@ -18,7 +18,16 @@ import numpy.typing as npt
 from scipy.stats import chi2
 
 from robophm.core.errors import DataError, nearest
-from robophm.learning.life_data.distribution_fitting import DOUBTFUL, FAMILIES, LEVEL, Bounded, Fit, as_theirs, fit
+from robophm.learning.life_data.distribution_fitting import (
+    DOUBTFUL,
+    FAMILIES,
+    LEVEL,
+    UNKNOWN,
+    Bounded,
+    Fit,
+    as_theirs,
+    fit,
+)
 from robophm.learning.life_data.observed_lives import LifeData
 from robophm.learning.life_data.surpyval import asked, library
 from robophm.life import life_distribution
@@ -91,6 +100,13 @@ class LifeStressFit:
     """Whether stress was raised in steps."""
     notes: tuple[str, ...] = ()
 
+    @property
+    def known_until(self) -> float:
+        """Of life at the reference stress, beyond which a figure is not known."""
+        table = np.unique(np.stack(list(self.data.stresses.values()), axis=1), axis=0)
+        fastest = max(self.acceleration(dict(zip(self.data.stresses, one, strict=True))) for one in table.tolist())
+        return UNKNOWN * self.data.longest * max(fastest, 1.0)
+
     def acceleration(self, stress: Mapping[str, float]) -> float:
         """Return how many times as fast a part ages at a stress as at the reference."""
         factor = 0.0
@@ -122,7 +138,9 @@ def fit_life_stress(
         if steps:
             model = fitter.fit_tvc(**_steps(data, z, known))
         else:
-            model = fitter.fit(Z=z, **as_theirs(replace(data, low=data.low * known, high=data.high * known)))
+            since = data.since * known if len(data.since) else data.since
+            sped = replace(data, low=data.low * known, high=data.high * known, since=since)
+            model = fitter.fit(Z=z, **as_theirs(sped))
         found = _found(data, name, chosen, reference, level, model)
     tested, separate = ((), None) if steps else _levels(data, name, found)
     notes = list(dict.fromkeys(said))[:3]
@@ -172,6 +190,10 @@ def _covariates(data: LifeData, laws: Mapping[str, str], reference: Mapping[str,
 
 def _supported(data: LifeData, z: Array, name: str, *, steps: bool) -> None:
     failed = data.failed
+    if data.modes:
+        raise DataError(f"{data.source}: failure modes at stress are fitted one by one; expected a table of each mode")
+    if steps and len(data.since):
+        raise DataError(f"{data.source}: steps of stress are of parts watched from new; expected no column 'since'")
     if data.failures < z.shape[1] + 2:
         raise DataError(
             f"{data.source}: {data.failures} failures for {z.shape[1] + 2} parameters; expected at least that many"
@@ -276,7 +298,8 @@ def _levels(
     for combination in np.unique(table, axis=0):
         rows = np.all(table == combination, axis=1)
         stress = dict(zip(data.stresses, (float(one) for one in combination), strict=True))
-        part = LifeData(data.source, data.low[rows], data.high[rows], data.count[rows], data.unit)
+        since = data.since[rows] if len(data.since) else data.since
+        part = LifeData(data.source, data.low[rows], data.high[rows], data.count[rows], data.unit, since=since)
         alone: Fit | None = None
         if part.failures >= 2:
             try:

@@ -13,25 +13,34 @@ import numpy.typing as npt
 from robophm.core.errors import DataError, UnitError, nearest
 from robophm.core.units import conversion, quantity
 from robophm.design.robot import CLOCK_UNITS
-from robophm.learning.table import YES, Row, read_table
+from robophm.learning.life_data.fate_words import FATE_COLUMNS, Fate, fate, fate_column
+from robophm.learning.table import Row, read_table
 
 Array = npt.NDArray[np.float64]
 
 COLUMNS: Mapping[str, Sequence[str]] = {
-    "time": ("life", "t", "age", "failure", "failure time", "exposure", "hours", "cycles"),
-    "from": ("left", "lower", "after"),
-    "to": ("right", "upper", "before"),
-    "censored": ("suspended", "working", "suspension"),
+    "time": (
+        "life",
+        "t",
+        "x",
+        "age",
+        "failure",
+        "failure time",
+        "exposure",
+        "hours",
+        "cycles",
+        "duration",
+        "durations",
+    ),
+    "from": ("left", "lower", "after", "xl"),
+    "to": ("right", "upper", "before", "xr"),
+    "since": ("entry", "late entry", "truncated", "tl"),
+    **FATE_COLUMNS,
+    "mode": ("failure mode", "failure_mode", "cause"),
     "count": ("n", "quantity", "number"),
     "item": ("unit", "serial", "id", "system"),
 }
 """Columns of a table of lives; any other column is a stress, if its name is known or the user says that it is."""
-
-_ELSEWHERE: Mapping[str, str] = {
-    **dict.fromkeys(("event", "status", "failed", "state"), "'censored', with yes for what still worked"),
-    **dict.fromkeys(("since", "entry", "truncated"), "lives watched from 0 on; `robophm learn` takes others"),
-}
-"""Columns of other tables, and what is expected in their place."""
 
 STRESS_UNITS: Mapping[str, str] = {
     "temperature": "degC",
@@ -42,6 +51,8 @@ STRESS_UNITS: Mapping[str, str] = {
 }
 """The unit inside of each stress that an acceleration of a design knows."""
 
+
+_NO_MODE = ("none", "-", "na", "censored", "0")
 
 LONGEST = 1e15
 """The longest life, in the unit of its clock; the shortest is as far below 1."""
@@ -62,7 +73,12 @@ class LifeData:
     stresses: Mapping[str, Array] = field(default_factory=dict)
     """Stresses by name, in the unit inside; shape (rows,)."""
     items: tuple[str, ...] = ()
-    """Item that each row is of, where the table says so."""
+    """Whose row each is, where the table says so."""
+    since: Array = field(default_factory=lambda: np.empty(0))
+    """Age at which each began to be watched: those that failed before it are not among them (left truncation). Shape
+    (rows,), or empty where all are watched from 0 on."""
+    modes: tuple[str, ...] = ()
+    """In which way each failed, "" where it still worked; where the table says so."""
 
     @property
     def failed(self) -> npt.NDArray[np.bool_]:
@@ -78,6 +94,16 @@ class LifeData:
     def parts(self) -> int:
         """Return the number of parts."""
         return int(self.count.sum())
+
+    @property
+    def longest(self) -> float:
+        """Longest time that anything was seen at."""
+        return float(np.where(np.isfinite(self.high), self.high, self.low).max())
+
+    @property
+    def began(self) -> Array:
+        """``since`` of every row."""
+        return self.since if len(self.since) else np.zeros(len(self.low))
 
     @property
     def items_repeat(self) -> bool:
@@ -99,6 +125,8 @@ class LifeData:
                 texts.append(
                     f"{number} {name if number == 1 or 'worked' in name else name.replace('failure', 'failures', 1)}"
                 )
+        if late := int(self.count[self.began > 0].sum()):
+            texts[-1] += f" ({late} not watched from new)"
         return " and ".join(filter(None, [", ".join(texts[:-1]), texts[-1]])) if texts else "nothing"
 
 
@@ -113,13 +141,12 @@ def read_life_data(path: Path, stresses: Collection[str] = ()) -> LifeData:
     for name in names:
         if name in stresses or name in STRESS_UNITS:
             continue
-        if name in _ELSEWHERE:
-            raise DataError(f"{path}: column '{name}' is no stress; expected {_ELSEWHERE[name]}")
         raise DataError(
             f"{path}: column '{name}' is not known{nearest(name, [*COLUMNS, *STRESS_UNITS])}. If it is a stress, at "
             f"which {name} will parts be used? expected --use '{name}=…', or no such column"
         )
-    bounds = [_bounds(row, unit) for row in rows]
+    column = fate_column(str(path), rows)
+    bounds = [_bounds(row, unit, column) for row in rows]
     counts = []
     for row in rows:
         number = row.number("count", 1.0)
@@ -128,7 +155,8 @@ def read_life_data(path: Path, stresses: Collection[str] = ()) -> LifeData:
         counts.append(number)
     stresses = {name: np.array([_stress(row, name) for row in rows]) for name in names}
     items = tuple(row.text("item") for row in rows)
-    low, high = (np.array(side) for side in zip(*bounds, strict=True))
+    modes = _modes(rows, bounds)
+    low, high, since = (np.array(side) for side in zip(*bounds, strict=True))
     some = np.array(counts) > 0
     if not some.any():
         raise DataError(f"{path}: all counts are 0; expected parts")
@@ -136,6 +164,8 @@ def read_life_data(path: Path, stresses: Collection[str] = ()) -> LifeData:
         str(path), low[some], high[some], np.array(counts)[some], unit,
         {name: values[some] for name, values in stresses.items()},
         tuple(item for item, is_ in zip(items, some, strict=True) if is_) if any(items) else (),
+        since[some] if since.any() else np.empty(0),
+        tuple(mode for mode, is_ in zip(modes, some, strict=True) if is_) if modes else (),
     )  # fmt: skip
 
 
@@ -154,7 +184,7 @@ def _unit(rows: Sequence[Row]) -> str:
     """The clock's unit in which all times can be said; "" where none is stated. Raises DataError for a mixture."""
     known: dict[str, Row] = {}
     for row in rows:
-        for column in ("time", "from", "to"):
+        for column in ("time", "from", "to", "since"):
             if column not in row.cells:
                 continue
             written = row.text(column)
@@ -197,39 +227,65 @@ def _converts(written: str, unit: str) -> bool:
     return True
 
 
-def _bounds(row: Row, unit: str) -> tuple[float, float]:
-    """The bounds of a part's life. Raises DataError for times that cannot be."""
-    censored = row.choice("censored", {**YES, "left": (), "right": ()}, "no")
+def _bounds(row: Row, unit: str, column: str) -> tuple[float, float, float]:
+    """Between which a part failed, and since when it was watched. Raises DataError for times that cannot be."""
+    became = fate(row, column)
+    low, high = _seen_at(row, unit, became, column) if "time" in row.cells else _seen_within(row, unit, became, column)
+    since = _time(row, unit, "since", 0.0)
+    known = low == high or high == math.inf
+    if since and (since >= high or (since >= low if known else since > low > 0)):
+        raise row.error(f"{row.text('since')} is not before the part was last seen; expected when one began to watch",
+                        "since")  # fmt: skip
+    return max(low, since), high, since
 
-    def time(column: str, missing: float) -> float:
-        if column not in row.cells:
-            return missing
-        if column == "to" and row.text(column).casefold() in ("inf", "infinity", "na"):
-            return math.inf
-        value = row.quantity(column, unit)
-        if value < 0:
-            raise row.error(f"{row.text(column)} is negative; expected a life, above 0", column)
-        if value > LONGEST or 0 < value < 1 / LONGEST:
-            raise row.error(f"{row.text(column)} is no life; expected {1 / LONGEST:g} … {LONGEST:g} {unit}", column)
-        return value
 
-    if "time" in row.cells:
-        if "from" in row.cells or "to" in row.cells:
-            raise row.error("states a time and an interval too; expected one of the two")
-        at = time("time", math.nan)
-        if at == 0:
-            raise row.error("a life of 0; expected above 0: what never worked is counted apart, not fitted", "time")
-        return {"no": (at, at), "yes": (at, math.inf), "right": (at, math.inf), "left": (0.0, at)}[censored]
-    low, high = time("from", 0.0), time("to", math.inf)
+def _time(row: Row, unit: str, column: str, missing: float) -> float:
+    if column not in row.cells:
+        return missing
+    if column == "to" and row.text(column).casefold() in ("inf", "infinity", "na"):
+        return math.inf
+    value = row.quantity(column, unit)
+    if value < 0:
+        raise row.error(f"{row.text(column)} is negative; expected a life, above 0", column)
+    if value > LONGEST or 0 < value < 1 / LONGEST:
+        raise row.error(f"{row.text(column)} is no life; expected {1 / LONGEST:g} … {LONGEST:g} {unit}", column)
+    return value
+
+
+def _seen_at(row: Row, unit: str, became: Fate, column: str) -> tuple[float, float]:
+    if "from" in row.cells or "to" in row.cells:
+        raise row.error("states a time and an interval too; expected one of the two")
+    at = _time(row, unit, "time", math.nan)
+    if at == 0:
+        raise row.error("a life of 0; expected above 0: what never worked is counted apart, not fitted", "time")
+    if became == "within":
+        raise row.error("failed within an interval, but states one time; expected from and to", column)
+    return {"failed": (at, at), "worked": (at, math.inf), "left": (0.0, at)}[became]
+
+
+def _seen_within(row: Row, unit: str, became: Fate, column: str) -> tuple[float, float]:
+    low, high = _time(row, unit, "from", 0.0), _time(row, unit, "to", math.inf)
     if low == 0 and high == math.inf:
         raise row.error("says nothing: neither time nor from nor to; expected one")
     if low > high:
         raise row.error(f"from {low:g} to {high:g} contradicts itself; expected the lower end first", "from")
-    if censored in ("yes", "right") and high != math.inf:
-        raise row.error(f"still worked, and failed before {high:g}: contradicts itself", "censored")
     if high == 0:
         raise row.error("a life of 0; expected above 0", "to")
-    return low, high
+    if became == "worked" and high not in (low, math.inf):
+        raise row.error(f"still worked, and failed before {high:g}: contradicts itself", column)
+    return (low, math.inf) if became == "worked" else (0.0, high) if became == "left" else (low, high)
+
+
+def _modes(rows: Sequence[Row], bounds: Sequence[tuple[float, float, float]]) -> list[str]:
+    """In which way each failed, where the table says it of any. Raises DataError where it does not of all."""
+    if not any("mode" in row.cells for row in rows):
+        return []
+    for row, (_, high, _) in zip(rows, bounds, strict=True):
+        if high < math.inf and "mode" not in row.cells:
+            raise row.error("failed, but in which way is not said; expected it of every failure, or of none", "mode")
+        if high == math.inf and "mode" in row.cells and row.text("mode").casefold() not in _NO_MODE:
+            raise row.error(f"'{row.text('mode'):.40}' of a part that still worked; expected none", "mode")
+    return [row.text("mode") if high < math.inf else "" for row, (_, high, _) in zip(rows, bounds, strict=True)]
 
 
 def _stress(row: Row, name: str) -> float:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.optimize import brentq
+from scipy.special import gammainc
 from scipy.stats import chi2, norm
 
 from robophm.core.errors import DataError
@@ -35,6 +37,8 @@ class PowerLaw:
     """Mean time between failures at ``until``."""
     p_value: float
     """P(a trend so clear | none): MIL-HDBK-189's χ² of 2·Σ ln(T/t)."""
+    at_failure: bool = False
+    """Whether watching ended with the last failure (failure truncated), not at a time."""
     unbiased: bool = False
     """Whether β is Crow's unbiased estimate; else that of maximum likelihood."""
 
@@ -61,8 +65,10 @@ def fit_power_law(
 ) -> PowerLaw:
     """Fit the power law to the failure times of each system, each watched from 0 to its end.
 
-    ``unbiased``: with n − 1 in the place of n, as NIST and Crow do; else maximum likelihood. Intervals of the time
-    between failures are NIST's (e-Handbook 8.4.5.2). Raises DataError where there are too few failures.
+    ``unbiased``: with n − 1 in the place of n, as NIST and Crow do, n − 2 where one system was watched until its last
+    failure, which is its end then; else maximum likelihood. Intervals of the time between failures are NIST's
+    (e-Handbook 8.4.5.2), of one watched until its last failure exact (Lee and Lee, Technometrics 20, 1978). Raises
+    DataError where there are too few failures.
     """
     for item, some in times.items():
         if not ends.get(item, 0) > 0:
@@ -77,27 +83,50 @@ def fit_power_law(
     logs = sum(math.log(ends[item] / t) for item, some in times.items() for t in some)
     if not logs > 0:
         raise DataError("all failures are at the very end of what was watched: no trend to fit; expected times apart")
-    equal = len(set(ends.values())) == 1
-    if equal:
-        shape = (n - 1 if unbiased else n) / logs
-    else:
-        shape = _of_unequal(times, ends)
-        unbiased = False
     until = max(ends.values())
+    at_failure = any(some and max(some) == ends[item] for item, some in times.items())
+    if at_failure and len(ends) > 1:
+        raise DataError("of several systems one ends with its failure; expected until when each was watched, a time")
+    free = n - at_failure  # 2β·Σ ln(T/t) is χ² of twice as many degrees of freedom
+    if len(set(ends.values())) == 1:
+        of = free - 1 if unbiased else n
+        shape = of / logs
+    else:
+        shape, unbiased, of = _of_unequal(times, ends), False, n
     scale = n / sum(end**shape for end in ends.values())
     rate = scale * shape * until ** (shape - 1)
-    tail, freedom = (1 - level) / 2, 2 * n
-    of = n - 1 if unbiased else n  # that of the exponent, so that bounds are the same by both estimates
-    bounds = (shape * chi2.ppf(one, freedom) / (2 * of) for one in (tail, 1 - tail))
-    z = float(norm.ppf(1 - tail))
-    low = n * of / (n + z**2 / 4 + math.sqrt(n * z**2 / 2 + z**4 / 16)) ** 2
-    below = n - z * math.sqrt(n / 2)
-    high = n * of / below**2 if below > 0 else math.inf
-    p = float(chi2.cdf(2 * logs, freedom))
+    tail = (1 - level) / 2
+    bounds = (shape * chi2.ppf(one, 2 * free) / (2 * of) for one in (tail, 1 - tail))
+    low, high = _between_failures(n, of, tail) if not at_failure else _between_failures_at_last(n, of, tail)
+    p = float(chi2.cdf(2 * logs, 2 * free))
     return PowerLaw(
         len(ends), n, Bounded(shape, *(float(one) for one in bounds)), scale, until,
-        Bounded(1 / rate, low / rate, high / rate), 2 * min(p, 1 - p), unbiased,
+        Bounded(1 / rate, low / rate, high / rate), 2 * min(p, 1 - p), at_failure, unbiased,
     )  # fmt: skip
+
+
+def _between_failures(n: int, of: int, tail: float) -> tuple[float, float]:
+    """Bounds of the time between failures at the end of a test that ended at a time, over its estimate; ``of``: n of
+    maximum likelihood, n − 1 unbiased, so that bounds are the same by both.
+    """
+    z = float(norm.ppf(1 - tail))
+    below = n - z * math.sqrt(n / 2)
+    low = n * of / (n + z**2 / 4 + math.sqrt(n * z**2 / 2 + z**4 / 16)) ** 2
+    return low, n * of / below**2 if below > 0 else math.inf
+
+
+def _between_failures_at_last(n: int, of: int, tail: float) -> tuple[float, float]:
+    """The same of a test that ended with its n-th failure: the true intensity over the likeliest is Z·S/4n², χ² both,
+    Z of 2n − 2 degrees of freedom, S of 2n.
+    """
+    nodes = chi2.ppf((np.arange(1000) + 0.5) / 1000, 2 * n - 2)
+
+    def miss(log_product: float, share: float) -> float:
+        return float(np.mean(gammainc(n, math.exp(log_product) / (2 * nodes)))) - share
+
+    products = (math.exp(brentq(miss, -30.0, 60.0, args=(share,))) for share in (1 - tail, tail))
+    low, high = (4 * n * of / one for one in products)
+    return low, high
 
 
 def power_laws(data: LifeData, *, level: float = LEVEL) -> dict[str, PowerLaw]:
@@ -155,6 +184,9 @@ def systems(data: LifeData) -> tuple[dict[str, list[float]], dict[str, float]]:
     """Failure times of each item and how long it was watched. Raises DataError where that is not said."""
     if data.stresses:
         raise DataError(f"{data.source}: repaired systems are taken at one stress; it has {', '.join(data.stresses)}")
+    for said, column in ((len(data.since), "since"), (data.modes, "mode")):
+        if said:
+            raise DataError(f"{data.source}: of repaired systems '{column}' is not known; expected none such")
     if np.any(data.count != 1):
         raise DataError(f"{data.source}: each failure of a repaired system is a row; expected no count but 1")
     if not data.items:
@@ -170,6 +202,8 @@ def systems(data: LifeData) -> tuple[dict[str, list[float]], dict[str, float]]:
             raise DataError(f"{data.source}: '{item}' ends twice, at {ends[item]:g} and {t:g}; expected once")
         else:
             ends[item] = t
+    if len(times) == 1 and not ends and (only := next(iter(times))) and len(times[only]) > 0:
+        ends[only] = max(times[only])  # watched until its last failure
     for item in times:
         if item not in ends:
             raise DataError(f"{data.source}: until when was '{item}' watched? expected a row of it with censored: yes")

@@ -9,6 +9,20 @@ from robophm.design.robot import CLOCK_UNITS
 from robophm.learning.failure_mode_edits import edited
 from robophm.learning.rates.rate_update import LearnedRate
 
+FEWEST_TO_DIFFER = 2
+"""Failures from which on a fleet says anything of how much its robots differ."""
+
+SHOWN = 0.1
+"""Coefficient of variation that robots have at least with 95 % where it can be said that they differ."""
+
+
+def spread_text(spread: tuple[float, float, float]) -> str:
+    """By how much robots differ, from its quantiles."""
+    low, usual, high = (f"{100 * part:.0f}" for part in spread)
+    if spread[0] < SHOWN:
+        return f"whether robots differ is not told: by {low} … {high} %"
+    return f"robots differ by {usual} % ({low} … {high} %)"
+
 
 def with_evidence(text: str, label: str, learned: Sequence[LearnedRate]) -> str:
     """Return a design's text with what was learned of its rates; what was learned of them before gives way.
@@ -32,9 +46,9 @@ def _written(one: LearnedRate) -> str:
     }
     notes = []
     if found.conflict:
-        notes.append(f"contradicts the stated rate, whose weight was cut to {100 * found.weight:.2g} %")
-    if one.of_fleet.spread:
-        notes.append(f"robots differ by {100 * one.of_fleet.spread:.0f} % (standard deviation)")
+        notes.append(f"contradicts the stated rate, which counts as {found.left:.2g} failures beside them")
+    if one.fleet.spread and found.failures >= FEWEST_TO_DIFFER:
+        notes.append(f"{spread_text(one.fleet.spread)}; low … high are of one")
     if notes:
         values["note"] = quoted("; ".join(notes))
     return "{" + ", ".join(f"{key}: {value}" for key, value in values.items()) + "}"

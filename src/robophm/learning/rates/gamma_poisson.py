@@ -1,28 +1,30 @@
-"""Failures in an exposure say how far a stated rate is off: Gamma–Poisson, one robot or a fleet.
+"""Failures in an exposure say how far a stated rate is off: Gamma–Poisson, with a prior that is not believed blindly.
 
 With E failures expected by the stated rate, n were seen: n ~ Poisson(ξ·E), where ξ is how many times the stated hazard
-is the true one. Prior ξ ~ Gamma(a, a), of mean 1: the stated rate counts as a failures. Posterior Gamma(a + n, a + E).
+is the true one. A rate that counts as a failures says ξ ~ Gamma(a, a), of mean 1. How much a rate that is stated is
+really worth is not known either: its error is what it says over U, uniform on (0, 1), so that it counts as w = U² of
+that (the slash distribution: Rogers and Tukey, Statistica Neerlandica 26, 1972). Its tails are Cauchy's: what agrees
+with the field keeps its weight, and what the field contradicts gives way, by degrees and without a test.
 
-A prior that the data contradict is discounted to the share w of its weight: Gamma(w·a + (1 − w)/2, w·a), which for
-w → 0 is Jeffreys' prior Gamma(½, 0) and knows nothing.
-
-The estimate keeps the laws that nobody doubts: it lies between what was stated and n/E, more failures than expected
-never lower it, fewer never raise it, and one more never lowers it. So the half failure of Jeffreys' prior, which
-nobody saw, widens intervals and is in the estimate only where fewer failed than expected; and of robots that differ
-the estimate is all failures over all that were expected, which is right on average however much they differ.
+Intervals give the share that is not believed Jeffreys' half failure, Gamma(w·a + (1 − w)/2, w·a), by which they hold
+where the stated rate is far off. The estimate is the mean of ξ; that half failure, which nobody saw, is in it only
+where fewer failed than expected, and never takes it above 1. So the estimate is (a′ + n)/(a′ + E), a′ being the
+failures that the stated rate still counts as, and it lies between what was stated and n/E, more failures than expected
+never lower it, fewer never raise it, and one more never lowers it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq, minimize_scalar
-from scipy.special import betainc, betaincc, gammaincinv, gammaln
-from scipy.stats import chi2, gamma
+from scipy.optimize import brentq
+from scipy.special import betainc, betaincc, betaln, gammainc, gammaincinv, gammaln
 
 Array = npt.NDArray[np.float64]
 
@@ -36,27 +38,64 @@ could never be contradicted, and nobody would be told that a rate is off by ten.
 VAGUEST = 0.02
 """Failures as which what is known counts at least, a gamma's shape: of a vaguer one 95 % lie below its mean."""
 
-_LEVELS = (0.05, 0.5, 0.95)
-_LOG_S = (math.log(VAGUEST), 12.0)  # of s: robots that differ by 700 %, and by 0.25 %
+LEVELS = (0.05, 0.95)
+"""Of the ends of intervals."""
+
+_LOG_SHARES: Array = -np.arange(0.0, 28.01, 0.2)  # of w = U², whose density over ln w is √w
+_PRIORS = np.exp(_LOG_SHARES / 2) * np.where(_LOG_SHARES == 0, 0.5, 1.0)
+
+
+class Gammas(NamedTuple):
+    """A mixture of gammas; shapes (parts,)."""
+
+    shape: Array
+    rate: Array
+    weight: Array
+    """They add up to 1."""
+
+
+def prior_gammas(prior: float, *, unseen: bool) -> Gammas:
+    """ξ a priori, by a stated rate that counts as ``prior`` failures at most.
+
+    ``unseen``: with the half failure of what is not believed, as intervals have it; else of mean 1, as the estimate.
+    """
+    share = np.exp(_LOG_SHARES)
+    counts = prior * share
+    return Gammas(counts + (1 - share) / 2 * unseen, counts, _PRIORS / _PRIORS.sum())
+
+
+def given(before: Gammas, failures: float, expected: float) -> Gammas:
+    """The same after so many failures where so many were expected, above 0."""
+    s, r, p = before
+    log = np.log(p) + log_rising(s, failures) - s * np.log1p(expected / r) - failures * np.log(r + expected)
+    weight = np.exp(log - log.max())
+    return Gammas(s + failures, r + expected, weight / weight.sum())
+
+
+def log_rising(s: Array, n: Array | float) -> Array:
+    """ln Γ(s + n)/Γ(s), by which failures of a gamma of shape s are so many; exact for large s."""
+    n = np.asarray(n, dtype=float)
+    some = n > 0
+    return np.asarray(np.where(some, gammaln(np.where(some, n, 1.0)) - betaln(s, np.where(some, n, 1.0)), 0.0))
 
 
 @dataclass(frozen=True)
 class Posterior:
-    """The posterior of the ratio of the true hazard to the stated one: Gamma(shape, rate)."""
+    """How many times the stated hazard the true one is, if it is the same in all that was seen."""
 
     failures: float
     expected: float
     """Failures expected by the stated rate."""
     prior: float
-    """Failures that the stated rate counts as, before it was doubted."""
+    """Failures that the stated rate counts as, by what is said of it."""
     surprise: float
     """P(data at least so far off | the stated rate, as sure as it is)."""
-    weight: float
-    """Share of the prior's weight that is left."""
-    shape: float
-    rate: float
-    unseen: float = 0.0
-    """Failures in the shape that are in no estimate: what Jeffreys' prior adds to more failures than expected."""
+    left: float
+    """Failures that it counts as beside these data."""
+    unseen: float
+    """Failures that nobody saw, but are in the estimate: up to half a one where fewer failed than expected."""
+    gammas: Gammas
+    """Of the ratio, by which its interval is."""
 
     @property
     def conflict(self) -> bool:
@@ -64,20 +103,37 @@ class Posterior:
         return self.surprise < SURPRISE
 
     @property
-    def mean(self) -> float:
-        """Return the mean of the ratio of the hazards."""
-        return self.shape / self.rate
+    def weight(self) -> float:
+        """Share of the stated rate's weight that is left."""
+        return self.left / self.prior
 
     @property
     def estimate(self) -> float:
-        """Return the estimate of the ratio of the hazards, between 1 and the failures seen over those expected."""
-        return (self.shape - self.unseen) / self.rate
+        """Of the ratio of the hazards, between 1 and the failures seen over those expected."""
+        return (self.left + self.failures + self.unseen) / (self.left + self.expected)
 
-    @property
-    def interval(self) -> tuple[float, float, float]:
-        """Return the 5 %, 50 % and 95 % quantiles of the ratio."""
-        low, median, high = (float(gamma.ppf(level, self.shape, scale=1 / self.rate)) for level in _LEVELS)
-        return low, median, high
+    @cached_property
+    def interval(self) -> tuple[float, float]:
+        """5 % and 95 % quantile of it."""
+        s, r, p = self.gammas
+        return interval(lambda u: float(p @ gammainc(s, np.minimum(r * math.exp(u), 1e300))), self.estimate)
+
+
+def quantile(share_below: Callable[[float], float], level: float, reach: float) -> float:
+    """Where a share that rises over [-reach, reach] is a level; the nearer end where it never is."""
+    if share_below(-reach) >= level:
+        return -reach
+    if share_below(reach) <= level:
+        return reach
+    return float(brentq(lambda u: share_below(u) - level, -reach, reach, xtol=1e-12, rtol=1e-12))
+
+
+def interval(share_below: Callable[[float], float], estimate: float, reach: float = 600.0) -> tuple[float, float]:
+    """5 % and 95 % quantile, of logarithms between ±``reach``; stretched to an estimate outside it, as one failure at
+    a millionth of what was expected gives.
+    """
+    low, high = (math.exp(quantile(share_below, level, reach)) for level in LEVELS)
+    return min(low, estimate), max(high, estimate)
 
 
 def surprise(failures: float, expected: float, prior: float) -> float:
@@ -97,15 +153,41 @@ def surprise(failures: float, expected: float, prior: float) -> float:
 def update(failures: float, expected: float, prior: float) -> Posterior:
     """Update a stated rate that counts as ``prior`` failures by the failures seen in an exposure.
 
-    Where nothing was expected and nothing failed the posterior is the prior.
+    Where nothing was expected there is nothing to doubt it by: it counts as what it says.
     """
     if not (failures >= 0 and expected >= 0 and prior > 0):
         raise ValueError(f"{failures} failures, {expected} expected, prior {prior}: expected ≥ 0, ≥ 0, > 0")
-    p = surprise(failures, expected, prior)
-    weight = min(1.0, p / SURPRISE)
-    half = (1 - weight) / 2
-    shape, unseen = weight * prior + half + failures, half if failures > expected else 0.0
-    return Posterior(failures, expected, prior, p, weight, shape, weight * prior + expected, unseen)
+    if expected == 0:
+        alone = Gammas(np.array([prior + failures]), np.array([prior]), np.ones(1))
+        return Posterior(failures, expected, prior, 1.0, prior, 0.0, alone)
+    fewer = failures < expected
+    believed, doubted = (prior_gammas(prior, unseen=one) for one in (False, True))
+    after = given(doubted, failures, expected)
+    by = after if fewer else given(believed, failures, expected)
+    counts, sums = believed.rate, float(by.weight @ (1 / by.rate))  # 1/(a + E) of each part
+    left = float(by.weight @ (counts / by.rate)) / sums
+    half = float(by.weight @ ((doubted.shape - counts) / by.rate)) / sums
+    unseen = min(half, expected - failures) if fewer else 0.0
+    return Posterior(failures, expected, prior, surprise(failures, expected, prior), left, unseen, after)
+
+
+def shape_between(low: float, high: float) -> float:
+    """Shape of the gamma whose 5 % and 95 % quantiles stand in the ratio of two figures: how sure a rate is, in
+    failures. Between VAGUEST and 10¹².
+    """
+    wanted = math.log(high / low) if low > 0 else math.inf
+
+    def width(log_shape: float) -> float:
+        shape = math.exp(log_shape)
+        first, last = (float(gammaincinv(shape, level)) for level in LEVELS)
+        return math.log(last / first) if first > 0 else math.inf
+
+    ends = math.log(VAGUEST), math.log(1e12)
+    if wanted >= width(ends[0]):
+        return VAGUEST
+    if wanted <= width(ends[1]):
+        return 1e12
+    return math.exp(brentq(lambda log_shape: width(log_shape) - wanted, *ends, xtol=1e-13))
 
 
 def gamma_by_quantiles(low: float, median: float) -> tuple[float, float]:
@@ -125,76 +207,3 @@ def gamma_by_quantiles(low: float, median: float) -> tuple[float, float]:
     # The wider the two lie apart the smaller is the shape.
     shape = math.exp(brentq(miss, -4.0, 20.0, xtol=1e-14))
     return shape, float(gammaincinv(shape, 0.5)) * median
-
-
-@dataclass(frozen=True)
-class FleetPosterior:
-    """Robots of a fleet, each with a true hazard of its own: ratios ξ ~ Gamma(s, s/μ) over robots (empirical Bayes)."""
-
-    mean: Posterior
-    """Posterior of μ, the fleet's ratio."""
-    spread: float
-    """Coefficient of variation from robot to robot, 1/√s; 0 where they do not differ beyond chance."""
-    p_value: float
-    """P(robots differ so much | all have one rate)."""
-    robots: tuple[Posterior, ...]
-    """Posterior of each robot, in order; drawn towards the fleet's by what little it saw."""
-
-    @property
-    def shape(self) -> float:
-        """Gamma of the same spread as one robot of this fleet, of which nothing is known: how sure a rate is for it."""
-        of_mean = 1 / self.mean.shape
-        return max(1 / (of_mean + self.spread**2 * (1 + of_mean)), VAGUEST)
-
-
-def fleet(failures: Sequence[float], expected: Sequence[float], prior: float) -> FleetPosterior:
-    """Return the posteriors of the fleet and of each robot, from each one's failures; shapes (robots,), at least one.
-
-    The mean is that of all failures together. The spread between robots is the likeliest about it, negative binomial
-    (Robert and Casella's and George, Makov and Smith's pump example, Scand. J. Statist. 20, 1993); it is taken for
-    one rate where a likelihood ratio test at 5 % cannot tell.
-    """
-    n, E = np.array(failures, dtype=float), np.array(expected, dtype=float)
-    pooled = update(float(n.sum()), float(E.sum()), prior)
-    spread, p = between(n, E * (n.sum() / E.sum()) if E.sum() > 0 else E)
-    if spread == 0:
-        return FleetPosterior(pooled, 0.0, p, (pooled,) * len(n))
-    mean = less_sure(pooled, E, spread)
-    s = 1 / spread**2
-    own = tuple(
-        Posterior(n_, E_, s, 1.0, 1.0, s + n_, s / mean.estimate + E_)
-        for n_, E_ in zip(n.tolist(), E.tolist(), strict=True)
-    )
-    return FleetPosterior(mean, spread, p, own)
-
-
-def less_sure(mean: Posterior, expected: Array, spread: float) -> Posterior:
-    """The same mean of robots that differ: by how much the failures of those that were seen may miss it."""
-    variance = 1 / mean.shape + spread**2 * float(np.sum(expected**2)) / float(expected.sum()) ** 2
-    less = max(1 / variance, VAGUEST) / mean.shape
-    return replace(mean, shape=mean.shape * less, rate=mean.rate * less, unseen=mean.unseen * less)
-
-
-def between(n: Array, expected: Array) -> tuple[float, float]:
-    """Return the spread 1/√s of the rates of robots, and P(a likelihood ratio so great | one rate). The spread is the
-    likeliest, given the failures expected of each robot (as many in all), and 0 where a test at 5 % cannot tell robots
-    apart; the latter is NaN where nothing tells.
-    """
-    n, m = n[expected > 0], expected[expected > 0]
-    if len(n) < 2 or n.sum() < 2:
-        return 0.0, math.nan
-
-    def less(log_s: float) -> float:
-        s = math.exp(log_s)
-        return -float(np.sum(gammaln(s + n) - gammaln(s) - s * np.log1p(m / s) + n * np.log(m / (s + m))))
-
-    # The likelihood may have two tops: a grid is looked at first.
-    grid = np.linspace(*_LOG_S, 20)
-    k = int(np.argmin([less(log_s) for log_s in grid]))
-    best = minimize_scalar(
-        less, bounds=(grid[max(k - 1, 0)], grid[min(k + 1, len(grid) - 1)]), method="bounded", options={"xatol": 1e-6}
-    )
-    gain = 2 * (-float(best.fun) - float(np.sum(n * np.log(m) - m)))
-    # half of the time the best spread is none (Self and Liang 1987)
-    p = float(chi2.sf(gain, 1)) / 2 if gain > 0 else 1.0
-    return math.exp(-float(best.x) / 2) if p < SURPRISE else 0.0, p

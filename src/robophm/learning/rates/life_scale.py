@@ -8,7 +8,7 @@ Aalen and Hoem, Scand. Actuarial J. 1978), so that E(θ) is Gamma(n) where n fai
 The stated rate counts as a failures in an exposure of its own, in which a·θ^β are promised, where β² is what one whole
 life tells of ln θ (Fisher): the shape of a Weibull life, 1/σ of a lognormal one. So a·θ^β + E(θ) ~ Gamma(a + n), which
 of a Weibull life is the gamma of ``gamma_poisson``; and as it rises with θ and with nothing else, its laws hold of all
-lives.
+lives, and so does what it says of fleets.
 """
 
 from __future__ import annotations
@@ -16,16 +16,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import gammaln
-from scipy.stats import gamma
+from scipy.interpolate import PchipInterpolator
 
 from robophm.core.errors import DataError, ModelError
-from robophm.learning.rates.gamma_poisson import FleetPosterior, Posterior, between, less_sure, update
+from robophm.learning.rates.fleet import Fleet, Indices, fleet
+from robophm.learning.rates.gamma_poisson import Posterior, update
 from robophm.life.distribution import LifeDistribution
 from robophm.life.side_by_side import Lives
 
@@ -35,8 +34,8 @@ MOST_LIVES = 50_000
 """Different stretches of lives of one failure mode, alike ones counted together."""
 
 _COARSE: Array = np.linspace(-16.0, 16.0, 321)  # of ln θ: ten million times off
-_FINE = 801
-_TAIL = 1e-9
+_FINE = 400
+_AWAY = 1e4  # times more or less than what failed, beyond which what is promised need not be known closely
 
 
 class Lived(NamedTuple):
@@ -48,41 +47,6 @@ class Lived(NamedTuple):
     failures: float
     """Failures that ended the stretch."""
     parts: float
-
-
-class Ratio(NamedTuple):
-    """An estimate of θ, the ratio of a rate to the stated one."""
-
-    times: float
-    shape: float
-    """Shape of a gamma as sure as this: the failures that it counts as."""
-    low: float
-    """The 5 % quantile of θ."""
-    high: float
-    """The 95 % quantile of θ."""
-
-
-@dataclass(frozen=True)
-class ScaleFit:
-    """The estimate, from lives, of the ratio of the true rate to the stated one."""
-
-    fleet: FleetPosterior
-    """Posteriors of θ, as gammas of the same mean and variance."""
-    of_any: Ratio
-    """Ratio of one robot of this fleet, of which nothing is known."""
-    of_robot: tuple[Ratio, ...]
-    """Ratio of each robot, in order."""
-
-
-def of_power(shape: float, rate: float, beta: float, unseen: float = 0.0) -> Ratio:
-    """Return θ where the hazard is ξ = θ^β ~ Gamma(shape, rate): the rate at which the hazard is the mean one.
-
-    Not the mean of θ, which is another even where nothing was seen. ``unseen``: see ``Posterior``.
-    """
-    low, high = (float(gamma.ppf(level, shape, scale=1 / rate)) ** (1 / beta) for level in (0.05, 0.95))
-    first, second = (float(gammaln(shape + k / beta) - gammaln(shape)) for k in (1, 2))
-    sure = shape if beta == 1 else 1 / math.expm1(second - 2 * first)
-    return Ratio(((shape - unseen) / rate) ** (1 / beta), sure, low, high)
 
 
 def information(life: LifeDistribution) -> float:
@@ -154,89 +118,71 @@ def _gathered(life: LifeDistribution, start: Array, end: Array) -> Array:
     return np.asarray(life.cumulative_hazard(end)) - life.cumulative_hazard(0.0)
 
 
+class Tabulated:
+    """What rates promise each robot in its lives, between the points of a table (``fleet.Promise``)."""
+
+    reach = float(_COARSE[-1])
+
+    def __init__(self, grid: Array, promised: Array, beta: float) -> None:
+        """``grid`` of ln θ, ascending; ``promised`` of shape (robots, points)."""
+        self.beta = beta
+        self.each = [PchipInterpolator(grid, np.log(np.clip(one, 1e-300, 1e300))) for one in promised]
+        self.all = PchipInterpolator(grid, np.log(np.clip(promised.sum(axis=0), 1e-300, 1e300)))
+
+    def to_each(self, log_times: Array) -> Array:
+        """See ``Promise``."""
+        at = np.broadcast_to(log_times, (len(self.each), log_times.shape[1]))
+        return np.asarray(np.exp(np.stack([one(some) for one, some in zip(self.each, at, strict=True)])))
+
+    def to_some(self, robots: Indices, log_times: Array) -> Array:
+        """See ``Promise``."""
+        return np.array([math.exp(self.each[i](at)) for i, at in zip(robots.tolist(), log_times.tolist(), strict=True)])
+
+    def where(self, robots: Indices, rate: Array, wanted: Array) -> Array:
+        """See ``Promise``."""
+        low, high = np.full(rate.shape, -self.reach), np.full(rate.shape, self.reach)
+        for _ in range(50):
+            middle = (low + high) / 2
+            promised = np.exp(np.stack([self.each[i](at) for i, at in zip(robots.tolist(), middle, strict=True)]))
+            below = rate * np.exp(self.beta * middle) + promised < wanted
+            low, high = np.where(below, middle, low), np.where(below, high, middle)
+        return np.asarray(np.exp(self.beta * (low + high) / 2))
+
+    def to_all(self, log_times: float) -> float:
+        """See ``Promise``."""
+        return math.exp(self.all(log_times))
+
+
 def fit_scale(
     life: LifeDistribution, robots: Sequence[Sequence[Lived]], expected: float, prior: float, beta: float
-) -> ScaleFit:
-    """Fit the ratio of the true rate to that of a life, for a fleet and each robot; shapes (robots,), at least one.
+) -> tuple[Posterior, Fleet]:
+    """The ratio of the true rate to that of a life, of a fleet and each robot, at least one.
 
-    ``expected``: failures by the stated rate; ``prior``: that it counts as, of ξ. Conflict with the stated rate is
-    found, and its weight cut, as of other lives (``gamma_poisson.update``). Raises DataError where a life cannot be.
+    ``expected``: failures by the stated rate; ``prior``: that it counts as, of θ^β. Raises DataError where a life
+    cannot be.
     """
     location = _others(life).get("location", 0.0)
     if any(one.failures and one.start + one.length <= location for some in robots for one in some):
         raise DataError("a part failed at an age at which it cannot, by the design's life; expected a later one")
-    n, lives, at = np.array([sum(one.failures for one in some) for some in robots]), _alike(robots), scaled(life)
-    found = update(float(n.sum()), expected, prior)
-    stated = found.weight * prior
-
-    def promised(grid: Array) -> Array:
-        return _promised(at, grid, lives, len(robots))
-
-    coarse = promised(_COARSE)
-    most = float(coarse[:, -1].sum())
-    if found.conflict and most < found.failures:
+    n, lives, at = [sum(one.failures for one in some) for some in robots], _alike(robots), scaled(life)
+    found = update(math.fsum(n), expected, prior)
+    coarse = _promised(at, _COARSE, lives, len(robots))
+    total = coarse.sum(axis=0)
+    if found.conflict and total[-1] < found.failures:
         raise DataError(
             f"{found.failures:g} failures, but in the ages that were watched a life of the design's shape promises at "
-            f"most {most:.3g}, whatever its rate; expected its lives for `robophm fit`"
+            f"most {total[-1]:.3g}, whatever its rate; expected its lives for `robophm fit`"
         )
-
-    def posterior(one: Ratio, failures: float, counts: float = prior, sure: float = found.weight) -> Posterior:
-        return Posterior(failures, expected, counts, found.surprise, sure, one.shape, one.shape / one.times)
-
-    def in_all(grid: Array, each: Array) -> Array:
-        return np.asarray(stated * _power(grid, beta) + each.sum(axis=0))
-
-    grid = _around(in_all(_COARSE, coarse)[None], np.array([found.shape]))
-    pooled = _known(grid, in_all(grid, promised(grid)), found.shape, found.unseen)
-    mean = posterior(pooled, found.failures)
-    by_field = _interpolated(coarse.sum(axis=0), _COARSE, found.failures)
-    usual = np.array([np.interp(by_field, _COARSE, one) for one in coarse])
-    spread, p = between(n, usual * (n.sum() / usual.sum()) if usual.sum() > 0 else usual)
-    if spread == 0:
-        return ScaleFit(FleetPosterior(mean, 0.0, p, (mean,) * len(robots)), pooled, (pooled,) * len(robots))
-    s, hazard = 1 / spread**2, pooled.times**beta
-    grid = _around(s / hazard * _power(_COARSE, beta) + coarse, s + n)
-    each = s / hazard * _power(grid, beta) + promised(grid)
-    own = tuple(_known(grid, one, s + failures) for one, failures in zip(each, n.tolist(), strict=True))
-    fleet = FleetPosterior(less_sure(found, usual, spread), spread, p, ())
-    any_, of_mean = (of_power(sure, sure / hazard, beta) for sure in (fleet.shape, fleet.mean.shape))
-    robots_own = tuple(posterior(one, failures, s, 1.0) for one, failures in zip(own, n.tolist(), strict=True))
-    return ScaleFit(FleetPosterior(posterior(of_mean, found.failures), spread, p, robots_own), any_, own)
-
-
-def _power(grid: Array, beta: float) -> Array:
-    return np.asarray(np.exp(np.minimum(beta * grid, 700.0)))
-
-
-def _interpolated(promised: Array, grid: Array, wanted: float) -> float:
-    """ln θ at which so many failures are promised; what is promised ascends."""
-    logs = np.log(np.clip([*promised, wanted], 1e-300, 1e300))
-    return float(np.interp(logs[-1], logs[:-1], grid))
-
-
-def _around(promised: Array, shapes: Array) -> Array:
-    """A closer grid of ln θ; failures promised on the coarse one, of shape (rows, points), are Gamma(shape, 1)."""
-    ends = [
-        [int(np.searchsorted(one, gamma.ppf(level, shape))) for level in (_TAIL, 1 - _TAIL)]
-        for one, shape in zip(promised, shapes.tolist(), strict=True)
-    ]
-    low = _COARSE[max(min(first for first, _ in ends) - 1, 0)]
-    high = _COARSE[min(max(last for _, last in ends) + 1, len(_COARSE) - 1)]
-    # 0 is on it: there, where the rate is the stated one, the laws hold to the last digit.
-    return np.union1d(np.linspace(low, high, _FINE), [0.0] if low < 0 < high else [])
-
-
-def _known(grid: Array, promised: Array, shape: float, unseen: float = 0.0) -> Ratio:
-    """The ratio θ, where failures promised at each point of a grid of ln θ, ascending, are Gamma(shape, 1)."""
-    weight = np.diff(gamma.cdf(promised, shape))
-    middle = np.exp((grid[1:] + grid[:-1]) / 2)
-    wanted = (shape - unseen, *gamma.ppf((0.05, 0.95), shape))
-    times, low, high = (math.exp(_interpolated(promised, grid, value)) for value in wanted)
-    if not weight.any():  # all of it lies below the grid, as of next to no prior and no failure
-        return Ratio(times, shape, low, high)
-    first = float(weight @ middle) / float(weight.sum())
-    variance = float(weight @ (middle - first) ** 2) / float(weight.sum())
-    return Ratio(times, first**2 / max(variance, 1e-12 * first**2), low, high)
+    near = np.flatnonzero((total > (found.failures + 0.5) / _AWAY) & (total < (found.failures + 0.5) * _AWAY))
+    grid, promised = _COARSE, coarse
+    if len(near):
+        ends = _COARSE[max(near[0] - 1, 0)], _COARSE[min(near[-1] + 1, len(_COARSE) - 1)]
+        fine = np.setdiff1d(np.linspace(*ends, _FINE), _COARSE)
+        grid = np.concatenate([_COARSE, fine])
+        order = np.argsort(grid)
+        promised = np.concatenate([coarse, _promised(at, fine, lives, len(robots))], axis=1)[:, order]
+        grid, promised = grid[order], np.maximum.accumulate(promised, axis=1)
+    return found, fleet(n, Tabulated(grid, promised, beta), found)
 
 
 class _Lives(NamedTuple):

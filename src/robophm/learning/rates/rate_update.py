@@ -14,8 +14,9 @@ from robophm.core.errors import DataError, UnitError
 from robophm.core.units import quantity
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot, Uncertainty
 from robophm.learning.rates.failure_log import Seen, merged
-from robophm.learning.rates.gamma_poisson import VAGUEST, FleetPosterior, Posterior, fleet
-from robophm.learning.rates.life_scale import Ratio, at_rate, fit_scale, information, of_power
+from robophm.learning.rates.fleet import Fleet, Powers, Ratio, fleet
+from robophm.learning.rates.gamma_poisson import VAGUEST, Posterior, update
+from robophm.learning.rates.life_scale import at_rate, fit_scale, information
 
 USUAL_PRIOR = 1.0
 """Failures that a stated rate counts as, where neither the design nor the user says more."""
@@ -32,23 +33,41 @@ class LearnedRate:
     expected: float
     """Failures expected by the stated rate."""
     exposure: float
-    """Exposure of all parts together [unit of its clock]."""
-    of_fleet: FleetPosterior
-    """Posterior of the hazard over the stated one (lives that are no power of age: of the rate); robots in the order of
-    ``robots``."""
+    """[unit of its clock]"""
+    posterior: Posterior
+    """Of the hazard, as times the stated one, of all robots together."""
+    fleet: Fleet
+    """How many times the stated one the rates are: of the fleet's mean, of the next robot, of each of ``robots``."""
     robots: tuple[str, ...]
-    factor: float
-    """The rate is so many times the stated one: that at which the hazard is what is now to be expected."""
-    shape: float
-    """Shape of a gamma as sure as this: the failures that it counts as."""
-    low: float
-    high: float
-    """Upper end of the 90 % interval of the factor of one robot of this fleet."""
+    failures_of: tuple[float, ...]
+    """Of each of them."""
+    of: str | None = None
+    """The robot that was asked for; None: the next one of this fleet, of which nothing else is known."""
 
     @property
-    def posterior(self) -> Posterior:
-        """Return the posterior of the fleet's mean hazard."""
-        return self.of_fleet.mean
+    def ratio(self) -> Ratio:
+        """What is known of the rate of one robot of this fleet, as times the stated one."""
+        return self.fleet.robots[self.robots.index(self.of)] if self.of in self.robots else self.fleet.next
+
+    @property
+    def factor(self) -> float:
+        """The rate is so many times the stated one: that at which the hazard is what is now to be expected."""
+        return self.ratio.times
+
+    @property
+    def shape(self) -> float:
+        """As sure as if so many failures had been seen."""
+        return self.ratio.shape
+
+    @property
+    def low(self) -> float:
+        """The factor is above this with 95 %."""
+        return self.ratio.low
+
+    @property
+    def high(self) -> float:
+        """The factor is below this with 95 %."""
+        return self.ratio.high
 
     @property
     def rate(self) -> float:
@@ -114,34 +133,25 @@ def unstated(robot: Robot, seen: Iterable[Seen]) -> list[UnstatedRate]:
 
 def _learned(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str | None) -> LearnedRate:
     factor = mode.evidence.factor if mode.evidence else 1.0
-    robots = tuple(one.robot for one in seen)
     told = _by_lives if mode.life.degree is None else _by_count
-    expected, found, any_, own = told(mode, factor, seen, prior)
-    ratio = own[robots.index(of)] if of in robots else any_
+    found, robots = told(mode, factor, seen, prior)
     return LearnedRate(
-        mode, mode.rate / factor, sum(one.failures for one in seen), expected, sum(one.exposure for one in seen),
-        found, robots, *ratio,
+        mode, mode.rate / factor, math.fsum(one.failures for one in seen), found.expected,
+        math.fsum(one.exposure for one in seen), found, robots, tuple(one.robot for one in seen),
+        tuple(one.failures for one in seen), of,
     )  # fmt: skip
 
 
-_Told = tuple[float, FleetPosterior, Ratio, tuple[Ratio, ...]]
-
-
-def _by_count(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str | None) -> _Told:
-    """The result for a life whose hazard is a power of age: failures expected, the fleet, any robot of it, each
-    robot."""
+def _by_count(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str | None) -> tuple[Posterior, Fleet]:
+    """Of a life whose hazard is a power of age."""
     beta = mode.life.degree or 1.0
-    expected = [one.expected / factor**beta for one in seen]
-    found = fleet([one.failures for one in seen], expected, _strength(mode, mode.rate / factor, beta, prior))
-    if found.spread == 0:
-        any_ = of_power(found.mean.shape, found.mean.rate, beta, found.mean.unseen)
-        return sum(expected), found, any_, (any_,) * len(seen)
-    any_ = of_power(found.shape, found.shape / found.mean.estimate, beta)
-    return sum(expected), found, any_, tuple(of_power(one.shape, one.rate, beta) for one in found.robots)
+    failures, expected = [one.failures for one in seen], np.array([one.expected / factor**beta for one in seen])
+    found = update(math.fsum(failures), math.fsum(expected), _strength(mode, mode.rate / factor, beta, prior))
+    return found, fleet(failures, Powers(expected, beta), found)
 
 
-def _by_lives(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str | None) -> _Told:
-    """The result for a life whose hazard is no power of age, as of ``_by_count``."""
+def _by_lives(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str | None) -> tuple[Posterior, Fleet]:
+    """The same, of a life whose hazard is no power of age."""
     try:
         life = at_rate(mode.life, 1 / factor)
         beta = information(life)
@@ -149,10 +159,9 @@ def _by_lives(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str
             one.parts * float(life.increment(one.start, one.length)) for some in seen for one in some.lives
         )
         strength = _strength(mode, mode.rate / factor, beta, prior)
-        found = fit_scale(life, [one.lives for one in seen], expected, strength, beta)
+        return fit_scale(life, [one.lives for one in seen], expected, strength, beta)
     except DataError as error:
         raise DataError(f"'{mode.path}': {error}") from None
-    return expected, found.fleet, found.of_any, found.of_robot
 
 
 def _strength(mode: FailureMode, rate: float, beta: float, prior: str | None) -> float:
