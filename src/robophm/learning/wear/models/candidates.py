@@ -40,7 +40,7 @@ class DegradationPath:
     """In units of the reference, from the clock's zero."""
     wear: Array
     reference: float
-    """How long the unit of time is: the time until now, or of a fleet a typical life."""
+    """How long the unit of time is: the time until now."""
     gain: float | None
     """(threshold − first reading) / first reading, where the signal's own zero is one of wear; None where it is not."""
 
