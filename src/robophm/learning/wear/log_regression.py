@@ -18,8 +18,9 @@ from scipy import special, stats
 
 Array = npt.NDArray[np.float64]
 
-SCATTER, COUNTS = 0.25, 3.0
-"""Deviation of ln(duration) that is expected before others are seen, and how many of them that is worth."""
+SCATTER, COUNTS = 0.2, 3.0
+"""Deviation of ln(duration) that is expected before others are seen, and how many of them that is worth: units made and
+loaded alike, of which level and pace are known."""
 
 SLOPE, SLOPE_DEVIATION = 0.8, 0.4
 """Of all features together: a unit that was slow so far mostly stays slow, if not quite as slow."""
@@ -58,8 +59,9 @@ class LogStudent:
 
 
 def lasting(
-    durations: Array, ended: npt.NDArray[np.bool_], features: Array, own: Array, passed: float
-) -> LogStudent | None:
+    durations: Array, ended: npt.NDArray[np.bool_], features: Array, own: Array, passed: float,
+    scatter: float = SCATTER,
+) -> LogStudent | None:  # fmt: skip
     """What is known of a duration with features of its ``own`` of which ``passed`` has gone by; None where none ended.
 
     ``durations`` > 0 of others, shape (others,), each ended or going on still; ``features``, shape (others, features).
@@ -71,7 +73,7 @@ def lasting(
     middle = features.mean(axis=0)
     design = np.column_stack([np.ones(n), features - middle])
     slopes = np.full(count, SLOPE / max(count, 1))
-    precision = np.diag(np.concatenate([[0.0], np.full(count, (SCATTER / SLOPE_DEVIATION) ** 2)]))
+    precision = np.diag(np.concatenate([[0.0], np.full(count, (scatter / SLOPE_DEVIATION) ** 2)]))
     normal = design.T @ design + precision
     degrees = COUNTS + n - 1
     filled, more, before = y.copy(), 0.0, math.inf
@@ -80,7 +82,7 @@ def lasting(
         found = np.linalg.solve(normal, design.T @ filled + precision @ pull)
         fitted = design @ found
         squares = float(np.sum((filled - fitted) ** 2) + (found - pull) @ precision @ (found - pull)) + more
-        variance = (COUNTS * SCATTER**2 + squares) / degrees
+        variance = (COUNTS * scatter**2 + squares) / degrees
         if ended.all() or abs(variance / before - 1) < _SETTLED:
             break
         before = variance
