@@ -11,7 +11,7 @@ Three ways of foretelling are weighed by how well each foretells the others, one
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -24,7 +24,7 @@ from robophm.learning.wear.log_regression import Array, LogStudent, lasting
 PARTS = (0.0, 0.5, 0.8)
 """From which share of the present level on the way to it is looked at."""
 
-ASKED = 8
+ASKED = 6
 """Of how many others the unit's own models foretell what is known by now, to be weighed."""
 
 STEADY = 0.02
@@ -53,6 +53,8 @@ class Unit:
     """Its own; None: that of the unit that is asked about."""
     failed: float | None = None
     """When it failed, if that is known from elsewhere; None: when its readings first are at the threshold, if ever."""
+    conditions: Mapping[str, Array] = field(default_factory=dict)
+    """What its readings were taken at, by name (``conditions.py``); shapes (readings,)."""
 
 
 @dataclass(frozen=True)
@@ -169,13 +171,18 @@ def _turned(one: Unit, threshold: float, k: int, *, falls: bool) -> tuple[Array,
     return t, sign * y, sign * (threshold if one.threshold is None else one.threshold), one.failed
 
 
+def crossed(times: Array, wear: Array, threshold: float) -> float | None:
+    """When readings came to a threshold to stay, or until they end; None where they never did."""
+    end = first_passage(times, wear, threshold)
+    if end is None and wear[-1] >= threshold:
+        before = int(np.flatnonzero(wear < threshold)[-1]) if np.any(wear < threshold) else 0
+        end = float(np.interp(threshold, wear[before : before + 2], times[before : before + 2]))
+    return end
+
+
 def _course(times: Array, wear: Array, width: int, failed: float | None) -> _Trajectory:
     level = _level(wear, width)
-    if failed is None:
-        failed = first_passage(times, wear, 1.0)
-    if failed is None and wear[-1] >= 1:  # its readings end with the crossing
-        before = int(np.flatnonzero(wear < 1)[-1]) if np.any(wear < 1) else 0
-        failed = float(np.interp(1.0, wear[before : before + 2], times[before : before + 2]))
+    failed = crossed(times, wear, 1.0) if failed is None else failed
     end = float(times[-1]) if failed is None else failed
     return _Trajectory(times, wear, level, end - float(times[0]), failed is not None)
 
@@ -276,6 +283,8 @@ def _took(one: _Trajectory, came: float, starts: Sequence[float]) -> Array:
 
 def _weights(now: _Trajectory, others: Sequence[_Trajectory], ways: dict[str, _Way]) -> dict[str, float]:
     """How well each way foretells the others that ended, from where they were as the unit is; they sum to 1."""
+    if len(ways) == 1:
+        return dict.fromkeys(ways, 1.0)
     prior = _beforehand(ways)
     scores: dict[str, list[float]] = {name: [] for name in ways}
     asked = 0
@@ -304,6 +313,6 @@ def _weights(now: _Trajectory, others: Sequence[_Trajectory], ways: dict[str, _W
 def _own_of(then: _Trajectory) -> _Own | None:
     """What another's own models had said of it; None where they had too little to go by."""
     try:
-        return _Own(forecast(then.times, then.wear, 1.0, draws=1000).passage)
+        return _Own(forecast(then.times, then.wear, 1.0, draws=1000, judged=False).passage)
     except DataError:
         return None

@@ -19,7 +19,6 @@ from scipy.stats import norm
 from robophm.core.errors import DataError
 from robophm.learning.wear.models import candidates_of, degradation_models
 from robophm.learning.wear.models.candidates import Array, Candidates, DegradationPath, course_of, origin_of_surprise
-from robophm.learning.wear.readings_table import WIDEST
 from robophm.learning.wear.trend_bend import Bend, bend_of_wiener
 
 DRAWS = 4000
@@ -48,6 +47,9 @@ far, and of that from the first reading to the threshold."""
 AWAY = 0.1
 """Share of draws that never reach the threshold, above which no trend shows: where a tenth and more lead elsewhere, the
 rest of them is no life that could be said either."""
+
+WIDEST = 1e60
+"""What a reading may be, up or down: its powers are numbers too."""
 
 BESIDE = 5
 """Readings before and after a fall whose medians say whether it lasted."""
@@ -157,9 +159,11 @@ class Forecast:
 
 def forecast(
     times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, *, falls: bool = False, deviation: float = 0.0,
-    seed: int = 0, draws: int = DRAWS,
+    seed: int = 0, draws: int = DRAWS, judged: bool = True,
 ) -> Forecast:  # fmt: skip
     """When readings will reach a threshold, itself known to a ``deviation``; ``falls``: the signal falls as wear grows.
+
+    Not ``judged``, which takes a third of the time: whether it bends and is followed is not asked.
 
     Raises DataError where there are too few readings, or they cannot be wear towards that threshold.
     """
@@ -172,7 +176,7 @@ def forecast(
     if first_passage(t, y, threshold) is not None:
         found = _ended(t, y, threshold, draws)
     else:
-        found = _to_come(t, y, threshold, deviation, np.random.default_rng(seed), draws)
+        found = _to_come(t, y, threshold, deviation, np.random.default_rng(seed), draws, judged=judged)
         # One reading that stands above its noise: it is there sooner than the next reading could tell.
         if y[-1] >= threshold and found.remaining.median <= (t[-1] - t[-2]) / 2:
             found, reached = _ended(t, y, threshold, draws), reached or _crossing(t, y, threshold, len(y) - 1)
@@ -182,7 +186,9 @@ def forecast(
     )  # fmt: skip
 
 
-def _to_come(t: Array, y: Array, threshold: float, deviation: float, rng: np.random.Generator, draws: int) -> Forecast:
+def _to_come(
+    t: Array, y: Array, threshold: float, deviation: float, rng: np.random.Generator, draws: int, *, judged: bool
+) -> Forecast:
     """Of wear that has yet to reach its threshold."""
     course = course_of(t, y, threshold, float(t[-1]))
     found = _candidates(course)
@@ -209,9 +215,9 @@ def _to_come(t: Array, y: Array, threshold: float, deviation: float, rng: np.ran
     passage = np.maximum(passage * course.reference - since, 0.0) if shows else of_age(float(t[-1]), draws)
     return Forecast(
         threshold, passage, drift * span / course.reference,
-        float(np.median(noise)) * span, bend_of_wiener(t, y) if len(t) > FEWEST else Bend(1.0, False),
+        float(np.median(noise)) * span, bend_of_wiener(t, y) if judged and len(t) > FEWEST else Bend(1.0, False),
         {name: float(share.sum()) for name, share in zip(found, weights, strict=True)},
-        _surprise(course), shows=shows,
+        _surprise(course) if judged else 1.0, shows=shows,
     )  # fmt: skip
 
 

@@ -25,7 +25,7 @@ loaded alike, of which level and pace are known."""
 SLOPE, SLOPE_DEVIATION = 0.8, 0.4
 """Of all features together: a unit that was slow so far mostly stays slow, if not quite as slow."""
 
-_ROUNDS, _SETTLED = 200, 1e-9
+_ROUNDS, _SETTLED = 200, 1e-6
 
 
 @dataclass(frozen=True)
@@ -74,12 +74,12 @@ def lasting(
     design = np.column_stack([np.ones(n), features - middle])
     slopes = np.full(count, SLOPE / max(count, 1))
     precision = np.diag(np.concatenate([[0.0], np.full(count, (scatter / SLOPE_DEVIATION) ** 2)]))
-    normal = design.T @ design + precision
+    inverse = np.linalg.inv(design.T @ design + precision)
+    pull = np.concatenate([[0.0], slopes])
     degrees = COUNTS + n - 1
     filled, more, before = y.copy(), 0.0, math.inf
     for _ in range(_ROUNDS):
-        pull = np.concatenate([[0.0], slopes])
-        found = np.linalg.solve(normal, design.T @ filled + precision @ pull)
+        found = inverse @ (design.T @ filled + precision @ pull)
         fitted = design @ found
         squares = float(np.sum((filled - fitted) ** 2) + (found - pull) @ precision @ (found - pull)) + more
         variance = (COUNTS * scatter**2 + squares) / degrees
@@ -92,6 +92,6 @@ def lasting(
         filled = np.where(ended, y, fitted + deviation * ratio)
         more = float(np.sum(np.where(ended, 0.0, variance * (1 + start * ratio - ratio**2))))
     at = np.concatenate([[1.0], own - middle])
-    spread = math.sqrt(variance * (1 + at @ np.linalg.solve(normal, at)))
+    spread = math.sqrt(variance * (1 + at @ inverse @ at))
     # Others that still go on say less than those that ended.
     return LogStudent(float(at @ found), spread, COUNTS + float(ended.sum()) - 1, passed)
