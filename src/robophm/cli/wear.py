@@ -82,13 +82,14 @@ def command(
     at: Annotated[
         list[str] | None,
         typer.Option(
-            help="of a table with columns temperature, stress or depth_of_discharge: conditions under which it goes on, "
-            "e.g. temperature=40; default as of late", metavar="CONDITION=VALUE",
+            help="of a table with columns temperature, stress or depth_of_discharge: conditions under which it goes "
+            "on, e.g. temperature=40; default as of late",
+            metavar="CONDITION=VALUE",
         ),
     ] = None,
     index: Annotated[
         bool,
-        typer.Option("--index", help="of a table of many signals: an index of health, learned from a --fleet that failed"),
+        typer.Option("--index", help="of a table of many signals: an index of health, by a --fleet that failed"),
     ] = False,
     settings: Annotated[
         str, typer.Option(help="of --index: columns that are operating conditions, not signals", metavar="A,B,…")
@@ -136,7 +137,8 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
         found, monitor = [_of_table(robot, signals, wishes)], Monitor(robot)
     else:
         refuse_unused(
-            "recordings, whose threshold and load are in the design, at the part's `wear`", (*fitted, "skip_missing", "fleet")
+            "recordings, whose threshold and load are in the design, at the part's `wear`",
+            (*fitted, "skip_missing", "fleet"),
         )
         found, monitor = _of_recordings(robot, signals, wishes)
     if wishes.store:
@@ -198,7 +200,7 @@ def _of_table(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> WornMode
 def _conditions(stated: Sequence[str]) -> dict[str, float]:
     found: dict[str, float] = {}
     for text in stated:
-        name, equals, value = text.partition("=")
+        name, _, value = text.partition("=")
         try:
             found[name.strip()] = float(value)
         except ValueError:

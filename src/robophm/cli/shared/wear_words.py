@@ -93,16 +93,18 @@ def _threshold_text(found: WornMode) -> str:
 def _life_text(found: WornMode, threshold: str) -> str:
     wear, unit = found.wear, found.unit
     if not wear.said:
-        return f"No trend shows yet that leads to {threshold}: when it is reached cannot be said; its hazard rate stands"
+        none = f"No trend shows yet that leads to {threshold}"
+        return f"{none}: when it is reached cannot be said; its hazard rate stands"
     low, median, high = (number_text(one, 3) for one in wear.remaining)
-    reaches = f"reaches {threshold} in {median} {unit}, 90 % between {low} and {high}"
+    goal = "fails" if found.indexed else f"reaches {threshold}"
+    reaches = f"{goal} in {median} {unit}, 90 % between {low} and {high}"
     if math.isinf(wear.remaining.high):
         share = f"{number_text(100 * wear.never, 2)} % of what is drawn"
-        reaches = f"reaches {threshold} in {median} {unit}; 5 % by {low}, and in {share} it does not come there"
+        reaches = f"{goal} in {median} {unit}; 5 % by {low}, and in {share} it does not come there"
     if not wear.shows:
         by = "by how long those went on that looked as sound" if found.indexed else "by the lives of the others"
         return f"No trend shows yet; {by} it {reaches}"
-    return f"R{reaches[1:]}"
+    return reaches[0].upper() + reaches[1:]
 
 
 def _change_text(found: WornMode) -> tuple[str, str]:

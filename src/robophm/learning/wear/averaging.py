@@ -131,7 +131,7 @@ class Forecast:
     @property
     def signal_threshold(self) -> float:
         """The threshold of the signal as it is, not turned round."""
-        return -self.threshold if self.turned else self.threshold
+        return 0.0 - self.threshold if self.turned else self.threshold
 
     @property
     def said(self) -> bool:

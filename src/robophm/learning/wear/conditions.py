@@ -1,8 +1,8 @@
 """Wear under conditions that speed it up: time counts as if it had passed at the conditions that are to come.
 
-A clock of effective time runs exp(γ·(φ(x) − φ(x₀))) times as fast as the part's own: x is what a reading was taken at,
-x₀ what is to come, and γ what the units' own paces say of it, with what is known of such mechanisms as a prior. Time to a
-level is regressed on φ across units, each level with a mean of its own (scale-accelerated failure time: Meeker and
+A clock of effective time runs exp(γ·(φ(x) − φ(x₀))) times as fast as the part's own: x is what a reading was taken
+at, x₀ what is to come, and γ what the units' own paces say of it, with what is known of such mechanisms as a prior.
+Time to a level is regressed on φ across units, each level with a mean of its own (scale-accelerated failure time: Meeker and
 Escobar, Statistical Methods for Reliability Data, 1998, §18 and §21). What is not known of γ widens what is said, the
 more the farther x₀ lies from where the units were.
 """
@@ -84,6 +84,8 @@ def forecast_under(
     Raises DataError as it does, and where conditions are not of every unit, unknown, or out of their range.
     """
     every = [unit, *others]
+    if to_come and not unit.conditions:
+        raise DataError(f"readings have no column {' or '.join(to_come)}, so what it would change cannot be said")
     if not to_come and not any(one.conditions for one in every):
         return forecast_among(
             others, unit.times, unit.values, threshold, falls=falls, deviation=deviation, seed=seed, draws=draws
@@ -200,11 +202,13 @@ def _names(units: Sequence[Unit], to_come: Mapping[str, float]) -> tuple[str, ..
     names = tuple(sorted(to_come))
     for name in names:
         if name not in CONDITIONS:
-            raise DataError(f"'{name}' is no condition that is known to speed wear up; expected {', '.join(CONDITIONS)}")
+            known = ", ".join(CONDITIONS)
+            raise DataError(f"'{name}' is no condition that is known to speed wear up; expected {known}")
     for k, one in enumerate(units):
         if tuple(sorted(one.conditions)) != names:
             has = ", ".join(sorted(one.conditions)) or "none"
-            raise DataError(f"unit {k + 1} has the conditions {has}; expected {', '.join(names)} of every unit")
+            wanted = ", ".join(names) or "none"
+            raise DataError(f"unit {k + 1} of {len(units)} has the conditions {has}; expected {wanted}, as of all")
         for name, values in one.conditions.items():
             _in_range(name, np.asarray(values, dtype=float))
             if len(values) != len(one.times):

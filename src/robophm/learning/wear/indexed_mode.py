@@ -49,8 +49,9 @@ def indexed_mode_of_tables(
         raise DataError(f"{path}: {error}") from None
     source = f"{path}, {INDEX} of {len(names) - len(settings)} signals by {len(failed)} units that failed"
     return WornMode(
-        mode, source, Readings(times, course, None, dated, when), course, 0.0, _forecast(index, one, course, left.draws),
-        None, "an index is smooth, and says itself what has changed", (), indexed=True,
+        mode, source, Readings(times, course, None, dated, when), course, 0.0,
+        _forecast(index, one, course, left.draws), None, "an index is smooth, and says itself what has changed", (),
+        indexed=True,
     )  # fmt: skip
 
 

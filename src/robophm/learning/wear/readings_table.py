@@ -23,7 +23,7 @@ COLUMNS: Mapping[str, Sequence[str]] = {
     "load": ("x",),
     "ambient": (),
     "unit": ("specimen",),
-    **{name: () for name in CONDITIONS},
+    **dict.fromkeys(CONDITIONS, ()),
 }
 """What a table may say of a signal; ``ambient`` is taken off its value, as of a bearing's temperature; ``unit``: of
 which of several equal things the row is."""

@@ -16,7 +16,8 @@ MOST = 120
 
 COUNTS = 10.0
 """What all readings together count as, at most, in one-step scores: a law is only nearly the model's, however densely
-it is read, and one step tells more of noise than of where wear goes (the coarsened posterior of Miller and Dunson, J. Am. Stat. Assoc. 114, 2019)."""
+it is read, and one step tells more of noise than of where wear goes (the coarsened posterior of Miller and Dunson, J.
+Am. Stat. Assoc. 114, 2019)."""
 
 HALF_LIFE = 0.25
 """Of scores, as a share of the readings: the law that holds now counts (forgetting, as Raftery, Kárný and Ettler's
