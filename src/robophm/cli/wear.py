@@ -22,7 +22,8 @@ from robophm.core.errors import DataError
 from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.learning.wear.backtest import Backtest
-from robophm.learning.wear.worn_mode import WearOptions, WornMode, worn_mode_of_table
+from robophm.learning.wear.indexed_mode import indexed_mode_of_tables
+from robophm.learning.wear.worn_mode import WearOptions, WornMode, one_mode, others_of_table, worn_mode_of_table
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.wear_history import wear_history, worn_in, worn_modes
 from robophm.monitoring.worn_life import WornLife, worn_lives
@@ -40,6 +41,9 @@ class Wishes:
     threshold_deviation: float | None
     load: float | None
     fleet: Path | None
+    at: Mapping[str, float]
+    index: bool
+    settings: Sequence[str]
     options: WearOptions
     store: Path | None
     skip_missing: bool
@@ -73,10 +77,23 @@ def command(
     ] = None,
     fleet: Annotated[
         Path | None,
+        typer.Option(help="a table of the same signal of other units, worn out or still running: unit, time, value"),
+    ] = None,
+    at: Annotated[
+        list[str] | None,
         typer.Option(
-            help="of a table: the same signal of other units, worn out or still running, as a prior: unit, time, value"
+            help="of a table with columns temperature, stress or depth_of_discharge: conditions under which it goes "
+            "on, e.g. temperature=40; default as of late",
+            metavar="CONDITION=VALUE",
         ),
     ] = None,
+    index: Annotated[
+        bool,
+        typer.Option("--index", help="of a table of many signals: an index of health, by a --fleet that failed"),
+    ] = False,
+    settings: Annotated[
+        str, typer.Option(help="of --index: columns that are operating conditions, not signals", metavar="A,B,…")
+    ] = "",
     baseline: Annotated[int, typer.Option(help="readings at the start that were sound", min=30)] = 100,
     false_alarms: Annotated[float, typer.Option(help="one in so many readings", min=10)] = 1000.0,
     shift: Annotated[float, typer.Option(help="deviations that shall be seen", min=0.1, max=10)] = 1.0,
@@ -100,7 +117,8 @@ def command(
     options = WearOptions(baseline, false_alarms, shift, seed)
     may_write(predictions, design, *signals, *([fleet] if fleet else []))
     wishes = Wishes(
-        part, threshold, threshold_deviation, load, fleet, options, store, skip_missing,
+        part, threshold, threshold_deviation, load, fleet, _conditions(at or ()), index,
+        [name.strip() for name in settings.split(",") if name.strip()], options, store, skip_missing,
         backtest or predictions is not None, predictions, as_json,
     )  # fmt: skip
     if run(design, signals, wishes):
@@ -112,11 +130,15 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
     robot = load(path)
     fitted = ("part", "baseline", "false_alarms", "shift", "store", "backtest", "predictions", "seed")
     if any(signal.suffix.lower() in TABLES for signal in signals):
-        refuse_unused("a table", (*fitted, "threshold", "threshold_deviation", "load", "fleet"))
+        if wishes.index:
+            refuse_unused("an index of health", ("part", "store", "seed", "fleet", "index", "settings"))
+        else:
+            refuse_unused("a table", (*fitted, "threshold", "threshold_deviation", "load", "fleet", "at"))
         found, monitor = [_of_table(robot, signals, wishes)], Monitor(robot)
     else:
         refuse_unused(
-            "recordings, whose threshold and load are in the design, at the part's `wear`", (*fitted, "skip_missing")
+            "recordings, whose threshold and load are in the design, at the part's `wear`",
+            (*fitted, "skip_missing", "fleet"),
         )
         found, monitor = _of_recordings(robot, signals, wishes)
     if wishes.store:
@@ -164,10 +186,26 @@ def _of_table(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> WornMode
     (signal,) = signals
     if wishes.part is None:
         raise DataError(f"{signal}: whose wear is it? expected --part, the path of a part or of its failure mode")
+    if wishes.index:
+        if wishes.fleet is None:
+            raise DataError(f"{signal}: from whom is an index of health learned? expected --fleet, units that failed")
+        mode = one_mode(robot, wishes.part)
+        return indexed_mode_of_tables(mode, signal, wishes.fleet, wishes.settings, wishes.options.seed)
     return worn_mode_of_table(
         robot, signal, wishes.part, threshold=wishes.threshold, deviation=wishes.threshold_deviation,
-        load=wishes.load, options=wishes.options, fleet=wishes.fleet,
+        load=wishes.load, options=wishes.options, fleet=wishes.fleet, to_come=wishes.at,
     )  # fmt: skip
+
+
+def _conditions(stated: Sequence[str]) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for text in stated:
+        name, _, value = text.partition("=")
+        try:
+            found[name.strip()] = float(value)
+        except ValueError:
+            raise DataError(f"--at {text}: expected a condition and a number, e.g. temperature=40") from None
+    return found
 
 
 def _of_recordings(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> tuple[list[WornMode], Monitor]:
@@ -177,7 +215,10 @@ def _of_recordings(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> tup
         history = wear_history(robot, signals, modes, skip_missing=wishes.skip_missing, advance=advance)
     for what, count in sorted(history.notes.items()):
         warn(f"{what} ({count:,} times)" if count > 1 else what)
-    found, missed = worn_in(history, modes, wishes.options)
+    if wishes.fleet and len(modes) > 1:
+        raise DataError(f"{wishes.fleet}: of which part are these others? expected --part")
+    others = others_of_table(wishes.fleet, modes[0], dated=False) if wishes.fleet else ()
+    found, missed = worn_in(history, modes, wishes.options, others)
     for one in missed:
         warn(f"{one}; it is left out")
     return found, history.monitor

@@ -17,6 +17,7 @@ from robophm.core.signal import CLOCK, SECOND
 from robophm.design.robot import FailureMode, Robot
 from robophm.health.ledger import Ledger
 from robophm.health.window import in_time
+from robophm.learning.wear.among_others import Unit
 from robophm.learning.wear.readings_table import Readings
 from robophm.learning.wear.signal_to_readings import Array, Reducer, Times, on_a_clock
 from robophm.learning.wear.worn_mode import WearOptions, WornMode, worn_mode
@@ -64,9 +65,11 @@ def worn_modes(robot: Robot, part: str | None = None) -> list[FailureMode]:
 
 
 def worn_in(
-    history: WearHistory, modes: Sequence[FailureMode], options: WearOptions
+    history: WearHistory, modes: Sequence[FailureMode], options: WearOptions, others: Sequence[Unit] = ()
 ) -> tuple[list[WornMode], list[DataError]]:
     """Return the wear of each failure mode, and why there is none for those of which the history says too little.
+
+    ``others``: units of its kind, as teachers.
 
     Raises DataError, the first of these, where there is none of any.
     """
@@ -74,7 +77,7 @@ def worn_in(
     missed: list[DataError] = []
     for mode in modes:
         try:
-            found.append(_worn(mode, history, options))
+            found.append(_worn(mode, history, options, others))
         except DataError as error:
             missed.append(error)
     if not found:
@@ -82,7 +85,7 @@ def worn_in(
     return found, missed
 
 
-def _worn(mode: FailureMode, history: WearHistory, options: WearOptions) -> WornMode:
+def _worn(mode: FailureMode, history: WearHistory, options: WearOptions, others: Sequence[Unit]) -> WornMode:
     said = mode.wear
     if not said or mode.path not in history.readings:
         signal = said.gauge.signal if said else ""
@@ -91,8 +94,9 @@ def _worn(mode: FailureMode, history: WearHistory, options: WearOptions) -> Worn
     source += f" above {said.ambient.signal}" if said.ambient else ""
     source += f" at {said.load.signal} {said.load.low:g} … {said.load.high:g}" if said.load else ""
     return worn_mode(
-        mode, source, history.readings[mode.path], said.threshold, deviation=said.threshold_deviation, options=options
-    )
+        mode, source, history.readings[mode.path], said.threshold, deviation=said.threshold_deviation, options=options,
+        others=others,
+    )  # fmt: skip
 
 
 def wear_history(

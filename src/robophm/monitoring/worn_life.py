@@ -39,12 +39,13 @@ class WornLife(NamedTuple):
 def worn_lives(outlook: Outlook, found: Sequence[WornMode]) -> dict[str, WornLife]:
     """Return the lives of each worn mode's part, under the mode's path, and of the robot, under its name.
 
-    Readings without dates are on the clock of their part, which goes on as the outlook's future does. Raises
+    Readings without dates are on the clock of their part, which goes on as the outlook's future does. Wear of which no
+    life can be said leaves its mode the hazard that it has. Raises
     RobophmError where that clock stands, or a part is a member of a group of dependent parts.
     """
     plant = outlook.plant
     robot = plant.robot
-    worn = {_index(outlook, one): _hazard(outlook, one) for one in found}
+    worn = {_index(outlook, one): _hazard(outlook, one) for one in found if one.wear.said}
 
     def lives(diagram: Block, some: Worn, of: Sequence[WornMode]) -> WornLife:
         seen = {robot.modes[i].path for i in some}
@@ -54,10 +55,10 @@ def worn_lives(outlook: Outlook, found: Sequence[WornMode]) -> dict[str, WornLif
             all(one.wear.followed for one in of),
         )
 
-    parts = {
-        robot.modes[i].path: lives(plant.alone[int(plant.part[i])], {i: hazard}, [one])
-        for (i, hazard), one in zip(worn.items(), found, strict=True)
-    }
+    parts = {}
+    for one in found:
+        i = _index(outlook, one)
+        parts[one.mode.path] = lives(plant.alone[int(plant.part[i])], {i: worn[i]} if i in worn else {}, [one])
     return {**parts, robot.name: lives(robot.diagram, worn, found)}
 
 

@@ -31,6 +31,8 @@ TOLD = 4
 
 _BEYOND = "–"
 
+NOTHING_SAID = Interval(math.inf, math.inf, math.inf)
+
 
 def print_worn(out: Console, found: WornMode) -> None:
     """Print trend, time to the threshold, events and changes of one failure mode."""
@@ -46,6 +48,9 @@ def print_worn(out: Console, found: WornMode) -> None:
     if found.others:
         count = len(found.others)
         say("Beside " + (f"{count} others" if count > 1 else "one other") + " of its kind")
+    if found.to_come:
+        under = ", ".join(f"{name} {number_text(value, 3)}" for name, value in found.to_come.items())
+        say(f"As it would be at {under}, as times and speeds count here")
     low, median, high = (number_text(1000 * one, 3) for one in wear.trend)
     bend = f"; so far it is {wear.bend.direction} (p = {number_text(wear.bend.p_value, 2)})"
     noise = f"; noise of a reading {number_text(wear.noise, 2)}" if wear.noise else ""
@@ -80,20 +85,26 @@ def _threshold_text(found: WornMode) -> str:
             return f"Has {at}"
         return f"Has {at}; short of it again since {_time(found, wear.recovered)}, and had reached it all the same"
     text = _life_text(found, threshold)
-    if not wear.said and np.quantile(wear.drift, 0.95) < 0:
+    if not wear.shows and np.quantile(wear.drift, 0.95) < 0:
         text += f"; its trend leads away from there, or it was past {threshold} when readings began"
     return text
 
 
 def _life_text(found: WornMode, threshold: str) -> str:
     wear, unit = found.wear, found.unit
-    share = f"{number_text(100 * wear.never, 2)} % of what is drawn"
     if not wear.said:
-        return f"When it reaches {threshold} cannot be said: in {share} it does not come there"
+        none = f"No trend shows yet that leads to {threshold}"
+        return f"{none}: when it is reached cannot be said; its hazard rate stands"
     low, median, high = (number_text(one, 3) for one in wear.remaining)
+    goal = "fails" if found.indexed else f"reaches {threshold}"
+    reaches = f"{goal} in {median} {unit}, 90 % between {low} and {high}"
     if math.isinf(wear.remaining.high):
-        return f"Reaches {threshold} in {median} {unit}; 5 % by {low}, and in {share} it does not come there"
-    return f"Reaches {threshold} in {median} {unit}, 90 % between {low} and {high}"
+        share = f"{number_text(100 * wear.never, 2)} % of what is drawn"
+        reaches = f"{goal} in {median} {unit}; 5 % by {low}, and in {share} it does not come there"
+    if not wear.shows:
+        by = "by how long those went on that looked as sound" if found.indexed else "by the lives of the others"
+        return f"No trend shows yet; {by} it {reaches}"
+    return reaches[0].upper() + reaches[1:]
 
 
 def _change_text(found: WornMode) -> tuple[str, str]:
@@ -216,11 +227,13 @@ def worn_json(one: WornMode) -> dict[str, Any]:
         "others": len(one.others),
         "threshold": wear.signal_threshold,
         "threshold_deviation": one.deviation,
+        "conditions_to_come": dict(one.to_come),
         "trend": wear.trend._asdict(),
         "bend": {"direction": wear.bend.direction, "p": wear.bend.p_value, "false_alarms": FALSE_ALARMS},
         "noise": wear.noise,
-        "remaining": interval_json(wear.remaining),
+        "remaining": interval_json(wear.remaining if wear.said else NOTHING_SAID),
         "said": wear.said,
+        "trend_shows": wear.shows,
         "never": wear.never,
         "reached": wear.reached,
         "recovered": wear.recovered,

@@ -10,27 +10,34 @@ Three ways of foretelling are weighed by how well each foretells the others, one
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import isotonic_regression
 
 from robophm.core.errors import DataError
-from robophm.learning.wear.averaging import DRAWS, Forecast, checked, forecast
+from robophm.learning.wear.averaging import DRAWS, Forecast, checked, first_passage, forecast
 from robophm.learning.wear.log_regression import Array, LogStudent, lasting
 
 PARTS = (0.0, 0.5, 0.8)
 """Shares of the present level from which the way to it is looked at."""
 
-ASKED = 8
-"""The most others whose present state the unit's own models foretell, to be weighed."""
+ASKED = 6
+"""Of how many others the unit's own models foretell what is known by now, to be weighed."""
 
 STEADY = 0.02
 """Noise of a level, as a share of the way to the threshold, down to which readings are averaged."""
 
 SPIKE = 6.0
 """Usual steps by which one reading alone may be off before it is left out."""
+
+BEFOREHAND = {"its own past": 0.4, "others' lives": 0.05, "from": 0.55}
+"""Weights of the ways before anybody was asked: a trend that shows says more than age alone."""
+
+LIFE_SCATTER = 0.3
+"""Deviation of ln(life) that is expected of a kind: as of Weibull lives of shape 3 to 4, which parts that wear have."""
 
 WORST = -20.0
 """Log density below which it does not matter how wrong a way of foretelling was."""
@@ -45,7 +52,9 @@ class Unit:
     threshold: float | None = None
     """Threshold of this unit; None: that of the unit that is asked about."""
     failed: float | None = None
-    """Time of failure, if known from elsewhere; None: when its readings first are at the threshold, if ever."""
+    """When it failed, if that is known from elsewhere; None: when its readings first are at the threshold, if ever."""
+    conditions: Mapping[str, Array] = field(default_factory=dict)
+    """What its readings were taken at, by name (``conditions.py``); shapes (readings,)."""
 
 
 @dataclass(frozen=True)
@@ -100,24 +109,28 @@ def forecast_among(
     ways = _ways(now, courses, _Own(alone.passage))
     if "others' lives" not in ways:
         return alone
+    if not alone.shows:  # before damage shows its level tells nothing
+        ways = {"others' lives": ways["others' lives"]}
     weights = _weights(now, courses, ways)
     rng = np.random.default_rng(seed)
     counts = rng.multinomial(draws, list(weights.values()))
     passage = np.concatenate([ways[name].quantile(rng.random(n)) for name, n in zip(weights, counts, strict=True)])
-    said = {name: weights["its own past"] * share for name, share in alone.weights.items()}
+    its_own = weights.get("its own past", 0.0)
+    said = {name: its_own * share for name, share in alone.weights.items()}
     said["others' lives"] = weights["others' lives"]
     said["others from here"] = sum(share for name, share in weights.items() if name.startswith("from"))
-    return replace(alone, passage=passage, weights=said, surprise=max(alone.surprise, 1 - weights["its own past"]))
+    return replace(alone, passage=passage, weights=said, surprise=max(alone.surprise, 1 - its_own))
 
 
 class _Own:
     """The forecast of the unit's own models, as draws of the remaining time."""
 
-    def __init__(self, passage: Array, prior: LogStudent | None = None) -> None:
+    def __init__(self, passage: Array, priors: Mapping[LogStudent, float] | None = None) -> None:
         ends = np.sort(passage[np.isfinite(passage)])
         self.share = len(ends) / len(passage)
-        if prior and len(ends) > 20:
-            weights = np.exp(prior.log_density(np.maximum(ends, 1e-9)))
+        if priors and len(ends) > 20:
+            at = np.maximum(ends, 1e-9)
+            weights = sum((share * np.exp(one.log_density(at)) for one, share in priors.items()), np.zeros(len(at)))
             if weights.sum() > 0:
                 shares = np.cumsum(weights) / weights.sum()
                 level = (np.arange(len(passage)) + 0.5) / len(passage)
@@ -158,13 +171,18 @@ def _turned(one: Unit, threshold: float, k: int, *, falls: bool) -> tuple[Array,
     return t, sign * y, sign * (threshold if one.threshold is None else one.threshold), one.failed
 
 
+def crossed(times: Array, wear: Array, threshold: float) -> float | None:
+    """When readings came to a threshold to stay, or until they end; None where they never did."""
+    end = first_passage(times, wear, threshold)
+    if end is None and wear[-1] >= threshold:
+        before = int(np.flatnonzero(wear < threshold)[-1]) if np.any(wear < threshold) else 0
+        end = float(np.interp(threshold, wear[before : before + 2], times[before : before + 2]))
+    return end
+
+
 def _course(times: Array, wear: Array, width: int, failed: float | None) -> _Trajectory:
     level = _level(wear, width)
-    over = np.flatnonzero(wear >= 1)
-    if failed is None and len(over):
-        k = int(over[0])
-        share = (1 - wear[k - 1]) / (wear[k] - wear[k - 1]) if k else 0.0
-        failed = float(times[k - 1] + share * (times[k] - times[k - 1])) if k else float(times[0])
+    failed = crossed(times, wear, 1.0) if failed is None else failed
     end = float(times[-1]) if failed is None else failed
     return _Trajectory(times, wear, level, end - float(times[0]), failed is not None)
 
@@ -175,7 +193,8 @@ def _level(wear: Array, width: int) -> Array:
     sums = np.concatenate([[0.0], np.cumsum(kept)])
     after = np.arange(1, len(wear) + 1)
     first = np.maximum(after - width, 0)
-    result: Array = np.maximum.accumulate((sums[after] - sums[first]) / (after - first))
+    means = (sums[after] - sums[first]) / (after - first)
+    result: Array = np.asarray(isotonic_regression(means).x, dtype=np.float64)
     return result
 
 
@@ -211,16 +230,24 @@ def _ways(now: _Trajectory, others: Sequence[_Trajectory], own: _Own | None) -> 
     lives = np.array([one.duration for one in others])
     none = np.zeros((len(others), 0))
     ways: dict[str, _Way] = {}
-    lived = lasting(np.maximum(lives, 1e-12), ended, none, none[0], passed) if len(others) else None
+    lived = lasting(np.maximum(lives, 1e-12), ended, none, none[0], passed, LIFE_SCATTER) if len(others) else None
     if lived:
         ways["others' lives"] = lived
     level = float(now.level[-1])
-    for part in PARTS:
-        if from_here := _from_here(now, others, level, part * level if level > 0 else None, passed):
-            ways[f"from {part:g}"] = from_here
+    for name, parts in {**{f"from {part:g}": (part,) for part in PARTS}, "from all": PARTS}.items():
+        if from_here := _from_here(now, others, level, parts, passed):
+            ways[name] = from_here
     if own:
-        ways["its own past"] = _Own(np.append(own.ends, np.full(_infinite(own), np.inf)), lived)
+        shares = _beforehand(ways)
+        priors = {way: shares[name] for name, way in ways.items() if isinstance(way, LogStudent)}
+        ways["its own past"] = _Own(np.append(own.ends, np.full(_infinite(own), np.inf)), priors)
     return ways
+
+
+def _beforehand(ways: Iterable[str]) -> dict[str, float]:
+    """Weights a priori, by name; those from here share theirs."""
+    names = [name.partition(" ")[0] if name.startswith("from") else name for name in ways]
+    return {way: BEFOREHAND[name] / names.count(name) for way, name in zip(ways, names, strict=True)}
 
 
 def _infinite(own: _Own) -> int:
@@ -228,37 +255,37 @@ def _infinite(own: _Own) -> int:
 
 
 def _from_here(
-    now: _Trajectory, others: Sequence[_Trajectory], level: float, start: float | None, passed: float
+    now: _Trajectory, others: Sequence[_Trajectory], level: float, parts: Sequence[float], passed: float
 ) -> LogStudent | None:
+    """How long they went on from a level, by how long the last parts of the way there took."""
     mine = now.reached(level)
     assert mine is not None
+    starts = [part * level for part in parts] if level > 0 and mine > 0 else []
     rows, features, ended = [], [], []
     for one in others:
         came = one.reached(level)
         if came is None or came >= one.duration:
             continue
         rows.append(one.duration - came)
-        features.append(_took(one, came, start))
+        features.append(_took(one, came, starts))
         ended.append(one.ended)
     if not rows:
         return None
-    own = _took(now, mine, start)
-    known = len(own) if mine > 0 else 0
-    return lasting(np.array(rows), np.array(ended), np.array(features)[:, :known], own[:known], passed - mine)
+    own = _took(now, mine, starts)
+    return lasting(np.array(rows), np.array(ended), np.array(features), own, passed - mine)
 
 
-def _took(one: _Trajectory, came: float, start: float | None) -> Array:
-    """The logarithm of how long the way from a level took, none from nothing."""
-    if start is None:
-        return np.zeros(0)
-    since = (one.reached(start) or 0.0) if start > 0 else 0.0
-    return np.array([np.log(max(came - since, 1e-9 * max(one.duration, 1e-300)))])
+def _took(one: _Trajectory, came: float, starts: Sequence[float]) -> Array:
+    """Logarithms of how long the ways from lower levels took."""
+    since = [one.reached(start) or 0.0 if start > 0 else 0.0 for start in starts]
+    return np.log(np.maximum(came - np.array(since), 1e-9 * max(one.duration, 1e-300)))
 
 
 def _weights(now: _Trajectory, others: Sequence[_Trajectory], ways: dict[str, _Way]) -> dict[str, float]:
-    """Weights of the ways, by how well each foretells others that ended, from where the unit is; they sum to 1."""
-    from_here = [name for name in ways if name.startswith("from")]
-    prior = {name: 1 / 3 / (len(from_here) if name in from_here else 1) for name in ways}
+    """How well each way foretells the others that ended, from where they were as the unit is; they sum to 1."""
+    if len(ways) == 1:
+        return dict.fromkeys(ways, 1.0)
+    prior = _beforehand(ways)
     scores: dict[str, list[float]] = {name: [] for name in ways}
     asked = 0
     for one in [other for other in others if other.ended] if len(others) > 1 else ():
@@ -286,6 +313,6 @@ def _weights(now: _Trajectory, others: Sequence[_Trajectory], ways: dict[str, _W
 def _own_of(then: _Trajectory) -> _Own | None:
     """The forecast that another unit's own models had given; None where they had too few readings."""
     try:
-        return _Own(forecast(then.times, then.wear, 1.0, draws=1000).passage)
+        return _Own(forecast(then.times, then.wear, 1.0, draws=1000, judged=False).passage)
     except DataError:
         return None

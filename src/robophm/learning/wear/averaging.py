@@ -19,7 +19,6 @@ from scipy.stats import norm
 from robophm.core.errors import DataError
 from robophm.learning.wear.models import candidates_of, degradation_models
 from robophm.learning.wear.models.candidates import Array, Candidates, DegradationPath, course_of, origin_of_surprise
-from robophm.learning.wear.readings_table import WIDEST
 from robophm.learning.wear.trend_bend import Bend, bend_of_wiener
 
 DRAWS = 4000
@@ -28,7 +27,11 @@ FEWEST = 4
 
 LAW = {0: 0.15, 1: 0.25, -1: 0.25}
 """Deviation of ln(rest of life) for the law that may change: of wear that is straight so far, that goes ever faster or
-slower. Of real wear it is some 0.1 to 0.6 for each unit; docs/theory/wear.md has where it is from."""
+slower, for each doubling of wear that is still to come, of which there is at least one: a law is known as far as it was
+seen, and wanders beyond. Of real wear it is some 0.1 to 0.6 for each unit; docs/theory/wear.md has where it is from."""
+
+LEAST = 0.01
+"""Wear, as a share of the way to the threshold, below which it is no further from there than six doublings and more."""
 
 STEEPER = -0.2
 """Mean of the same where wear goes ever faster: near its end it mostly goes faster still than its law so far says."""
@@ -41,8 +44,15 @@ EVENT, RENEWED, MATTERS = 5.0, 0.5, 0.2
 """The smallest sudden falls of wear that count. A rest: deviations of a step; after maintenance also shares of all wear
 so far, and of that from the first reading to the threshold."""
 
-AWAY = 0.5
-"""Share of draws that never reach the threshold, from which on no remaining life is said."""
+AWAY = 0.1
+"""Share of draws that never reach the threshold, above which no trend shows: where a tenth and more lead elsewhere, the
+rest of them is no life that could be said either."""
+
+WIDEST = 1e60
+"""What a reading may be, up or down: its powers are numbers too."""
+
+BESIDE = 5
+"""Readings before and after a fall whose medians say whether it lasted."""
 
 
 class Interval(NamedTuple):
@@ -89,6 +99,9 @@ class Forecast:
     """Times of sudden recoveries."""
     turned: bool = False
     """Whether the signal falls as wear grows."""
+    shows: bool = True
+    """Whether a trend shows that leads to the threshold. Before one does, nothing is foretold from it: ``passage`` is
+    by the lives of others, or else only as likely to end soon as of a thing of which nothing but its age is known."""
 
     @property
     def remaining(self) -> Interval:
@@ -119,11 +132,11 @@ class Forecast:
     @property
     def signal_threshold(self) -> float:
         """The threshold of the signal as it is, not turned round."""
-        return -self.threshold if self.turned else self.threshold
+        return 0.0 - self.threshold if self.turned else self.threshold
 
     @property
     def said(self) -> bool:
-        """Whether a remaining life can be stated at all: the threshold is reached more likely than not."""
+        """Whether a remaining life can be said at all: by a trend that shows, or by others."""
         return self.never <= AWAY
 
     def reached_by(self, time: npt.ArrayLike) -> Array:
@@ -147,9 +160,11 @@ class Forecast:
 
 def forecast(
     times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, *, falls: bool = False, deviation: float = 0.0,
-    seed: int = 0, draws: int = DRAWS,
+    seed: int = 0, draws: int = DRAWS, judged: bool = True,
 ) -> Forecast:  # fmt: skip
     """Forecast when readings reach a threshold, known to a ``deviation``; ``falls``: the signal falls as wear grows.
+
+    Not ``judged``, which takes a third of the time: whether it bends and is followed is not asked.
 
     Raises DataError where there are too few readings, or they cannot be wear towards that threshold.
     """
@@ -162,7 +177,7 @@ def forecast(
     if first_passage(t, y, threshold) is not None:
         found = _ended(t, y, threshold, draws)
     else:
-        found = _to_come(t, y, threshold, deviation, np.random.default_rng(seed), draws)
+        found = _to_come(t, y, threshold, deviation, np.random.default_rng(seed), draws, judged=judged)
         # One reading that stands above its noise: it is there sooner than the next reading could tell.
         if y[-1] >= threshold and found.remaining.median <= (t[-1] - t[-2]) / 2:
             found, reached = _ended(t, y, threshold, draws), reached or _crossing(t, y, threshold, len(y) - 1)
@@ -172,8 +187,10 @@ def forecast(
     )  # fmt: skip
 
 
-def _to_come(t: Array, y: Array, threshold: float, deviation: float, rng: np.random.Generator, draws: int) -> Forecast:
-    """The forecast for wear that has yet to reach its threshold."""
+def _to_come(
+    t: Array, y: Array, threshold: float, deviation: float, rng: np.random.Generator, draws: int, *, judged: bool
+) -> Forecast:
+    """Of wear that has yet to reach its threshold."""
     course = course_of(t, y, threshold, float(t[-1]))
     found = _candidates(course)
     weights = averaged(list(found.values()))
@@ -191,15 +208,30 @@ def _to_come(t: Array, y: Array, threshold: float, deviation: float, rng: np.ran
         drift[here], noise[here] = one.speed(which, rng), one.noise()[which]
         accelerates[here] = one.accelerates[which]
     law = np.select([accelerates == 0, accelerates > 0], [LAW[0], LAW[1]], LAW[-1]) * rng.standard_normal(draws)
+    law *= math.sqrt(max(1.0, -math.log2(max(float(course.smooth[-1]), LEAST))))
     passage = passage * np.exp(law + STEEPER * (accelerates > 0))
     span = abs(threshold - float(y[0]))
     since = float(t[-1]) - float(course.times[-1]) * course.reference  # of many readings the last is a mean's
+    shows = bool(np.mean(np.isinf(passage)) <= AWAY)
+    passage = np.maximum(passage * course.reference - since, 0.0) if shows else of_age(float(t[-1]), draws)
     return Forecast(
-        threshold, np.maximum(passage * course.reference - since, 0.0), drift * span / course.reference,
-        float(np.median(noise)) * span, bend_of_wiener(t, y) if len(t) > FEWEST else Bend(1.0, False),
+        threshold, passage, drift * span / course.reference,
+        float(np.median(noise)) * span, bend_of_wiener(t, y) if judged and len(t) > FEWEST else Bend(1.0, False),
         {name: float(share.sum()) for name, share in zip(found, weights, strict=True)},
-        _surprise(course),
+        _surprise(course) if judged else 1.0, shows=shows,
     )  # fmt: skip
+
+
+def of_age(age: float, draws: int) -> Array:
+    """What remains of a thing of which nothing but its age is known, as draws; infinite is what cannot be said.
+
+    Seen at no special time of its life it goes on for s more with a probability of age / (age + s) (Gott, Nature 363,
+    1993): with 95 % for a nineteenth of its age. Beyond a third of its age nothing is said.
+    """
+    shares = (np.arange(draws) + 0.5) / draws
+    more = age * (1 / shares - 1)
+    result: Array = np.where(more <= age / 3, more, np.inf)
+    return result
 
 
 def _goals(deviation: float, now: float, rng: np.random.Generator, draws: int) -> Array:
@@ -319,8 +351,11 @@ def recoveries(times: Array, wear: Array, threshold: float) -> tuple[Array, floa
     fell = np.flatnonzero(-steps > EVENT * usual)
     matters = MATTERS * (threshold - wear[0])
     large = [k for k in fell.tolist() if -steps[k] > max(RENEWED * (wear[: k + 1].max() - wear[0]), matters)]
-    # It stays down: otherwise it was one bad reading.
-    large = [k for k in large if np.median(wear[k + 1 : k + 4]) < wear[k] + steps[k] / 2]
+    # It was up and stays down: otherwise it was bad readings.
+    large = [
+        k for k in large
+        if np.median(wear[max(k + 1 - BESIDE, 0) : k + 1]) - np.median(wear[k + 1 : k + 1 + BESIDE]) > -steps[k] / 2
+    ]  # fmt: skip
     return times[fell + 1], float(times[large[-1] + 1]) if large else -math.inf
 
 

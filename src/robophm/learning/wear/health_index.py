@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from robophm.core.errors import DataError
 from robophm.learning.wear.averaging import DRAWS, Interval, interval_of
+from robophm.learning.wear.operating_conditions import OperatingConditions, learn_operating_conditions
 
 Array = npt.NDArray[np.float64]
 
@@ -30,8 +31,14 @@ WINDOWS = (5, 10, 20, 30, 50)
 """Readings that are looked at together; that which foretells best is taken."""
 
 INDUCING, NOISE, FOLDS = 1000, 1.0, 5
-NEAR, AGE_NEAR = 0.06, 0.2
-"""Distances of two indices and of two ages that are still alike, as shares of the horizon (standard deviations)."""
+NEAR, AGE_NEAR = (0.02, 0.04, 0.08), (0.1, 0.3, 1.0)
+"""Of the horizon: how far apart two indices, and two ages, may be that are still alike, as a standard deviation; those
+are taken that foretell the units that failed best."""
+
+ASKED = 5
+"""Readings of each unit that failed at which that is tried."""
+
+LEVELS = (0.05, 0.5, 0.95)
 
 
 @dataclass(frozen=True)
@@ -40,6 +47,8 @@ class SignalHistory:
 
     times: Array
     values: Array
+    settings: Array | None = None
+    """Operating conditions, of which its signals are freed; shape (readings, settings)."""
 
 
 @dataclass(frozen=True)
@@ -76,33 +85,45 @@ class HealthIndex:
 
     horizon: float
     window: int
-    centre: Array
-    spread: Array
-    """Standard deviation of each signal; 0 for those that do not vary."""
+    signals: int
+    usual: OperatingConditions
+    near: tuple[float, float]
+    """How far apart two indices, and two ages, are that are alike, of the horizon."""
     process: _Process
     indices: Array
     """Indices of readings of units that failed, each by an index that had not seen it; shape (readings,)."""
     ages: Array
     remained: Array
-    """Remaining lives of these units at those readings; shape (readings,)."""
+    """How old these were, and how long they then went on, which ascends."""
 
-    def remaining(self, times: npt.ArrayLike, values: npt.ArrayLike, *, draws: int = DRAWS) -> Remaining:
-        """Return what remains after a unit's last reading. Raises DataError for readings unlike those it learned
-        from."""
-        course = _checked(SignalHistory(np.asarray(times, dtype=float), np.asarray(values, dtype=float)), "the unit")
-        if course.values.shape[1] != len(self.centre):
-            raise DataError(
-                f"{course.values.shape[1]} signals; expected the {len(self.centre)} of the units that failed"
-            )
-        features = _features(course, self.window, self.centre, self.spread)[-1:]
-        index = float(np.clip(self.process.foretold(features)[0], 0.0, self.horizon))
-        apart = (self.indices - index) / NEAR, (self.ages - course.times[-1]) / AGE_NEAR
-        logs = -0.5 * (apart[0] ** 2 + apart[1] ** 2) / self.horizon**2
-        near = np.exp(logs - logs.max())
-        order = np.argsort(self.remained)
-        shares = np.cumsum(near[order]) / near.sum()
+    def remaining(
+        self, times: npt.ArrayLike, values: npt.ArrayLike, settings: npt.ArrayLike | None = None, *, draws: int = DRAWS
+    ) -> Remaining:
+        """What remains after the last reading of a unit. Raises DataError for readings unlike those it learned from."""
+        course = _history(times, values, settings, "the unit")
+        if course.values.shape[1] != self.signals:
+            raise DataError(f"{course.values.shape[1]} signals; expected the {self.signals} of the units that failed")
+        assert course.settings is not None
+        if course.settings.shape[1] != len(self.usual.cuts):
+            raise DataError(f"{course.settings.shape[1]} settings; expected the {len(self.usual.cuts)} of these units")
+        last = slice(-max(self.window, 2), None)  # what came before does not count
+        recent = SignalHistory(course.times[last], course.values[last], course.settings[last])
+        features = _features(recent, self.window, self.usual)[-1:]
+        index = float(self._index(features)[0])
+        logs = _alike(self.indices - index, self.ages - course.times[-1], self.near, self.horizon)
+        shares = np.cumsum(np.exp(logs - logs.max()))
         level = (np.arange(draws) + 0.5) / draws
-        return Remaining(index, self.remained[order][np.minimum(np.searchsorted(shares, level), len(order) - 1)])
+        at = np.minimum(np.searchsorted(shares / shares[-1], level), len(shares) - 1)
+        return Remaining(index, self.remained[at])
+
+    def course(self, one: SignalHistory) -> Array:
+        """The index at each reading of a unit; shape (readings,)."""
+        known = _history(one.times, one.values, one.settings, "the unit")
+        return self._index(_features(known, self.window, self.usual))
+
+    def _index(self, features: Array) -> Array:
+        result: Array = np.clip(self.process.foretold(features), 0.0, self.horizon)
+        return result
 
 
 def learn_health_index(
@@ -115,20 +136,17 @@ def learn_health_index(
     """
     if len(failed) < FEWEST_UNITS:
         raise DataError(f"{len(failed)} units that failed; expected at least {FEWEST_UNITS} to learn an index from")
-    courses = [_checked(one, f"unit {k + 1}") for k, one in enumerate(failed)]
-    counts = {one.values.shape[1] for one in courses}
-    if len(counts) > 1:
-        raise DataError(f"units have {' and '.join(map(str, sorted(counts)))} signals; expected the same of all")
-    every = np.concatenate([one.values for one in courses])
-    centre, spread = every.mean(axis=0), every.std(axis=0)
-    spread = np.where(spread > 1e-9 * np.maximum(np.abs(centre), 1e-300), spread, 0.0)
-    if not spread.any():
-        raise DataError("no signal varies; expected one at least that shows wear")
+    courses = [_history(one.times, one.values, one.settings, f"unit {k + 1}") for k, one in enumerate(failed)]
+    every = [(one.values, one.settings) for one in courses if one.settings is not None]
+    for what, counts in (("signals", {x.shape[1] for x, _ in every}), ("settings", {s.shape[1] for _, s in every})):
+        if len(counts) > 1:
+            raise DataError(f"units have {' and '.join(map(str, sorted(counts)))} {what}; expected the same of all")
+    usual = learn_operating_conditions(*zip(*every, strict=True))
     limit = horizon or HORIZON * float(np.median([one.times[-1] for one in courses]))
     rest = [one.times[-1] - one.times for one in courses]
     best: tuple[float, int, list[Array], list[Array]] | None = None
     for tried in (window,) if window else WINDOWS:
-        features = [_features(one, tried, centre, spread) for one in courses]
+        features = [_features(one, tried, usual) for one in courses]
         foretold = _unseen(features, rest, limit, seed)
         wrong = float(np.mean([np.mean((f - np.minimum(r, limit)) ** 2) for f, r in zip(foretold, rest, strict=True)]))
         if best is None or wrong < best[0]:
@@ -136,27 +154,59 @@ def learn_health_index(
     assert best
     _, chosen, features, foretold = best
     process = _process(np.concatenate(features), np.minimum(np.concatenate(rest), limit), seed)
-    ages = np.concatenate([one.times for one in courses])
-    return HealthIndex(limit, chosen, centre, spread, process, np.concatenate(foretold), ages, np.concatenate(rest))
+    remained = np.concatenate(rest)
+    order = np.argsort(remained, kind="stable")
+    unit = np.repeat(np.arange(len(courses)), [len(one.times) for one in courses])[order]
+    ages, indices = (np.concatenate(part)[order] for part in ([one.times for one in courses], foretold))
+    near = _nearness(unit, indices, ages, remained[order], limit, seed)
+    return HealthIndex(
+        limit, chosen, courses[0].values.shape[1], usual, near, process, indices, ages, remained[order]
+    )  # fmt: skip
 
 
-def _checked(one: SignalHistory, name: str) -> SignalHistory:
-    t, values = np.asarray(one.times, dtype=float), np.asarray(one.values, dtype=float)
-    if t.ndim != 1 or values.ndim != 2 or len(t) != len(values) or len(t) < 2:
-        raise DataError(
-            f"{name}: {t.shape} times and {values.shape} values; expected (readings,) and (readings, signals)"
-        )
-    if not (np.isfinite(t).all() and np.isfinite(values).all()):
+def _alike(indices: Array, ages: Array, near: tuple[float, float], horizon: float) -> Array:
+    """Logarithms of weights, by how far apart indices and ages are."""
+    result: Array = -0.5 * ((indices / near[0]) ** 2 + (ages / near[1]) ** 2) / horizon**2
+    return result
+
+
+def _nearness(
+    unit: npt.NDArray[np.intp], indices: Array, ages: Array, remained: Array, limit: float, seed: int
+) -> tuple[float, float]:
+    """Which nearness foretells units best by others: the least mean loss of quantiles (Koenker and Bassett 1978)."""
+    rng = np.random.default_rng(seed)
+    asked = np.concatenate([rng.permutation(np.flatnonzero(unit == k))[:ASKED] for k in np.unique(unit)])
+    levels = np.array(LEVELS)
+    lost: dict[tuple[float, float], float] = {}
+    for near in ((a, b) for a in NEAR for b in AGE_NEAR):
+        total = 0.0
+        for k in asked.tolist():
+            logs = np.where(unit == unit[k], -np.inf, _alike(indices - indices[k], ages - ages[k], near, limit))
+            shares = np.cumsum(np.exp(logs - logs.max()))
+            said = remained[np.minimum(np.searchsorted(shares / shares[-1], levels), len(shares) - 1)]
+            total += float(np.sum((levels - (remained[k] < said)) * (remained[k] - said)))
+        lost[near] = total
+    return min(lost, key=lambda near: lost[near])
+
+
+def _history(times: npt.ArrayLike, values: npt.ArrayLike, settings: npt.ArrayLike | None, name: str) -> SignalHistory:
+    t, x = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
+    if t.ndim != 1 or x.ndim != 2 or len(t) != len(x) or len(t) < 2:
+        raise DataError(f"{name}: {t.shape} times and {x.shape} values; expected (readings,) and (readings, signals)")
+    s = np.zeros((len(t), 0)) if settings is None else np.asarray(settings, dtype=float)
+    if s.ndim != 2 or len(s) != len(t):
+        raise DataError(f"{name}: settings of {s.shape}; expected (readings, settings)")
+    if not (np.isfinite(t).all() and np.isfinite(x).all() and np.isfinite(s).all()):
         raise DataError(f"{name}: a time or value is no number; expected finite ones")
     if np.any(np.diff(t) <= 0):
         raise DataError(f"{name}: times do not ascend; expected each reading later than the one before")
-    return SignalHistory(t, values)
+    return SignalHistory(t, x, s)
 
 
-def _features(one: SignalHistory, window: int, centre: Array, spread: Array) -> Array:
+def _features(one: SignalHistory, window: int, usual: OperatingConditions) -> Array:
     """Means of the last readings, how much they rose from the first half of these to the second, and age."""
-    kept = spread > 0
-    x = (one.values[:, kept] - centre[kept]) / spread[kept]
+    assert one.settings is not None
+    x = usual.normalised(one.values, one.settings)
     sums = np.concatenate([np.zeros((1, x.shape[1])), np.cumsum(x, axis=0)])
     after = np.arange(1, len(x) + 1)
     first = np.maximum(after - window, 0)

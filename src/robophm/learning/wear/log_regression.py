@@ -18,13 +18,14 @@ from scipy import special, stats
 
 Array = npt.NDArray[np.float64]
 
-SCATTER, COUNTS = 0.25, 3.0
-"""Deviation of ln(duration) that is expected before others are seen, and how many of them that is worth."""
+SCATTER, COUNTS = 0.2, 3.0
+"""Deviation of ln(duration) that is expected before others are seen, and how many of them that is worth: units made and
+loaded alike, of which level and pace are known."""
 
 SLOPE, SLOPE_DEVIATION = 0.8, 0.4
 """Mean and deviation of the slopes together a priori: a unit that was slow so far mostly stays slow, if less so."""
 
-_ROUNDS, _SETTLED = 200, 1e-9
+_ROUNDS, _SETTLED = 200, 1e-6
 
 
 @dataclass(frozen=True)
@@ -58,9 +59,10 @@ class LogStudent:
 
 
 def lasting(
-    durations: Array, ended: npt.NDArray[np.bool_], features: Array, own: Array, passed: float
-) -> LogStudent | None:
-    """Fit a duration with ``own`` features, of which ``passed`` has gone by; None where none of the others ended.
+    durations: Array, ended: npt.NDArray[np.bool_], features: Array, own: Array, passed: float,
+    scatter: float = SCATTER,
+) -> LogStudent | None:  # fmt: skip
+    """What is known of a duration with features of its ``own`` of which ``passed`` has gone by; None where none ended.
 
     ``durations`` > 0 of others, shape (others,), each ended or going on still; ``features``, shape (others, features).
     """
@@ -71,16 +73,16 @@ def lasting(
     middle = features.mean(axis=0)
     design = np.column_stack([np.ones(n), features - middle])
     slopes = np.full(count, SLOPE / max(count, 1))
-    precision = np.diag(np.concatenate([[0.0], np.full(count, (SCATTER / SLOPE_DEVIATION) ** 2)]))
-    normal = design.T @ design + precision
+    precision = np.diag(np.concatenate([[0.0], np.full(count, (scatter / SLOPE_DEVIATION) ** 2)]))
+    inverse = np.linalg.inv(design.T @ design + precision)
+    pull = np.concatenate([[0.0], slopes])
     degrees = COUNTS + n - 1
     filled, more, before = y.copy(), 0.0, math.inf
     for _ in range(_ROUNDS):
-        pull = np.concatenate([[0.0], slopes])
-        found = np.linalg.solve(normal, design.T @ filled + precision @ pull)
+        found = inverse @ (design.T @ filled + precision @ pull)
         fitted = design @ found
         squares = float(np.sum((filled - fitted) ** 2) + (found - pull) @ precision @ (found - pull)) + more
-        variance = (COUNTS * SCATTER**2 + squares) / degrees
+        variance = (COUNTS * scatter**2 + squares) / degrees
         if ended.all() or abs(variance / before - 1) < _SETTLED:
             break
         before = variance
@@ -90,6 +92,6 @@ def lasting(
         filled = np.where(ended, y, fitted + deviation * ratio)
         more = float(np.sum(np.where(ended, 0.0, variance * (1 + start * ratio - ratio**2))))
     at = np.concatenate([[1.0], own - middle])
-    spread = math.sqrt(variance * (1 + at @ np.linalg.solve(normal, at)))
+    spread = math.sqrt(variance * (1 + at @ inverse @ at))
     # Others that still go on say less than those that ended.
     return LogStudent(float(at @ found), spread, COUNTS + float(ended.sum()) - 1, passed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy.typing as npt
 from robophm.core.errors import DataError
 from robophm.core.signal import SECOND
 from robophm.learning.table import Row, date_of, read_table
+from robophm.learning.wear.conditions import CONDITIONS
 
 Array = npt.NDArray[np.float64]
 
@@ -22,13 +23,10 @@ COLUMNS: Mapping[str, Sequence[str]] = {
     "load": ("x",),
     "ambient": (),
     "unit": ("specimen",),
+    **dict.fromkeys(CONDITIONS, ()),
 }
 """Columns of a table of readings; ``ambient`` is subtracted from the value, as for a bearing's temperature; ``unit``:
 which of several equal things the row is of."""
-
-
-WIDEST = 1e60
-"""The largest magnitude of a reading: its powers are numbers too."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +40,9 @@ class Readings:
     dated: bool
     """Whether its times are dates, and so the calendar's."""
     when: npt.NDArray[np.int64] | None = None
-    """Times of recordings, and of a table with dates [ns since the epoch]."""
+    """Of recordings, and of a table with dates [ns since the epoch]."""
+    conditions: Mapping[str, Array] = field(default_factory=dict)
+    """What speeds its wear up, by name."""
 
 
 def read_readings(path: Path, unit: str) -> Readings:
@@ -68,7 +68,11 @@ def read_units(path: Path, unit: str) -> dict[str, Readings]:
     return {name: _of_rows(of_part, unit) for name, of_part in parts.items()}
 
 
-def _of_rows(rows: Sequence[Row], unit: str) -> Readings:
+def times_of(rows: Sequence[Row], unit: str) -> tuple[Array, bool, npt.NDArray[np.int64] | None]:
+    """Times of rows on a clock that counts a unit, or hours since the first; whether they are dates, and which.
+
+    Raises DataError, with the line, where they do not ascend.
+    """
     dated = "when" in rows[0].cells
     dates = [date_of(row, "when").timestamp() for row in rows] if dated else []
     times = [(date - dates[0]) / 3600 for date in dates] if dated else [_age(row, unit) for row in rows]
@@ -78,12 +82,21 @@ def _of_rows(rows: Sequence[Row], unit: str) -> Readings:
             raise row.error(
                 "is no later than the reading before; expected readings of one part, in order of time", column
             )
+    when = np.array([round(date * SECOND) for date in dates], dtype=np.int64) if dated else None
+    return np.array(times), dated, when
+
+
+def _of_rows(rows: Sequence[Row], unit: str) -> Readings:
+    times, dated, when = times_of(rows, unit)
     with_load = any("load" in row.cells for row in rows)
     load = np.array([row.number("load") for row in rows]) if with_load else None
     with_ambient = any("ambient" in row.cells for row in rows)  # one that is missing is not 0
     values = [row.number("value") - (row.number("ambient") if with_ambient else 0.0) for row in rows]
-    when = np.array([round(date * SECOND) for date in dates], dtype=np.int64) if dated else None
-    return Readings(np.array(times), np.array(values), load, dated, when)
+    conditions = {
+        name: np.array([row.quantity(name, "degC") if name == "temperature" else row.number(name) for row in rows])
+        for name in CONDITIONS if any(name in row.cells for row in rows)
+    }  # fmt: skip
+    return Readings(times, np.array(values), load, dated, when, conditions)
 
 
 def at_load(values: npt.ArrayLike, load: npt.ArrayLike, baseline: int, reference: float) -> Array:

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from robophm.core.errors import DataError
 from robophm.core.signal import SECOND
 from robophm.design.robot import Gauge, WearSignal
-from robophm.learning.wear.readings_table import WIDEST
+from robophm.learning.wear.averaging import WIDEST
 
 Array = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +11,10 @@ import numpy as np
 from robophm.core.errors import DataError
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
 from robophm.learning.failure_mode_edits import named_mode
-from robophm.learning.wear.among_others import Unit, forecast_among
+from robophm.learning.wear.among_others import Unit
 from robophm.learning.wear.averaging import Forecast
 from robophm.learning.wear.backtest import Backtest, backtest
+from robophm.learning.wear.conditions import forecast_under
 from robophm.learning.wear.cusum import Cusum, design
 from robophm.learning.wear.readings_table import Array, Readings, at_load, read_readings, read_units
 
@@ -56,6 +57,10 @@ class WornMode:
     """Indices of the readings that say that something has changed."""
     others: tuple[Unit, ...] = ()
     """Units of its kind, as teachers."""
+    to_come: Mapping[str, float] = field(default_factory=dict)
+    """Conditions under which its life is foretold."""
+    indexed: bool = False
+    """Whether its readings are an index of health of many signals (``indexed_mode.py``)."""
 
     @property
     def unit(self) -> str:
@@ -76,6 +81,9 @@ class WornMode:
         """Return the forecasts at earlier readings against what came. Raises DataError, with the source, if
         impossible."""
         times, threshold = self.readings.times, self.wear.signal_threshold
+        if self.to_come or self.indexed:
+            what = "an index of many signals" if self.indexed else "readings that come with conditions"
+            raise DataError(f"{self.source}: there is no backtest of {what}; expected one signal without")
         try:
             return backtest(
                 times, self.values, threshold, falls=self.wear.turned, deviation=self.deviation, others=self.others,
@@ -98,27 +106,38 @@ _USUAL = WearOptions()
 def worn_mode(
     mode: FailureMode, source: str, readings: Readings, threshold: float, *, deviation: float = 0.0,
     load: float | None = None, options: WearOptions = _USUAL, others: Sequence[Unit] = (),
+    to_come: Mapping[str, float] | None = None,
 ) -> WornMode:  # fmt: skip
     """Judge the wear of a mode by readings that begin below or above the threshold, and so rise or fall to it.
 
     ``deviation``: how well the threshold is known; ``load``: that at which readings are compared, where they come with
-    their loads; ``others``: units of its kind, as teachers. Raises DataError, with the source, where readings are too
-    few or cannot be wear.
+    their loads; ``others``: units of its kind, as teachers; ``to_come``: conditions under which it goes on, where
+    readings come with some, else as of late. Raises DataError, with the source, where readings are too few or cannot be
+    wear.
     """
-    values = readings.values
+    values, to_come = readings.values, _to_come(readings.conditions, to_come or {})
     try:
         if readings.load is not None and load is not None:
             values = at_load(values, readings.load, options.baseline, load)
         begun = float(np.median(values[: min(FIRST, max(len(values) // 4, 1))]))
         if threshold == begun:
             raise DataError(f"the signal begins at its threshold, {threshold:g}; expected one that it has yet to reach")
-        found = forecast_among(
-            others, readings.times, values, threshold, falls=threshold < begun, deviation=deviation, seed=options.seed
-        )
+        found = forecast_under(
+            to_come, Unit(readings.times, values, conditions=readings.conditions), threshold, others,
+            falls=threshold < begun, deviation=deviation, seed=options.seed,
+        )  # fmt: skip
     except DataError as error:
         raise DataError(f"{source}: {error}") from None
     detector, unlooked, alarms = _changes(values, options)
-    return WornMode(mode, source, readings, values, deviation, found, detector, unlooked, alarms, tuple(others))
+    return WornMode(
+        mode, source, readings, values, deviation, found, detector, unlooked, alarms, tuple(others), to_come
+    )
+
+
+def _to_come(conditions: Mapping[str, Array], stated: Mapping[str, float]) -> dict[str, float]:
+    """Conditions as stated, else the mean of the last tenth of the readings."""
+    late = {name: float(values[-max(len(values) // 10, 1) :].mean()) for name, values in conditions.items()}
+    return late | dict(stated)
 
 
 def _changes(values: Array, options: WearOptions) -> tuple[Cusum | None, str, tuple[int, ...]]:
@@ -133,21 +152,28 @@ def _changes(values: Array, options: WearOptions) -> tuple[Cusum | None, str, tu
     return detector, "", tuple(baseline + i for i in detector.alarms(values[baseline:])[1])
 
 
-def worn_mode_of_table(
-    robot: Robot, path: Path, part: str, *, threshold: float | None = None, deviation: float | None = None,
-    load: float | None = None, options: WearOptions = _USUAL, fleet: Path | None = None,
-) -> WornMode:  # fmt: skip
-    """Judge the wear of a part, or failure mode, by a table of readings; ``threshold``: the design's unless given.
-
-    ``fleet``: a table of the same signal of other units, with a column ``unit``. Raises DataError where a table is
-    none, the part is several, or what would be needed is not said.
-    """
+def one_mode(robot: Robot, part: str) -> FailureMode:
+    """A failure mode by its path, of one part alone. Raises DataError where the part is several."""
     mode = named_mode(robot, part)
     if (several := next(one.quantity for one in robot.all_components() if mode in one.modes)) > 1:
         raise DataError(
             f"'{mode.path}' is {several} equal parts, and one signal shows the wear of one; expected them as "
             "components of their own"
         )
+    return mode
+
+
+def worn_mode_of_table(
+    robot: Robot, path: Path, part: str, *, threshold: float | None = None, deviation: float | None = None,
+    load: float | None = None, options: WearOptions = _USUAL, fleet: Path | None = None,
+    to_come: Mapping[str, float] | None = None,
+) -> WornMode:  # fmt: skip
+    """Of a table of readings of one part, or failure mode, by its path; the threshold is the design's unless given.
+
+    ``fleet``: a table of the same signal of other units, with a column ``unit``. Raises DataError where a table is
+    none, the part is several, or what would be needed is not said.
+    """
+    mode = one_mode(robot, part)
     if threshold is None and mode.wear:
         threshold = mode.wear.threshold
         deviation = mode.wear.threshold_deviation if deviation is None else deviation
@@ -156,23 +182,27 @@ def worn_mode_of_table(
     readings = read_readings(path, CLOCK_UNITS[mode.clock])
     if (readings.load is None) != (load is None):
         raise DataError(f"{path}: a column 'load' and --load, the load at which readings are compared: expected both")
-    others = _others(fleet, CLOCK_UNITS[mode.clock], readings) if fleet else ()
+    others = others_of_table(fleet, mode, dated=readings.dated, load=load) if fleet else ()
     return worn_mode(
-        mode, str(path), readings, threshold, deviation=deviation or 0.0, load=load, options=options, others=others
-    )
+        mode, str(path), readings, threshold, deviation=deviation or 0.0, load=load, options=options, others=others,
+        to_come=to_come,
+    )  # fmt: skip
 
 
-def _others(path: Path, unit: str, readings: Readings) -> list[Unit]:
-    """Units of a table, whose readings must be like those of the one that is asked about."""
+def others_of_table(path: Path, mode: FailureMode, *, dated: bool, load: float | None = None) -> list[Unit]:
+    """Units of a table, whose readings must be like those of the one that is asked about.
+
+    Raises DataError, with the unit, where they are not.
+    """
     found = []
-    for name, one in read_units(path, unit).items():
-        if one.load is not None or readings.load is not None:
+    for name, one in read_units(path, CLOCK_UNITS[mode.clock]).items():
+        if one.load is not None or load is not None:
             raise DataError(f"{path}: readings that come with a load are not compared between units; expected none")
-        if one.dated != readings.dated:
+        if one.dated != dated:
             raise DataError(
                 f"{path}: unit {name!r:.40} has dates or ages where the other readings have not; expected alike"
             )
         if len(one.times) < 2:
             raise DataError(f"{path}: unit {name!r:.40} has one reading; expected at least two")
-        found.append(Unit(one.times, one.values))
+        found.append(Unit(one.times, one.values, conditions=one.conditions))
     return found

@@ -1,6 +1,6 @@
 """Models of degradation. One file here is one model; the file's name is the model's name.
 
-A model is one file with a function ``candidates(course, fleet)``: the model at a grid of its parameters, weighted by a
+A model is one file with a function ``candidates(course)``: the model at a grid of its parameters, weighted by a
 prior, each of which says how well it foretold the unit's own past and when the threshold is reached
 (``candidates.py``; None where the readings cannot be of such wear). Those of a Wiener process on another scale of time
 or wear share ``scaled_wiener.py``. A new model is one new file, or such a module in somebody else's package under the
@@ -8,8 +8,6 @@ entry-point group ``robophm.learning.wear.models``.
 """
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 from robophm.core.errors import PlugError
 from robophm.core.registry import load_plug, plugs
@@ -23,11 +21,11 @@ def degradation_models() -> list[str]:
     return plugs(__name__)
 
 
-def candidates_of(name: str, course: DegradationPath, fleet: Sequence[DegradationPath] = ()) -> Candidates | None:
+def candidates_of(name: str, course: DegradationPath) -> Candidates | None:
     """A model's candidates for a course of wear; None where the model does not apply. Raises PlugError for no model."""
     module = load_plug(__name__, name, "degradation model")
     made = getattr(module, "candidates", None)
     if not callable(made):
-        raise PlugError(f"degradation model '{name}': {module.__name__} has no function candidates(course, fleet)")
-    found: Candidates | None = made(course, fleet)
+        raise PlugError(f"degradation model '{name}': {module.__name__} has no function candidates(course)")
+    found: Candidates | None = made(course)
     return found

@@ -14,9 +14,10 @@ Indices = npt.NDArray[np.int64]
 MOST = 120
 """Readings of a course; of more, means of neighbours."""
 
-COUNTS = 20.0
-"""The most that all readings together count as in one-step scores: a law is only nearly the model's, however densely it
-is read (the coarsened posterior of Miller and Dunson, J. Am. Stat. Assoc. 114, 2019)."""
+COUNTS = 10.0
+"""What all readings together count as, at most, in one-step scores: a law is only nearly the model's, however densely
+it is read, and one step tells more of noise than of where wear goes (the coarsened posterior of Miller and Dunson, J.
+Am. Stat. Assoc. 114, 2019)."""
 
 HALF_LIFE = 0.25
 """Half-life of scores, as a share of the readings: the law that holds now counts (forgetting, as Raftery, Kárný and
@@ -41,7 +42,7 @@ class DegradationPath:
     """Times in units of the reference, from the clock's zero."""
     wear: Array
     reference: float
-    """Length of the unit of time: the time until now, or for a fleet a typical life."""
+    """How long the unit of time is: the time until now."""
     gain: float | None
     """(threshold − first reading) / first reading, where the signal's own zero is one of wear; None where it is not."""
 

@@ -8,8 +8,6 @@ in ten between 1/27 and 27 times.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from robophm.learning.wear.models.candidates import DegradationPath, prior_over
@@ -27,6 +25,6 @@ def scales(course: DegradationPath) -> list[Scale]:
     ]
 
 
-def candidates(course: DegradationPath, fleet: Sequence[DegradationPath] = ()) -> ScaledWiener:
-    """Return the model's candidates for any course of wear."""
+def candidates(course: DegradationPath) -> ScaledWiener:
+    """Of any course."""
     return ScaledWiener(course, scales(course))

@@ -7,8 +7,6 @@ time, and b are a grid, ln b with the prior of ``power_time.py``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from scipy.special import betainc, gammaincc, gammaln
 
@@ -99,6 +97,6 @@ class GammaProcess:
         return result
 
 
-def candidates(course: DegradationPath, fleet: Sequence[DegradationPath] = ()) -> GammaProcess | None:
-    """Return the model's candidates; None where wear ever stood still or turned back."""
+def candidates(course: DegradationPath) -> GammaProcess | None:
+    """None where wear ever stood still or turned back."""
     return GammaProcess(course) if bool(np.all(np.diff(course.wear) > 0)) else None

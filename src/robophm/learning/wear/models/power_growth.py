@@ -7,8 +7,6 @@ deviation of 1.5. It needs a signal whose zero is one of wear, and that never ch
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from robophm.learning.wear.models.candidates import DegradationPath, prior_over
@@ -28,6 +26,6 @@ def scales(course: DegradationPath) -> list[Scale]:
     ]
 
 
-def candidates(course: DegradationPath, fleet: Sequence[DegradationPath] = ()) -> ScaledWiener | None:
-    """Return the model's candidates; None for a signal that has no zero of its own, or changes sign."""
+def candidates(course: DegradationPath) -> ScaledWiener | None:
+    """None of a signal that has no zero of its own, or changes sign."""
     return ScaledWiener(course, found) if (found := scales(course)) else None

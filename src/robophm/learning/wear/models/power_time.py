@@ -6,8 +6,6 @@ prior of ln b is normal about 0 with a deviation of 0.7: nine in ten between t^0
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from robophm.learning.wear.models.candidates import DegradationPath, prior_over
@@ -22,6 +20,6 @@ def scales(course: DegradationPath) -> list[Scale]:
     return [Scale(w, as_it_is, float(np.exp(b)), int(np.sign(b))) for w, b in zip(weights, LOG_POWERS, strict=True)]
 
 
-def candidates(course: DegradationPath, fleet: Sequence[DegradationPath] = ()) -> ScaledWiener:
-    """Return the model's candidates for any course of wear."""
+def candidates(course: DegradationPath) -> ScaledWiener:
+    """Of any course."""
     return ScaledWiener(course, scales(course))

@@ -36,6 +36,8 @@ _PRIOR = np.outer(_NOISE_PRIOR / _NOISE_PRIOR.sum(), np.full(len(WANDERING), 1 /
 
 _RESOLVED = 0.01  # of the wear so far: what wandering is taken for before anything is read, at the weight of 1 reading
 STEPS = 80
+FIRST = 3
+"""Readings that a level and a drift are first known from; later ones are foretold."""
 
 
 @dataclass(frozen=True)
@@ -68,18 +70,6 @@ def growing(gain: float, exponent: float) -> Callable[[Array], tuple[Array, Arra
 
 
 @dataclass(frozen=True)
-class Population:
-    """The drift and σ² of other units, a candidate each; shapes (candidates,)."""
-
-    drift: Array
-    variance: Array
-    """Variance of the drift between units, over σ²."""
-    degrees: Array
-    squares: Array
-    """Sum of squares: degrees·σ²."""
-
-
-@dataclass(frozen=True)
 class _States:
     """Behind each reading; shapes (readings, candidates), covariances over σ²."""
 
@@ -98,7 +88,7 @@ class _States:
 class ScaledWiener:
     """Scales × ratios of noise × ratios of wandering, for one course."""
 
-    def __init__(self, course: DegradationPath, scales: Sequence[Scale], population: Population | None = None) -> None:
+    def __init__(self, course: DegradationPath, scales: Sequence[Scale]) -> None:
         self.course, self.scales = course, scales
         each = [scale.stretch(course.wear)[0] for scale in scales]
         slopes = [scale.stretch(course.smooth)[1] for scale in scales]
@@ -110,30 +100,24 @@ class ScaledWiener:
         self.wandering: Array = np.tile(np.tile(WANDERING, len(NOISE)), len(scales))
         relative = np.exp(2 * (self.slopes - self.slopes.mean(axis=0)))
         self.noises: Array = np.tile(np.repeat(NOISE, len(WANDERING)), len(scales)) * relative
-        self.first = 1 if population else 3
-        self.states, self.one_step = self._filtered(population)
+        self.states, self.one_step = self._filtered()
 
     @property
     def scores(self) -> Array:
         """Return scores of forecasts one step and several steps ahead."""
         n = len(self.z)
-        several = {int(o): self._foretold(int(o), ahead_of(int(o), n)).mean(axis=0) for o in origins(n, self.first)}
-        return scored(self.one_step, several, self.first)
+        several = {int(o): self._foretold(int(o), ahead_of(int(o), n)).mean(axis=0) for o in origins(n, FIRST)}
+        return scored(self.one_step, several, FIRST)
 
-    def _filtered(self, population: Population | None) -> tuple[_States, Array]:
+    def _filtered(self) -> tuple[_States, Array]:
         z, n = self.z, len(self.z)
         none = np.zeros(z.shape[1])
         span = self.tau[-1] - self.tau[0]
-        if population:
-            drift, variance = population.drift, population.variance
-            degrees, squares = population.degrees, population.squares
-        else:
-            drift, variance, degrees = none, none + 1e8, none + 1
-            squares = (_RESOLVED * (np.abs(z[-1] - z[0]) + 0.1 * _RESOLVED)) ** 2 / span
-        now = _States(z[0], drift, self.noises[0], none, variance, squares, degrees)
+        squares = (_RESOLVED * (np.abs(z[-1] - z[0]) + 0.1 * _RESOLVED)) ** 2 / span
+        now = _States(z[0], none, self.noises[0], none, none + 1e8, squares, none + 1)
         kept, one_step = [now], np.zeros(z.shape)
         for k in range(1, n):
-            now, one_step[k] = self._step(now, k, known=bool(population) or k > 1)
+            now, one_step[k] = self._step(now, k, known=k > 1)
             kept.append(now)
         states = _States(*(np.stack([getattr(one, name) for one in kept]) for name in _States.__dataclass_fields__))
         return states, one_step + self.slopes
@@ -176,7 +160,7 @@ class ScaledWiener:
     def surprise(self) -> Array:
         """Return the two-sided probability of the last reading, by Student's t."""
         n = len(self.z)
-        if n < self.first + 5:
+        if n < FIRST + 5:
             return np.ones(self.z.shape[1])
         off, variance, degrees = self._ahead(origin_of_surprise(n), np.array([n - 1]))
         result: Array = 2 * student.sf(np.abs(off[0]) / np.sqrt(variance[0]), degrees)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from robophm.learning.wear.models.candidates import DegradationPath
 from robophm.learning.wear.models.scaled_wiener import Scale, ScaledWiener, as_it_is
 
@@ -13,6 +11,6 @@ def scales(course: DegradationPath) -> list[Scale]:
     return [Scale(1.0, as_it_is)]
 
 
-def candidates(course: DegradationPath, fleet: Sequence[DegradationPath] = ()) -> ScaledWiener:
-    """Return the model's candidates for any course of wear."""
+def candidates(course: DegradationPath) -> ScaledWiener:
+    """Of any course."""
     return ScaledWiener(course, scales(course))
