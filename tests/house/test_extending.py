@@ -41,7 +41,9 @@ def write(copy, text):
 
 
 def test_there_is_a_recipe_for_each():
-    assert [*RECIPES] == ["A hazard model", "A life distribution", "A degradation model", "A command"]
+    assert [*RECIPES] == [
+        "A hazard model", "A life distribution", "A degradation model", "A format of recordings", "A command",
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("title", RECIPES)
