@@ -21,6 +21,7 @@ from robophm.learning.rates.failure_log import Seen, read_failure_log
 from robophm.learning.rates.rate_update import LearnedRate, UnstatedRate, learn, unstated
 from robophm.monitoring.rate_history import rate_history
 from robophm.report.words import number_text
+from robophm.stores import place_of
 
 STORES = (".db", ".sqlite", ".sqlite3")
 """How the names of stores end; all else is a log."""
@@ -47,8 +48,8 @@ def command(
     seen: list[Seen] = []
     notes: list[str] = []
     for log in logs:
-        if log.suffix.lower() in STORES:
-            seen += rate_history(robot, kept(log, robot), log.stem)
+        if log.suffix.lower() in STORES or place_of(log) != str(log):
+            seen += rate_history(robot, kept(log, robot), Path(place_of(log)).stem)
         else:
             found = read_failure_log(log, robot)
             seen += found.seen

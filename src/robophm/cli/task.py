@@ -57,7 +57,7 @@ class Request:
     """As it was written on the command line."""
 
     tasks: Path | None
-    store: Path | None
+    store: str | None
     failed: tuple[str, ...]
     working: tuple[str, ...]
     future: str

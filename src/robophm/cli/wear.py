@@ -41,7 +41,7 @@ class Wishes:
     load: float | None
     fleet: Path | None
     options: WearOptions
-    store: Path | None
+    store: str | None
     skip_missing: bool
     backtest: bool
     predictions: Path | None
