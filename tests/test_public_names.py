@@ -127,6 +127,7 @@ CALLS: dict[str, tuple[list[Any], Call]] = {
     "load_plan(robot)": (THINGS, lambda x: robophm.load_plan("tasks.yaml", x)),
     "open_source": ([*PATHS], robophm.open_source),
     "open_source, two": (PATHS, lambda x: robophm.open_source("a.mcap", x)),
+    "open_store": (PATHS, robophm.open_store),
     "life_distribution": (NAMES, robophm.life_distribution),
     "Unit": (but(NAMES, *(x for x in NAMES if isinstance(x, str))), robophm.Unit),
     "Series": (but(THINGS, "", "wheel"), robophm.Series),

@@ -1,9 +1,20 @@
 import react from "@vitejs/plugin-react";
-import { defineConfig } from "vite";
+import { defineConfig, type Plugin } from "vite";
+
+/** Of a page's file, asked for with `?about`, only what it says of itself: what it shows is loaded when it is asked for. */
+const about: Plugin = {
+  name: "about",
+  enforce: "pre",
+  transform(code, id) {
+    if (!id.endsWith("?about")) return undefined;
+    const said = /^export const page = \{.*?\};$/ms.exec(code);
+    return said ? `import { ICONS } from "../parts/Icon";\n${said[0]}` : this.error("expected `export const page = {…};`");
+  },
+};
 
 export default defineConfig({
   base: "./",
-  plugins: [react()],
+  plugins: [about, react()],
   build: {
     outDir: "../src/robophm/web/static",
     emptyOutDir: true,

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from robophm.life import life_distribution
     from robophm.monitoring.monitor import Monitor
     from robophm.monitoring.replay import replay
+    from robophm.stores import open_store
     from robophm.transports.recordings.opening import open_source
 
 __all__ = [
@@ -44,6 +45,7 @@ __all__ = [
     "load",
     "load_plan",
     "open_source",
+    "open_store",
     "replay",
 ]
 
@@ -61,6 +63,7 @@ _HOMES = {
     "life": ("life_distribution",),
     "monitoring.monitor": ("Monitor",),
     "monitoring.replay": ("replay",),
+    "stores": ("open_store",),
     "transports.recordings.opening": ("open_source",),
 }
 

@@ -1,6 +1,7 @@
 """Replay from the command line: what is kept, and that bad inputs leave nothing behind."""
 
 import json
+import re
 import shutil
 import signal
 import sqlite3
@@ -202,3 +203,45 @@ def test_an_interrupted_replay_goes_on_where_it_was(run, design, tmp_path):
     resumed = run(*words)
     assert resumed.returncode == OK
     assert resumed.stdout == run("replay", design, recording, "--json").stdout
+
+
+@pytest.fixture
+def theirs(tmp_path):
+    """Another package, installed: the store of the recipe, under the name of theirs."""
+    recipe = (Path(__file__).parents[2] / "docs/guides/extending.md").read_text(encoding="utf-8")
+    (text,) = re.findall(r"stores/jsonl\.py\*\*\n\n```python\n(.*?)^```", recipe, re.MULTILINE | re.DOTALL)
+    (tmp_path / "their_store.py").write_text(text)
+    about = tmp_path / "their_store-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: their-store\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text("[robophm.stores]\ntheirs = their_store\n")
+    with pytest.MonkeyPatch.context() as patched:
+        patched.syspath_prepend(str(tmp_path))
+        yield "theirs:past.txt"
+
+
+def test_a_store_is_opened_by_its_kind_and_place(inside, design, recording, tmp_path, theirs):
+    """With every command that makes a store, goes on from one, or looks after it."""
+    store = ("--store", theirs)
+    health = json.loads(inside("replay", design, recording, *store, "--json").stdout)
+    assert (tmp_path / "past.txt").read_text().startswith('["OTA", ')
+    again = json.loads(inside("replay", design, recording, *store, "--json").stdout)
+    assert again["clocks"] == health["clocks"]
+    assert json.loads(inside("predict", design, *store, "--json").stdout)["clocks"] == health["clocks"]
+    served = inside("service", design, "Power/Battery Control Board/Thermistor", *store, "--replaced")
+    assert served.returncode == OK
+    assert inside("report", design, *store, "--output", "page.html").returncode == OK
+    assert inside("learn", design, theirs).returncode == OK
+    repaired = inside("store", "repair", design, *store)
+    assert (repaired.returncode, "no clock jumped" in repaired.stdout) == (OK, True)
+    assert not (tmp_path / theirs).exists()
+
+
+def test_what_is_no_store_is_said_before_anything_is_written(inside, design, tmp_path):
+    assert (
+        "page.html: is read or kept by this"
+        in inside("report", design, "--store", "sqlite:page.html", "--output", "page.html").stderr
+    )
+    assert "expected the path of a store" in inside("predict", design, "--store", "").stderr
+    assert inside("predict", design, "--store", f"sqlite:{design}").stderr.startswith(f"error: {design}: ")
+    assert {path.name for path in tmp_path.iterdir()} == {"robot.yaml"}

@@ -9,7 +9,7 @@ from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
 from robophm.measured.export import export
 from robophm.measured.recordings import recordings, signal_of
-from robophm.transports.recordings.csv import CsvRecording
+from robophm.transports.recordings.formats.csv import CsvRecording
 from robophm.transports.recordings.recording import Recording
 
 from .plain import BARE, START, TEMPERATURE, write

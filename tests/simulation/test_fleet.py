@@ -19,7 +19,7 @@ from robophm.core.signal import SECOND
 from robophm.design.file import load
 from robophm.design.task_file import load_plan
 from robophm.simulation.fleet import simulate
-from robophm.transports.recordings.csv import CsvRecording, parse_time
+from robophm.transports.recordings.formats.csv import CsvRecording, parse_time
 
 DESIGN = Path(__file__).resolve().parents[2] / "examples" / "fleet" / "robot.yaml"
 ROBOTS, TASKS = 60, 25

@@ -10,14 +10,16 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import ExitStack, closing
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from robophm.core import registry
 from robophm.core.errors import StoreError
-from robophm.stores.memory import MemoryStore
+from robophm.stores import existing_store, open_store, place_of, store_exists, stores
 from robophm.stores.sqlite import SqliteStore
 from robophm.stores.store import Progress, Store
 
@@ -25,9 +27,14 @@ STATE = {"sum": [0.1 + 0.2, 5e-324, -0.0, 1.7976931348623157e308], "time": 2**62
 OTHER = {"sum": [1 / 3]}
 
 
-@pytest.fixture(params=["memory", "sqlite"])
-def store(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Store]:
-    with MemoryStore() if request.param == "memory" else SqliteStore(tmp_path / "robots.db") as opened:
+@pytest.fixture(params=stores())
+def address(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    return f"{request.param}:{tmp_path / 'robots'}"
+
+
+@pytest.fixture
+def store(address: str) -> Iterator[Store]:
+    with open_store(address) as opened:
         yield opened
 
 
@@ -86,16 +93,84 @@ def test_a_save_that_fails_leaves_all_as_it_was(store: Store, place: str) -> Non
     assert store.ledger("R") == OTHER
 
 
-# A file lasts, and can be many things that are not a store.
-
-
-def test_a_file_is_there_when_it_is_opened_again(tmp_path: Path) -> None:
-    with SqliteStore(tmp_path / "robots.db") as store:
-        store.save("R", STATE, Progress("drive", 7, True), [report(1, 0.1)])
-    with SqliteStore(tmp_path / "robots.db") as store:
+def test_what_lasts_is_there_when_it_is_opened_again(address: str) -> None:
+    assert not store_exists(address)
+    with open_store(address) as store:
+        store.save("R", STATE, Progress("drive", 7, False, {"a note": 3}), [report(1, 0.1)])
+        store.save("S", OTHER, Progress("drive", 9, True))
+        store.save("R", OTHER, None, [report(2, 0.2), report(1, 0.3)])
+        store.save("R", STATE)
+    if not store_exists(address):
+        pytest.skip("what it keeps lasts as long as the process")
+    with existing_store(address) as store:
         assert json.dumps(store.ledger("R")) == json.dumps(STATE)
-        assert store.progress("R", "drive") == Progress("drive", 7, True)
-        assert list(store.history("R")) == [report(1, 0.1)]
+        assert store.progress("R", "drive") == Progress("drive", 7, False, {"a note": 3})
+        assert list(store.history("R")) == [report(1, 0.3), report(2, 0.2)]
+        assert (store.ledger("S"), store.progress("S", "drive")) == (OTHER, Progress("drive", 9, True))
+
+
+def go_on_together(first: Store, second: Store) -> None:
+    assert first.ledger("R") == second.ledger("R") == {"n": 0}
+    first.save("R", {"n": 1})
+    second.save("R", {"n": 2}, Progress("drive", 9, True))
+
+
+def test_two_who_go_on_with_one_past_do_not_overwrite_each_other(address: str) -> None:
+    with open_store(address) as first:
+        first.save("R", {"n": 0})
+        if not store_exists(address):
+            pytest.skip("it is its process's own")
+        with ExitStack() as stack, pytest.raises(StoreError):  # where it is opened, or where it saves
+            go_on_together(first, stack.enter_context(open_store(address)))
+    with existing_store(address) as store:
+        assert store.ledger("R") in ({"n": 0}, {"n": 1})
+        assert not store.progress("R", "drive").complete
+
+
+def test_what_is_none_of_its_kind_is_refused_in_one_line(address: str) -> None:
+    path = Path(place_of(address))
+    path.write_text("name: OTA\n" * 100)
+    if not store_exists(address):
+        pytest.skip("it reads no file")
+    with pytest.raises(StoreError) as raised, open_store(address) as store:
+        store.ledger("R")
+    assert str(path) in str(raised.value)
+    assert "\n" not in str(raised.value)
+    assert path.read_text() == "name: OTA\n" * 100
+
+
+def test_a_path_alone_is_one_in_sqlite(tmp_path: Path) -> None:
+    for path in (tmp_path / "robots.db", str(tmp_path / "what:ever")):
+        with open_store(path) as store:
+            assert isinstance(store, SqliteStore)
+            assert store.path == Path(path)
+
+
+@pytest.mark.parametrize("address", ["", None, 5, b"robots.db"])
+def test_what_is_no_address_is_refused(address: Any) -> None:
+    with pytest.raises(StoreError, match=r"expected a path, or its kind and where it is, sqlite:robots\.db"):
+        open_store(address)
+
+
+def test_a_store_that_is_not_there(tmp_path: Path) -> None:
+    for address in (tmp_path / "robots.db", f"sqlite:{tmp_path / 'robots.db'}", "memory:"):
+        with pytest.raises(StoreError, match="no such store; `robophm replay --store` makes it"):
+            existing_store(address)
+    assert not (tmp_path / "robots.db").exists()
+
+
+def test_a_store_of_another_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "their_store.py").write_text(
+        "from robophm.stores.memory import MemoryStore\n\n\nclass TheirStore(MemoryStore):\n    pass\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    entry = EntryPoint("theirs", "their_store", "robophm.stores")
+    monkeypatch.setattr(registry, "entry_points", lambda *, group, name=None: [entry] if group == entry.group else [])
+    assert stores() == ["memory", "sqlite", "theirs"]
+    assert type(open_store("theirs:anything")).__name__ == "TheirStore"
+
+
+# A file of SQLite can be many things that are not a store.
 
 
 def test_a_reader_beside_the_writer_sees_all_of_a_save_or_nothing(tmp_path: Path) -> None:
@@ -205,15 +280,3 @@ def test_a_file_that_may_not_be_written_is_an_error() -> None:
         assert error.startswith(f"StoreError: {path}: ")
         with SqliteStore(path) as store:
             assert store.ledger("R") == STATE
-
-
-def test_two_who_go_on_with_one_ledger_do_not_overwrite_each_other(tmp_path: Path) -> None:
-    with SqliteStore(tmp_path / "two.db") as first, SqliteStore(tmp_path / "two.db") as second:
-        first.save("R", {"version": 1, "n": 0})
-        assert first.ledger("R") == second.ledger("R")
-        second.save("R", {"version": 1, "n": 2})
-        with pytest.raises(StoreError, match="another process has gone on with R"):
-            first.save("R", {"version": 1, "n": 1}, Progress("drive", 9, True))
-        assert second.ledger("R") == {"version": 1, "n": 2}
-        assert not second.progress("R", "drive").complete
-        second.save("R", {"version": 1, "n": 3})

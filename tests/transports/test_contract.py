@@ -1,18 +1,19 @@
-"""What every source must do. A source is a function that writes 30 s of the drive and opens them."""
+"""What every source must do: each format of recordings, as ``written/<format>.py`` writes 30 s of the drive in it."""
 
 from __future__ import annotations
 
+import runpy
 import shutil
-from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import CLOCK, Sample
+from robophm.core.signal import CLOCK
 from robophm.transports import SignalSource, open_source
-from robophm.transports.recordings.journal import Journal
+from robophm.transports.recordings.formats.csv import CsvRecording
+from robophm.transports.recordings.recognising import formats, suffixes
 from robophm.transports.synthetic import SyntheticOta
 
 from .conftest import SIGNALS
@@ -20,38 +21,13 @@ from .conftest import SIGNALS
 Make = Callable[[SyntheticOta, Path], SignalSource]
 
 
-def recording(suffix: str) -> Make:
-    return lambda drive, folder: open_source(drive.record(folder / f"drive{suffix}"))
+def written(name: str) -> Make:
+    """What opens the drive as ``written/<name>.py`` writes it."""
+    write = runpy.run_path(str(Path(__file__).parent / "written" / f"{name}.py"))["write"]
+    return lambda drive, folder: open_source(write(drive, SIGNALS, folder))
 
 
-def table(drive: SyntheticOta, folder: Path) -> SignalSource:
-    rows: dict[int, dict[str, float]] = defaultdict(dict)
-    for time, signal, value in drive.samples(SIGNALS):
-        rows[time][signal] = value
-    lines = [",".join(["time", *SIGNALS])]
-    for time, row in rows.items():
-        lines.append(",".join([f"{time // 10**9}.{time % 10**9:09}", *(repr(row[s]) for s in SIGNALS)]))
-    path = folder / "drive.csv"
-    path.write_text("\n".join(lines))
-    return open_source(path)
-
-
-def journal(drive: SyntheticOta, folder: Path) -> SignalSource:
-    with Journal(folder / "drive.journal", SIGNALS) as run:
-        for sample in drive.samples(SIGNALS):
-            run.write(sample)
-        run.write(Sample(int(drive.times[-1]) + 10**9, CLOCK, 0.0))
-    return open_source(folder / "drive.journal")
-
-
-SOURCES: dict[str, Make] = {
-    "bag": recording(".bag"),
-    "db3": recording(".db3"),
-    "mcap": recording(".mcap"),
-    "csv": table,
-    "journal": journal,
-    "synthetic": lambda drive, _: drive,
-}
+SOURCES: dict[str, Make] = {name: written(name) for name in formats()} | {"synthetic": lambda drive, _: drive}
 
 
 @pytest.fixture(params=SOURCES)
@@ -155,7 +131,7 @@ def test_what_is_no_recording_is_not_offered_as_one(name: str, tmp_path: Path) -
 
 
 @pytest.mark.parametrize("content", [b"", b"\0" * 5000, b"time;a\n", bytes(range(256)) * 40], ids=len)
-@pytest.mark.parametrize("suffix", [".bag", ".db3", ".mcap", ".csv", ".journal", ".txt", ""])
+@pytest.mark.parametrize("suffix", [*sorted(suffixes()), ".txt", ""])
 def test_not_a_recording(content: bytes, suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"drive{suffix}"
     path.write_bytes(content)
@@ -165,6 +141,9 @@ def test_not_a_recording(content: bytes, suffix: str, tmp_path: Path) -> None:
     assert "\n" not in str(error.value)
 
 
-def test_tables_and_journals_are_read_alone(tmp_path: Path) -> None:
+def test_what_holds_samples_is_read_alone(drive: SyntheticOta, tmp_path: Path) -> None:
+    table = written("csv")(drive, tmp_path)
+    other = drive.record(tmp_path / "b.bag")
+    assert isinstance(table, CsvRecording)
     with pytest.raises(SourceError, match="alone"):
-        open_source(tmp_path / "a.csv", tmp_path / "b.bag")
+        open_source(table.path, other)

@@ -20,6 +20,19 @@ def test_the_document_is_the_services_own():
     assert json.loads(DOCUMENT.read_text(encoding="utf-8")) == api().openapi(), f"make it anew: {HOW}"
 
 
+def test_routes_of_another_package_are_found(tmp_path, monkeypatch):
+    (tmp_path / "their_routes.py").write_text(
+        "from fastapi import APIRouter\n\nrouter = APIRouter()\n\n\n"
+        "@router.get('/api/theirs')\ndef get_theirs() -> int:\n    return 5\n"
+    )
+    about = tmp_path / "theirs-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: theirs\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text("[robophm.web.routes]\ntheirs = their_routes\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert "/api/theirs" in api().openapi()["paths"]
+
+
 schema = schemathesis.openapi.from_dict(json.loads(DOCUMENT.read_text(encoding="utf-8")))
 schema.config.phases.coverage.enabled = False  # it makes bodies of tens of megabytes, to no end but to be refused
 CHECKS = (not_a_server_error, status_code_conformance, response_schema_conformance)

@@ -1,53 +1,14 @@
-import { Component, type ComponentType, type ReactNode, useEffect, useState } from "react";
+import { Component, type ReactNode, useEffect, useState } from "react";
 import { useAsking, useHealth } from "./lib/health";
 import { connected, pulse } from "./lib/live";
 import { go, redo, route, save, undo, unreachable, useDesign, useShared } from "./lib/store";
 import { Help } from "./parts/Help";
-import { ICONS, Icon, State } from "./parts/Icon";
+import { Icon, State } from "./parts/Icon";
 import { OutsideDialog } from "./parts/OutsideDialog";
 import { Palette } from "./parts/Palette";
 import { ProblemsButton } from "./parts/Problems";
 import { Toasts } from "./parts/Toasts";
-import { Live } from "./pages/Live";
-import { Overview } from "./pages/Overview";
-
-interface Page {
-  id: string;
-  name: string;
-  icon: keyof typeof ICONS;
-  show: ComponentType;
-  flush?: boolean;
-}
-
-/** A page that is loaded when it is first asked for; at once, beside the design, where the address asks.
- * Not React's lazy, which shows its fallback for 300 ms at least. */
-function later(load: () => Promise<Record<string, ComponentType>>, name: string): ComponentType {
-  let loaded: ComponentType | undefined;
-  const begin = async (): Promise<void> => void (loaded = (await load())[name]);
-  let under = route.get().page === name.toLowerCase() ? begin() : undefined;
-  under?.catch(() => (under = undefined));
-  return function Later(): ReactNode {
-    const [state, setState] = useState<{ wrong?: Error }>({});
-    useEffect(() => {
-      if (!loaded) (under ?? begin()).then(() => setState({}), (wrong: Error) => setState({ wrong }));
-    }, []);
-    if (state.wrong) throw state.wrong;
-    const Loaded = loaded;
-    return Loaded ? <Loaded /> : <p className="quiet">Loading…</p>;
-  };
-}
-
-export const PAGES: Page[] = [
-  { id: "overview", name: "Overview", icon: "pulse", show: Overview },
-  { id: "design", name: "Design", icon: "diagram", show: later(() => import("./pages/design/Design"), "Design"), flush: true },
-  { id: "parts", name: "Parts", icon: "parts", show: later(() => import("./pages/Parts"), "Parts") },
-  { id: "analysis", name: "Analysis", icon: "curve", show: later(() => import("./pages/Analysis"), "Analysis") },
-  { id: "live", name: "Live", icon: "live", show: Live },
-  { id: "sensors", name: "Sensors", icon: "sensor", show: later(() => import("./pages/Sensors"), "Sensors") },
-  { id: "tasks", name: "Tasks", icon: "task", show: later(() => import("./pages/Tasks"), "Tasks") },
-  { id: "reports", name: "Reports and data", icon: "report", show: later(() => import("./pages/Reports"), "Reports") },
-  { id: "settings", name: "Settings", icon: "settings", show: later(() => import("./pages/Settings"), "Settings") },
-];
+import { PAGES } from "./pages";
 
 /** One page that fails does not take the others with it. */
 class Fence extends Component<{ children: ReactNode; of: string }, { wrong: string }> {
@@ -164,7 +125,7 @@ export function App(): ReactNode {
       <nav className="rail" aria-label="Pages">
         {PAGES.map((one) => (
           <a key={one.id} href={`#/${one.id}`} aria-current={one.id === shown.id ? "page" : undefined} title={one.name}>
-            <Icon name={one.icon} />
+            <Icon path={one.icon} />
             <span>{one.name}</span>
           </a>
         ))}

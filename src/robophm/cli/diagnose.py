@@ -39,7 +39,7 @@ class Wishes:
     add: int
     hours: float
     after: float | None
-    store: Path | None
+    store: str | None
     function: str | None
     as_json: bool
 

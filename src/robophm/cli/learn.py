@@ -22,6 +22,7 @@ from robophm.learning.rates.fleet import Ratio
 from robophm.learning.rates.rate_update import LearnedRate, UnstatedRate, learn, unstated
 from robophm.monitoring.rate_history import rate_history
 from robophm.report.words import number_text
+from robophm.stores import place_of
 
 STORES = (".db", ".sqlite", ".sqlite3")
 """Suffixes of stores; all else is a log."""
@@ -48,8 +49,8 @@ def command(
     seen: list[Seen] = []
     notes: list[str] = []
     for log in logs:
-        if log.suffix.lower() in STORES:
-            seen += rate_history(robot, kept(log, robot), log.stem)
+        if log.suffix.lower() in STORES or place_of(log) != str(log):
+            seen += rate_history(robot, kept(log, robot), Path(place_of(log)).stem)
         else:
             found = read_failure_log(log, robot)
             seen += found.seen

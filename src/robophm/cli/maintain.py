@@ -11,7 +11,7 @@ import numpy as np
 import typer
 from rich.console import Console
 
-from robophm.cli.shared.options import Design, Json
+from robophm.cli.shared.options import Design, Json, stated_store
 from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.stored_past import outlook_of
 from robophm.core.errors import DataError, RobophmError, UnitError
@@ -36,7 +36,7 @@ MOST_FIRST = 20
 class Wishes:
     """The options of a maintenance plan."""
 
-    store: Path | None
+    store: str | None
     setup: float
     hour_down: float
     horizon: str
@@ -68,7 +68,8 @@ def command(
     design: Design,
     costs: Annotated[Path, typer.Argument(help="a table: part, preventive, corrective, …", metavar="COSTS.CSV")],
     store: Annotated[
-        Path | None, typer.Option("--store", help="the robot's past: what is due, and what to do first")
+        str | None,
+        typer.Option("--store", help="the robot's past: what is due, and what to do first", callback=stated_store),
     ] = None,
     setup: Annotated[float, typer.Option(help="cost of a visit, whatever is done at it", min=0)] = 0.0,
     downtime_cost: Annotated[float, typer.Option(help="of an hour that the robot stands still", min=0)] = 0.0,

@@ -64,8 +64,8 @@ def command(
         raise typer.Exit(BREACHED)
 
 
-def run(design: Path, store: Path | None, wishes: Wishes, unit: str, *, as_json: bool) -> bool:
-    """Print the report; return whether a threshold is breached."""
+def run(design: Path, store: str | None, wishes: Wishes, unit: str, *, as_json: bool) -> bool:
+    """Print the report; whether a threshold is breached."""
     if as_json:
         refuse_unused("JSON, in 1/h", ("store", *(field.name for field in fields(Wishes))))
     robot = load(design)

@@ -13,13 +13,14 @@ from robophm.cli import BREACHED
 from robophm.cli.shared.options import Design, GrowingStore, Horizon, Json, SkipMissing, Unit, horizon_of
 from robophm.cli.shared.output import console, may_write, print_json, print_report, progress_console, warn, write
 from robophm.cli.shared.progress import progress
+from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.unused import refuse_unused
 from robophm.design.file import load
 from robophm.monitoring.recording_sessions import sessions_of
 from robophm.monitoring.replay import replay_sessions
 from robophm.report.health_page import health_page
+from robophm.stores import open_store
 from robophm.stores.memory import MemoryStore
-from robophm.stores.sqlite import SqliteStore
 from robophm.stores.store import Store
 
 
@@ -37,13 +38,13 @@ def command(
     ahead = horizon_of(horizon)
     if as_json:
         refuse_unused("JSON, in 1/h", ("store", "report", "horizon", "skip_missing"))
-    may_write(report, design, *recordings, *([store] if store else []))
+    may_write(report, design, *recordings, *files_of(store))
     robot = load(design)
     for warning in robot.warnings:
         warn(warning)
     sessions = sessions_of(robot, recordings, skip_missing=skip_missing)  # before a store is made for them
     # Without a store the course is kept only for a page that shows it: its reports cost time.
-    kept: Store | None = SqliteStore(store) if store else MemoryStore() if report else None
+    kept: Store | None = open_store(store) if store else MemoryStore() if report else None
     spans = [(session.first, session.last) for session in sessions]
     with kept or nullcontext(), progress(progress_console(), spans, "replaying") as tick:
         done = [session for session in sessions if kept and kept.progress(robot.name, session.key).complete]

@@ -10,7 +10,7 @@ import typer
 from robophm.cli import BREACHED
 from robophm.cli.shared.options import Design, Force, Horizon, Store, horizon_of
 from robophm.cli.shared.output import console, may_make, print_unknown, warn, write
-from robophm.cli.shared.stored_past import kept
+from robophm.cli.shared.stored_past import files_of, kept
 from robophm.design.file import load
 from robophm.monitoring.monitor import Monitor
 from robophm.report.health_page import health_page
@@ -31,7 +31,7 @@ def command(
     path = output or Path("health.pdf" if pdf else "health.html")
     ahead = horizon_of(horizon)
     suffix = ".pdf" if pdf else ".html"
-    may_make(path, design, *([store] if store else []), force=force, suffixes=(suffix,))
+    may_make(path, design, *files_of(store), force=force, suffixes=(suffix,))
     printer = Printer() if pdf else None  # which may be missing, and says so before the work
     robot = load(design)
     for warning in robot.warnings:
@@ -39,9 +39,9 @@ def command(
     ledger = kept(store, robot) if store else None
     history = []
     if store:
-        from robophm.stores.sqlite import SqliteStore
+        from robophm.stores import open_store
 
-        with SqliteStore(store) as past:
+        with open_store(store) as past:
             history = list(past.history(robot.name))
     data = ledger.to_json() if ledger else None
     health = Monitor(robot, ledger).report(horizon=ahead)

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from robophm.cli.shared.options import Design
+from robophm.cli.shared.options import Design, GrowingStore
 from robophm.cli.shared.output import console, may_write, warn
+from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
 
@@ -27,7 +28,7 @@ class Wishes:
     host: str
     port: int
     token: str | None
-    store: Path | None
+    store: str | None
     journal: Path | None
     recordings: Sequence[Path]
     synthetic: bool
@@ -42,7 +43,7 @@ def command(
     token: Annotated[
         str | None, typer.Option(help="secret that browsers must show once", envvar="ROBOPHM_TOKEN")
     ] = None,
-    store: Annotated[Path | None, typer.Option(help="keep the robot's past in this SQLite file")] = None,
+    store: GrowingStore = None,
     journal: Annotated[Path | None, typer.Option(help="write every sample to the end of this journal")] = None,
     recordings: Annotated[
         list[Path] | None, typer.Option("--replay", help="recordings that can be watched as if they were live")
@@ -71,8 +72,9 @@ def run(design: Path, wishes: Wishes) -> None:
         if error.name and error.name.partition(".")[0] in ("fastapi", "uvicorn", "starlette", "websockets"):
             raise RobophmError(f"{LACKING}: there is no {error.name}") from None
         raise
-    may_write(wishes.journal, design, *([wishes.store] if wishes.store else []))
-    may_write(wishes.store, design)
+    may_write(wishes.journal, design, *files_of(wishes.store))
+    for file in files_of(wishes.store):
+        may_write(file, design)
     settings = Settings(
         design, wishes.store, wishes.journal, recordings_in(wishes.recordings), 1 if wishes.synthetic else None,
         wishes.host, wishes.token,

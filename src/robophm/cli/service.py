@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from robophm.cli.shared.options import Design, Json
+from robophm.cli.shared.options import Design, Json, stated_store
 from robophm.cli.shared.output import console, print_json
 from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
 from robophm.design.file import load
 from robophm.health.service import repair, replace, services_of
-from robophm.monitoring.stored_past import existing_store, past_in
+from robophm.monitoring.stored_past import stored_past
 from robophm.report.words import moment_text, number_text
 
 
 def command(
     design: Design,
     part: Annotated[str, typer.Argument(help="path of the component, or of its failure mode")],
-    store: Annotated[Path, typer.Option("--store", help="the robot's past, as kept by replay")],
+    store: Annotated[str, typer.Option("--store", help="the robot's past, as kept by replay", callback=stated_store)],
     replaced: Annotated[bool, typer.Option("--replaced", help="a new one was put in")] = False,
     repaired: Annotated[
         float | None,
@@ -36,8 +35,7 @@ def command(
     if failed and not replaced and repaired is None:
         raise RobophmError("--failed says why it was served; expected --replaced or --repaired SHARE with it")
     robot = load(design)
-    with existing_store(store) as kept:
-        ledger = past_in(kept, robot)
+    with stored_past(store, robot) as (kept, ledger):
         before = len(ledger.services)
         if replaced:
             replace(robot, ledger, part, failed=failed)

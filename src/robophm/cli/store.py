@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from robophm.cli.shared.options import Design, Json
+from robophm.cli.shared.options import Design, Json, stated_store
 from robophm.cli.shared.output import console, print_json
 from robophm.core.signal import HOUR
 from robophm.design.file import load
-from robophm.monitoring.stored_past import existing_store, repair_past
+from robophm.monitoring.stored_past import repair_past
 from robophm.report.words import moment_text, number_text
 
 command = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None)
@@ -25,13 +24,14 @@ def _store() -> None:
 @command.command()
 def repair(
     design: Design,
-    path: Annotated[Path, typer.Option("--store", help="the robot's past, as kept by replay or watch")],
+    path: Annotated[
+        str, typer.Option("--store", help="the robot's past, as kept by replay or watch", callback=stated_store)
+    ],
     as_json: Json = False,
 ) -> None:
     """Take a jump of the clock by years out of a robot's past, and what came behind it; a copy is kept beside it."""
     robot = load(design)
-    with existing_store(path) as kept:
-        found = repair_past(kept, robot)
+    found = repair_past(path, robot)
     done, copy = found or (None, None)
     if as_json:
         print_json({"robot": robot.name, "repaired": done._asdict() if done else None, "copy": copy and str(copy)})

@@ -37,7 +37,7 @@ from robophm.health.uncertainty import Interval
 from robophm.health.unknown_rates import marks
 from robophm.monitoring.monitor import Monitor
 from robophm.report.words import duration_text, failure_text, number_text, percent_text, probability_text
-from robophm.transports.recordings.files import SUFFIXES
+from robophm.transports.recordings.files import holds_messages
 from robophm.transports.recordings.salvage import Salvage
 
 MOST_NAMED = 5
@@ -57,7 +57,7 @@ class Request:
     """The options as they were written on the command line."""
 
     tasks: Path | None
-    store: Path | None
+    store: str | None
     failed: tuple[str, ...]
     working: tuple[str, ...]
     future: str
@@ -112,7 +112,7 @@ def run(design: Path, asked: Request) -> bool:
     for name in asked.function:
         robot.diagram_of(name)  # which must be there
     ledger = kept(asked.store, robot) if asked.store else None
-    if tasks is not None and (tasks.is_dir() or tasks.suffix.lower() in SUFFIXES):
+    if tasks is not None and (tasks.is_dir() or holds_messages(tasks)):
         refuse_unused("the tasks of a recording", (*_ALWAYS, "topic", "speed", "function", "skip_missing"))
         knowledge = with_knowledge(Plan(()), robot, asked.failed, asked.working).knowledge
         at = stated_speed(asked.speed)

@@ -21,6 +21,7 @@ from robophm.cli import BREACHED
 from robophm.cli.shared.live_table import LiveTable
 from robophm.cli.shared.options import Design, GrowingStore, Json, Ros, Unit
 from robophm.cli.shared.output import console, may_write, print_json, print_report, warn
+from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
 from robophm.design.file import load
@@ -29,7 +30,7 @@ from robophm.health.unknown_rates import marked, marks
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.recording_sessions import missing_signals
 from robophm.report.words import duration_text, number_text, probability_text, rate_text
-from robophm.stores.sqlite import SqliteStore
+from robophm.stores import open_store
 from robophm.transports.health_topics import HealthTopics, Outlet
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.running_ros import open_live
@@ -42,8 +43,8 @@ class Watched:
     """The options of a watch."""
 
     ros: str
-    """Choice of ROS: auto, 1 or 2."""
-    store: Path | None
+    """Which: auto, 1 or 2."""
+    store: str | None
     journal: Path | None
     period: float
     """Step of integration, and time between two reports [s]."""
@@ -101,7 +102,7 @@ def command(
 def run(design: Path, asked: Watched) -> bool:
     """Listen until SIGINT or SIGTERM; return whether a threshold is breached at the end."""
     _only(asked)
-    may_write(asked.journal, design, *([asked.store] if asked.store else []))
+    may_write(asked.journal, design, *files_of(asked.store))
     robot = load(design)
     for name in asked.functions:
         robot.diagram_of(name)  # which must be there
@@ -127,7 +128,7 @@ def run(design: Path, asked: Watched) -> bool:
         lacks = missing_signals(robot, published)
         for words in dict.fromkeys(lacks.values()):
             warn(words.replace("the recording has no topic", "nobody publishes yet"))
-        kept = stack.enter_context(SqliteStore(asked.store)) if asked.store else None
+        kept = stack.enter_context(open_store(asked.store)) if asked.store else None
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
         sinks = []
         if asked.publish:

@@ -45,7 +45,7 @@ class Wishes:
     index: bool
     settings: Sequence[str]
     options: WearOptions
-    store: Path | None
+    store: str | None
     skip_missing: bool
     backtest: bool
     predictions: Path | None

@@ -16,12 +16,14 @@ from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from robophm.core.errors import PlugError, nearest
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoints
+
+T = TypeVar("T")
 
 
 def plugs(package: str) -> list[str]:
@@ -51,6 +53,22 @@ def load_plug(package: str, name: str, kind: str) -> ModuleType:
     except ImportError as error:
         raise PlugError(f"{kind} '{name}' cannot be imported: {error}") from error
     raise PlugError(f"no {kind} '{name}'{nearest(name, plugs(package))}")
+
+
+def load_class(package: str, name: str, kind: str, base: type[T]) -> type[T]:
+    """The one public class of a plug that is derived from ``base``. Raises PlugError without one."""
+    module = load_plug(package, name, kind)
+    classes = [
+        value
+        for key, value in vars(module).items()
+        if isinstance(value, type)
+        and issubclass(value, base)
+        and value.__module__ == module.__name__
+        and not key.startswith("_")
+    ]
+    if len(classes) != 1:
+        raise PlugError(f"{kind} '{name}': {module.__name__} has {len(classes)} public classes, expected one")
+    return classes[0]
 
 
 @functools.cache

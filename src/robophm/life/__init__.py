@@ -6,8 +6,7 @@ in somebody else's package under the entry-point group ``robophm.life``. Files a
 
 from __future__ import annotations
 
-from robophm.core.errors import PlugError
-from robophm.core.registry import load_plug, plugs
+from robophm.core.registry import load_class, plugs
 from robophm.life.distribution import LifeDistribution
 
 __all__ = ["LifeDistribution", "life_distribution", "life_distributions"]
@@ -25,17 +24,4 @@ def life_distribution(name: str) -> type[LifeDistribution]:
 
     Raises PlugError, with the nearest known name, where there is none.
     """
-    module = load_plug(__name__, name, "life distribution")
-    classes = [
-        value
-        for key, value in vars(module).items()
-        if isinstance(value, type)
-        and issubclass(value, LifeDistribution)
-        and value.__module__ == module.__name__
-        and not key.startswith("_")
-    ]
-    if len(classes) != 1:
-        raise PlugError(
-            f"life distribution '{name}': {module.__name__} has {len(classes)} public classes, expected one"
-        )
-    return classes[0]
+    return load_class(__name__, name, "life distribution", LifeDistribution)  # type: ignore[type-abstract]

@@ -154,9 +154,7 @@ def _in_order(given: Sequence[Path], lost: list[str]) -> list[list[Path]]:
     """
     parts: list[tuple[Path, bool]] = []
     for path in given:
-        text = path.suffix.lower() in (".csv", ".journal")
-        found = [path] if text else parts_of(existing(path))
-        parts += [(part, part == path) for part in found]
+        parts += [(part, part == path) for part in parts_of(existing(path))]
     if len(parts) < 2:
         return [[part for part, _ in parts]] if parts else [[*given]]
     spans: list[tuple[int, int, Path]] = []

@@ -1,5 +1,72 @@
 """Stores of a robot's past: its exposure ledger and the history of its reports.
 
-One file here is one store; the file's name is its name. A store keeps a ledger, the progress of replays and new
-reports in one step: after a crash all of it is there, or none.
+One file here is one store, with one public class derived from ``Store``; the file's name is its name in an address, and
+another package adds such a module by an entry point of the group ``robophm.stores``. A store keeps a ledger, the
+progress of replays and new reports in one step: after a crash all of it is there, or none.
 """
+
+from __future__ import annotations
+
+import os
+
+from robophm.core.errors import RobophmError, StoreError
+from robophm.core.given import shown
+from robophm.core.registry import load_class, plugs
+from robophm.stores.store import Store
+
+__all__ = ["Address", "Store", "existing_store", "open_store", "stores"]
+
+NOT_PLUGS = ("store",)  # the interface
+
+Address = str | os.PathLike[str]
+"""Which store, and where: ``sqlite:robots.db``; a path alone is one in SQLite."""
+
+
+def stores() -> list[str]:
+    """Names of all stores that can be had here, sorted."""
+    return plugs(__name__)
+
+
+def open_store(address: Address) -> Store:
+    """The store at this address, which is made where there is none.
+
+    Raises StoreError where it cannot be opened, PlugError where its class cannot be imported.
+    """
+    kind, where = _kind_and_place(address)
+    try:
+        return kind(where)
+    except RobophmError:
+        raise
+    except Exception as error:  # whatever a store of another package raises where it is given something else
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise StoreError(f"{where}: cannot be opened as a store: {reason}") from error
+
+
+def existing_store(address: Address) -> Store:
+    """A store that is there, opened. Raises StoreError where it is not, or is none."""
+    if not store_exists(address):
+        raise StoreError(f"{place_of(address)}: no such store; `robophm replay --store` makes it")
+    return open_store(address)
+
+
+def store_exists(address: Address) -> bool:
+    """Whether there is a store, or what might be one, at this address."""
+    kind, where = _kind_and_place(address)
+    return kind.exists(where)
+
+
+def place_of(address: Address) -> str:
+    """Where a store is: its address without its name."""
+    return _split(address)[1]
+
+
+def _split(address: Address) -> tuple[str, str]:
+    if not isinstance(address, str | os.PathLike) or not isinstance(text := os.fspath(address), str) or not text:
+        raise StoreError(f"store {shown(address)}: expected a path, or its kind and where it is, sqlite:robots.db")
+    name, colon, where = text.partition(":")
+    return (name, where) if colon and name in stores() else ("sqlite", text)
+
+
+def _kind_and_place(address: Address) -> tuple[type[Store], str]:
+    name, where = _split(address)
+    return load_class(__name__, name, "store", Store), where  # type: ignore[type-abstract]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -12,10 +13,15 @@ from robophm.stores.store import Progress, Store
 class MemoryStore(Store):
     """Keeps everything as text, so that what is read back is never what somebody still changes."""
 
-    def __init__(self) -> None:
+    def __init__(self, where: str | os.PathLike[str] = "") -> None:
         self._ledgers: dict[str, str] = {}
         self._progress: dict[tuple[str, str], Progress] = {}
         self._reports: dict[str, dict[int, str]] = {}
+
+    @classmethod
+    def exists(cls, where: str) -> bool:
+        """Whether there is something: never, it is always new."""
+        return False
 
     def ledger(self, robot: str) -> Mapping[str, Any] | None:
         """Return the robot's ledger as it was saved, or None."""

@@ -32,9 +32,9 @@ CREATE TABLE report (
 class SqliteStore(Store):
     """A store of robots' pasts in one SQLite file."""
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, where: str | os.PathLike[str]) -> None:
         """Open a file, or make it. Raises StoreError where it is not a store of this version."""
-        self.path = Path(path)
+        self.path = Path(where)
         self._revisions: dict[str, int] = {}  # of the ledgers that were read: who saves later must have read that one
         with self._errors():
             self._base = sqlite3.connect(self.path, timeout=10.0, isolation_level=None)

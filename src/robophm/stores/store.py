@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple, Self
+
+from robophm.core.errors import StoreError
 
 
 class Progress(NamedTuple):
@@ -21,6 +25,15 @@ class Progress(NamedTuple):
 
 class Store(ABC):
     """The pasts of robots, kept by their names."""
+
+    @abstractmethod
+    def __init__(self, where: str | os.PathLike[str]) -> None:
+        """Open the store at this place, or make it. Raises StoreError where it cannot be opened."""
+
+    @classmethod
+    def exists(cls, where: str) -> bool:
+        """Whether there is something at this place; else what is opened there is new."""
+        return Path(where).exists()
 
     @abstractmethod
     def ledger(self, robot: str) -> Mapping[str, Any] | None:
@@ -46,6 +59,14 @@ class Store(ABC):
 
         Raises StoreError, also where the ledger has been saved by somebody else since this store read it.
         """
+
+    def bring_back(self, robot: str, ledger: Mapping[str, Any], time: int) -> None:
+        """Keep a ledger that was brought back to a time [ns], and no report of a later one. Raises StoreError."""
+        raise StoreError("this kind of store cannot be brought back to a time; expected one in SQLite")
+
+    def copy_to(self, path: Path) -> None:
+        """Copy all of it into a new file. Raises StoreError where that is there, or cannot be written."""
+        raise StoreError("this kind of store cannot be copied; expected one in SQLite")
 
     def close(self) -> None:  # noqa: B027  a store in memory holds nothing open
         """Close what is open; closing twice does no harm."""

@@ -19,9 +19,10 @@ from starlette.middleware.gzip import GZipMiddleware
 from starlette.staticfiles import StaticFiles
 
 from robophm.core.errors import RobophmError
-from robophm.design.located_error import LocatedError
+from robophm.core.registry import load_plug, plugs
+from robophm.design.fault import Fault
+from robophm.web import routes
 from robophm.web.guard import Guard, TooLargeError
-from robophm.web.routes import analysis, data, design, library, live, tasks
 from robophm.web.service import Service, Settings
 from robophm.web.shapes import Trouble
 from robophm.web.workspace import OutsideError, StaleError
@@ -71,8 +72,8 @@ def api(**more: Any) -> FastAPI:
         title="robophm", version=version("robophm"), description=DESCRIPTION, docs_url=None, redoc_url=None,
         openapi_url="/api/openapi.json", **more,
     )  # fmt: skip
-    for routes in (design, library, analysis, tasks, data, live):
-        app.include_router(routes.router, responses=GUARDED)
+    for name in plugs(routes.__name__):
+        app.include_router(load_plug(routes.__name__, name, "file of routes").router, responses=GUARDED)
     app.add_exception_handler(RobophmError, _refused)
     app.add_exception_handler(RequestValidationError, _misspelt)
     app.add_exception_handler(HTTPException, _http)

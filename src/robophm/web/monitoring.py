@@ -23,7 +23,7 @@ from robophm.monitoring.live_loop import watch
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import kept_ledger
 from robophm.monitoring.task_history import TaskRecord, judge_on_the_way
-from robophm.stores.sqlite import SqliteStore
+from robophm.stores import Address, open_store, store_exists
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.signals.sink import JudgedTask
 from robophm.transports.signals.source import LiveItem, LiveSource, SignalSource, TopicInfo
@@ -110,7 +110,7 @@ class _Tapped(LiveSource):
 class Monitoring:
     """Watches one robot at a time; for any number of threads."""
 
-    def __init__(self, store: Path | None = None, journal: Path | None = None, period: float = 1.0) -> None:
+    def __init__(self, store: Address | None = None, journal: Path | None = None, period: float = 1.0) -> None:
         self._store, self._journal, self._period = store, journal, period
         self._lock = threading.Lock()
         self._source: SignalSource | None = None
@@ -163,8 +163,8 @@ class Monitoring:
         run = self.run
         if run and run.ledger is not None:
             return run.ledger if run.robot is robot else Ledger.of(robot, run.ledger.to_json())
-        if self._store and self._store.exists():
-            with SqliteStore(self._store) as store:
+        if self._store and store_exists(self._store):
+            with open_store(self._store) as store:
                 kept = kept_ledger(robot, store)
             if kept is not None:
                 return kept
@@ -174,7 +174,7 @@ class Monitoring:
         try:
             with ExitStack() as stack:
                 stack.callback(source.close)
-                store = stack.enter_context(SqliteStore(self._store)) if self._store else None
+                store = stack.enter_context(open_store(self._store)) if self._store else None
                 journal = stack.enter_context(Journal(self._journal, run.robot.signals)) if self._journal else None
                 look = _Looking(run, board)
 

@@ -16,6 +16,7 @@ from robophm.core.errors import DesignError, RobophmError
 from robophm.design.problems import Problem as Found
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
+from robophm.stores import Address
 from robophm.web.jobs import Jobs
 from robophm.web.monitoring import Monitoring
 from robophm.web.prepared_robot import PreparedRobot, PreparedRobots, rates_of
@@ -32,7 +33,7 @@ class Settings:
     """The settings that the service was started with."""
 
     design: Path
-    store: Path | None = None
+    store: Address | None = None
     journal: Path | None = None
     recordings: tuple[Path, ...] = ()
     seed: int | None = None

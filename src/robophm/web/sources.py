@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from robophm.core.errors import SourceError, nearest
+from robophm.transports.recordings.files import holds_messages
 from robophm.transports.recordings.opening import open_source
 from robophm.transports.recordings.paced import Paced
 from robophm.transports.recordings.salvage import Salvage
@@ -55,7 +56,7 @@ def chosen(known: dict[str, Choice], name: str) -> Choice:
 
 
 def _told(files: Sequence[Path]) -> Told:
-    if any(path.suffix.lower() in (".csv", ".journal") for path in files):
+    if not all(path.is_dir() or holds_messages(path) for path in files):
         return ()
     with Salvage(*files) as recording:
         return list(tasks_of(recording))

@@ -19,8 +19,8 @@ import zstandard
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
-from robophm.transports.recordings.columns.folder import Unpacked
 from robophm.transports.recordings.opening import open_source
+from robophm.transports.recordings.packed import Unpacked
 from robophm.transports.synthetic import SyntheticOta
 
 MOST = 400 << 20

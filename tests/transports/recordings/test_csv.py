@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from robophm.core.errors import SourceError
 from robophm.core.signal import Sample
 from robophm.transports.recordings import text
-from robophm.transports.recordings.csv import CsvRecording, parse_time
+from robophm.transports.recordings.formats.csv import CsvRecording, parse_time
 
 
 def read(path: Path, text: str, *signals: str) -> list[Sample]:

@@ -7,7 +7,7 @@ import pytest
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
-from robophm.transports.recordings.csv import CsvRecording
+from robophm.transports.recordings.formats.csv import CsvRecording
 from robophm.transports.recordings.paced import Paced
 
 

@@ -18,7 +18,7 @@ from robophm.transports.live.decoding import LARGE, Reading
 from robophm.transports.live.receiving import Receiver
 from robophm.transports.recordings.columns import read_columns
 from robophm.transports.recordings.columns.topic_columns import by_signal
-from robophm.transports.recordings.csv import CsvRecording
+from robophm.transports.recordings.formats.csv import CsvRecording
 from robophm.transports.recordings.recording import Recording
 from robophm.transports.signals.incidents import Incidents
 from robophm.transports.signals.message_type import field_getter, message_type, serialized

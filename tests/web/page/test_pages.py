@@ -4,9 +4,10 @@ import time
 
 import pytest
 
-from ..conftest import OTA, SMALL, serving
+from ..conftest import OTA, ROOT, SMALL, serving
+from .conftest import Visit
 
-PAGES = ("overview", "design", "parts", "analysis", "live", "sensors", "tasks", "reports", "settings")
+PAGES = sorted(file.stem.lower() for file in (ROOT / "ui" / "src" / "pages").glob("*.tsx"))
 SAYS = {
     "overview": "What will fail it", "design": "Power", "parts": "Step Down Switching Regulator",
     "analysis": "Median remaining life", "live": "Hazard rate", "sensors": "/ota/power/temperature",
@@ -51,7 +52,38 @@ def broken(tmp_path_factory):
         yield served
 
 
-def test_every_page_with_a_robot_and_the_first_load_is_small(ota, visit):
+@pytest.fixture(scope="module")
+def looks(ota, nothing, broken, browser):
+    """A browser on each of them, which goes from page to page."""
+    contexts = [browser.new_context(viewport={"width": 1400, "height": 900}) for _ in range(3)]
+    yield [Visit(one.new_page(), served) for one, served in zip(contexts, (ota, nothing, broken), strict=True)]
+    for one in contexts:
+        one.close()
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_a_page_with_a_robot_without_one_and_with_one_that_is_not_complete(looks, name):
+    robot, nothing, broken = looks
+    page = robot.open(name)
+    page.locator(f"nav a[href='#/{name}'][aria-current=page]").wait_for()
+    if name in SAYS:
+        page.get_by_text(SAYS[name]).first.wait_for()
+    if name == "design":
+        page.locator(".react-flow__node-box").first.wait_for()
+    if name in ("live", "analysis"):
+        page.locator("canvas").first.wait_for()
+    assert robot.serious() == []
+    page = nothing.open(name)
+    if name in EMPTY:
+        page.get_by_text(EMPTY[name]).first.wait_for()
+    assert nothing.serious() == []
+    broken.open(name).get_by_role("button", name="Problems of the design: 1 to mend").wait_for()
+    for look in looks:
+        assert look.page.get_by_text("This page has failed").count() == 0
+        assert look.wrong == []
+
+
+def test_the_first_load_is_small(ota, visit):
     look, sizes = visit(ota), list[float]()
     session = look.page.context.new_cdp_session(look.page)
     session.send("Network.enable")
@@ -59,14 +91,6 @@ def test_every_page_with_a_robot_and_the_first_load_is_small(ota, visit):
     look.open("live")
     look.page.locator("canvas").first.wait_for()
     assert 20_000 < sum(sizes) < 150_000
-    for name in PAGES:
-        page = look.open(name)
-        page.get_by_text(SAYS[name]).first.wait_for()
-        if name == "design":
-            page.locator(".react-flow__node-box").first.wait_for()
-        if name in ("live", "analysis"):
-            page.locator("canvas").first.wait_for()
-        assert look.serious() == [], name
 
 
 @pytest.mark.full
@@ -89,19 +113,8 @@ def test_no_page_is_wider_than_a_tablet(ota, visit, size):
         assert look.serious() == [], name
 
 
-def test_every_page_without_a_robot(nothing, visit):
-    look = visit(nothing)
-    for name in PAGES:
-        look.open(name).get_by_text(EMPTY[name]).first.wait_for()
-        if name in ("overview", "design", "tasks"):
-            assert look.serious() == [], name
-
-
-def test_every_page_with_a_design_that_is_not_complete(broken, visit):
+def test_what_is_wrong_in_a_design_is_found_and_mended(broken, visit):
     look = visit(broken)
-    for name in PAGES:
-        page = look.open(name)
-        page.get_by_role("button", name="Problems of the design: 1 to mend").wait_for()
     page = look.open("overview")
     page.get_by_text("does not measure what '1/h' does").first.wait_for()
     page.get_by_role("button", name="modules / see / components / lidar / rate").click()

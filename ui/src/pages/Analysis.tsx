@@ -2,6 +2,7 @@ import { type ReactNode, useEffect, useState } from "react";
 import { get, type Shapes } from "../lib/api";
 import { useDesign } from "../lib/store";
 import { Check, Select, Text } from "../parts/Field";
+import { ICONS } from "../parts/Icon";
 import { Tabs } from "../parts/Tabs";
 import { LevelSelect } from "./parts/LevelSelect";
 import { CurvePlots, type Curves } from "./analysis/CurvePlots";
@@ -9,7 +10,9 @@ import { CutSets } from "./analysis/CutSets";
 import { Importance } from "./analysis/Importance";
 import { WhatIf } from "./analysis/WhatIf";
 
-export function Analysis(): ReactNode {
+export const page = { name: "Analysis", icon: ICONS.curve, order: 40 };
+
+export default function Analysis(): ReactNode {
   const design = useDesign();
   const [tab, setTab] = useState("curves");
   if (!design) return null;

@@ -4,15 +4,18 @@ import { live, pulse, useLive } from "../lib/live";
 import { useDesign, useShared, useUnit } from "../lib/store";
 import { RATE_UNITS } from "../lib/words";
 import { Check } from "../parts/Field";
+import { ICONS } from "../parts/Icon";
 import { type Curve, Plot } from "../parts/Plot";
 import { Watching } from "../parts/Watching";
+
+export const page = { name: "Live", icon: ICONS.live, order: 50 };
 
 const WINDOWS: [string, string][] = [
   ["30", "30 s"], ["120", "2 min"], ["600", "10 min"], ["3600", "1 h"], ["28800", "8 h"], ["100000", "all"],
 ];
 const VIEWS = [["nominal", "nominal"], ["sensor_based", "sensor-based"]] as const;
 
-export function Live(): ReactNode {
+export default function Live(): ReactNode {
   const design = useDesign();
   const unit = useUnit();
   const { monitoring } = useShared(pulse);

@@ -6,11 +6,13 @@ import { everyPart, treeOf } from "../lib/tree";
 import { chanceWords, durationText, marked, momentText, moreText, numberText, oddsText, percentText, rateText, secondsText, type Unknown } from "../lib/words";
 import { Bars } from "../parts/Bars";
 import { FileButton, Select } from "../parts/Field";
-import { State } from "../parts/Icon";
+import { ICONS, State } from "../parts/Icon";
 import { ProblemList } from "../parts/Problems";
 import { Watching } from "../parts/Watching";
 
-export function Overview(): ReactNode {
+export const page = { name: "Overview", icon: ICONS.pulse, order: 10 };
+
+export default function Overview(): ReactNode {
   const design = useDesign();
   const { health, error } = useHealth();
   if (!design) return null;

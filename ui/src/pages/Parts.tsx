@@ -1,12 +1,15 @@
 import { type ReactNode, useState } from "react";
 import { route, useShared } from "../lib/store";
+import { ICONS } from "../parts/Icon";
 import { Tabs } from "../parts/Tabs";
 import { ImportParts } from "./parts/ImportParts";
 import { OwnFormula } from "./parts/OwnFormula";
 import { PartsTable } from "./parts/PartsTable";
 import { UseLibrary } from "./parts/UseLibrary";
 
-export function Parts(): ReactNode {
+export const page = { name: "Parts", icon: ICONS.parts, order: 30 };
+
+export default function Parts(): ReactNode {
   const { rest } = useShared(route);
   const [tab, setTab] = useState(["import", "library", "formula"].includes(rest) ? rest : "table");
   return (

@@ -3,9 +3,12 @@ import { file, get, type Shapes, upload } from "../lib/api";
 import { offer } from "../lib/exports";
 import { go, replaceText, sayError, useDesign } from "../lib/store";
 import { FileButton } from "../parts/Field";
+import { ICONS } from "../parts/Icon";
 import { Preview } from "../parts/Table";
 
-export function Reports(): ReactNode {
+export const page = { name: "Reports and data", icon: ICONS.report, order: 80 };
+
+export default function Reports(): ReactNode {
   const design = useDesign();
   const [legacy, setLegacy] = useState<{ name: string; found: Shapes["Imported"] } | null>(null);
   const [wrong, setWrong] = useState("");

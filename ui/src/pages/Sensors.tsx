@@ -4,9 +4,12 @@ import { useHealth } from "../lib/health";
 import { editWithUndo, route, sayError, useDesign, useShared } from "../lib/store";
 import { everyPart, isValues, treeOf } from "../lib/tree";
 import { numberText, secondsText } from "../lib/words";
+import { ICONS } from "../parts/Icon";
 import { Table } from "../parts/Table";
 import { Watching } from "../parts/Watching";
 import { BindForm, type Start } from "./sensors/BindForm";
+
+export const page = { name: "Sensors", icon: ICONS.sensor, order: 60 };
 
 interface Binding {
   at: string;
@@ -16,7 +19,7 @@ interface Binding {
   signals: string[];
 }
 
-export function Sensors(): ReactNode {
+export default function Sensors(): ReactNode {
   const design = useDesign();
   const { health } = useHealth();
   const { rest } = useShared(route);

@@ -3,6 +3,9 @@ import { edit, prefer, preferences, useDesign, useShared } from "../lib/store";
 import { change, isValues, treeOf } from "../lib/tree";
 import { RATE_UNITS, type RateUnit } from "../lib/words";
 import { Entry, Select } from "../parts/Field";
+import { ICONS } from "../parts/Icon";
+
+export const page = { name: "Settings", icon: ICONS.settings, order: 90 };
 
 const THRESHOLDS: [string, string, string][] = [
   ["hazard_rate", "Hazard rate at most", "e.g. 1000 FPMH"],
@@ -12,7 +15,7 @@ const THRESHOLDS: [string, string, string][] = [
   ["survival", "State also the time until survival falls to", "e.g. 0.9"],
 ];
 
-export function Settings(): ReactNode {
+export default function Settings(): ReactNode {
   const shown = useShared(preferences);
   const design = useDesign();
   if (!design) return null;

@@ -4,13 +4,16 @@ import { pulse } from "../lib/live";
 import { say, sayError, useDesign, useShared } from "../lib/store";
 import { chanceWords, durationText, marked, momentText, numberText, oddsText, percentText, type Unknown } from "../lib/words";
 import { FileButton, Text } from "../parts/Field";
+import { ICONS } from "../parts/Icon";
 import { Table } from "../parts/Table";
 import { Watching } from "../parts/Watching";
 import { Prognosis } from "./tasks/Prognosis";
 
+export const page = { name: "Tasks", icon: ICONS.task, order: 70 };
+
 type Task = Shapes["SaidTask"];
 
-export function Tasks(): ReactNode {
+export default function Tasks(): ReactNode {
   const design = useDesign();
   const { looks } = useShared(pulse);
   const [list, setList] = useState<Task[]>([]);

@@ -20,10 +20,10 @@ export const ICONS = {
   idle: "M12 3a9 9 0 1 0 .01 0M8 12h8",
 } as const;
 
-export function Icon({ name }: { name: keyof typeof ICONS }): ReactNode {
+export function Icon(of: { name: keyof typeof ICONS } | { path: string }): ReactNode {
   return (
     <svg viewBox="0 0 24 24" width="18" height="18" fill="none" stroke="currentColor" strokeWidth="2" strokeLinecap="round" strokeLinejoin="round" aria-hidden="true" focusable="false">
-      <path d={ICONS[name]} />
+      <path d={"path" in of ? of.path : ICONS[of.name]} />
     </svg>
   );
 }

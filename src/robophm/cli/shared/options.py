@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from robophm.core.argument_checks import number
-from robophm.core.errors import UnitError
+from robophm.core.errors import StoreError, UnitError
+from robophm.core.given import number
 from robophm.core.units import quantity
 from robophm.health.failures_to_come import LONGEST
 from robophm.report.words import rate_text
@@ -38,8 +38,24 @@ Force = Annotated[bool, typer.Option("--force", help="also where that file exist
 Ros = Annotated[str, typer.Option("--ros", help="auto, 1 or 2: which ROS; auto says what it takes and why")]
 ChanceSeed = Annotated[int, typer.Option(help="seed of --monte-carlo", min=0)]
 
-Store = Annotated[Path | None, typer.Option("--store", help="the robot's past, as kept by replay")]
-GrowingStore = Annotated[Path | None, typer.Option(help="keep the robot's past in this SQLite file, and go on from it")]
+
+def stated_store(address: str | None) -> str | None:
+    """Where a store is, as stated. Raises StoreError where nothing is."""
+    if address == "":
+        raise StoreError("--store '': expected the path of a store, or its kind and where it is, sqlite:robot.db")
+    return address
+
+
+Store = Annotated[
+    str | None, typer.Option("--store", help="the robot's past, as kept by replay", callback=stated_store)
+]
+GrowingStore = Annotated[
+    str | None,
+    typer.Option(
+        help="keep the robot's past in this SQLite file, or as KIND:WHERE says, and go on from it",
+        callback=stated_store,
+    ),
+]
 SkipMissing = Annotated[bool, typer.Option("--skip-missing", help="bound topics that are not recorded stay silent")]
 
 Failed = Annotated[list[str] | None, typer.Option(metavar="PART", help="is known to have failed")]

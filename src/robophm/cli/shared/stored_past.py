@@ -12,7 +12,8 @@ from robophm.health.ledger import Ledger
 from robophm.health.prognosis import Outlook
 from robophm.health.subject import silence
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.stored_past import existing_store, past_in
+from robophm.monitoring.stored_past import stored_past
+from robophm.stores import Address, place_of
 
 
 def check_draws(draws: int, robot: Robot) -> None:
@@ -20,16 +21,21 @@ def check_draws(draws: int, robot: Robot) -> None:
     draws_of(draws, robot, "--draws")
 
 
-def kept(path: Path, robot: Robot) -> Ledger:
-    """Return a robot's past from its store. Raises StoreError where there is none."""
-    with existing_store(path) as store:
-        ledger = past_in(store, robot)
+def files_of(store: Address | None) -> list[Path]:
+    """The file that a store is, so that nothing else takes its place."""
+    return [] if store is None else [Path(place_of(store))]
+
+
+def kept(address: Address, robot: Robot) -> Ledger:
+    """A robot's past from its store. Raises StoreError where there is none."""
+    with stored_past(address, robot) as (_, ledger):
+        pass
     exposure = ExposureIntegrator(robot)
     if words := silence(exposure.silent(exposure.settled(ledger))):
         warn(f"the past of {robot.name} {words}")
     return ledger
 
 
-def outlook_of(path: Path, robot: Robot) -> Outlook:
-    """Return the outlook of a robot by its past in a store. Raises StoreError where there is none."""
-    return Monitor(robot, kept(path, robot)).report(remaining_life=False).outlooks["sensor_based"]
+def outlook_of(address: Address, robot: Robot) -> Outlook:
+    """How a robot stands now by its past in a store. Raises StoreError where there is none."""
+    return Monitor(robot, kept(address, robot)).report(remaining_life=False).outlooks["sensor_based"]

@@ -1,5 +1,6 @@
-"""Recordings of what robots said: .bag, .db3 and .mcap, tables in .csv, and journals of live runs.
+"""Recordings of what robots said, tables, and journals of live runs.
 
-``opening.py`` says which source reads a file, ``files.py`` what the files of a recording are; ``recording.py`` gives
-samples one by one, ``columns/`` many at a time; ``salvage.py`` reads damaged ones, ``paced.py`` plays one as if live.
+``formats/`` has a plug for each format, ``format.py`` their interface; ``recognising.py`` says of which format a file
+is, ``opening.py`` which source reads it, ``files.py`` what the files of a recording are. ``recording.py`` gives samples
+one by one, ``columns/`` many at a time; ``salvage.py`` reads damaged ones, ``paced.py`` plays one as if live.
 """

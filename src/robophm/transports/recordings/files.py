@@ -8,49 +8,58 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from robophm.core.errors import SourceError, nearest
-
-SUFFIXES = (".bag", ".db3", ".mcap")
-"""Suffixes of the files that are read."""
+from robophm.transports.recordings.format import MessageFormat, RecordingFormat, SampleFormat
+from robophm.transports.recordings.recognising import format_of, formats, suffixes
 
 PACKED = ".zstd"
-"""Suffix behind one of those, of a file in a rosbag2 folder that is compressed as a whole."""
+"""Suffix of a file in a rosbag2 folder that is compressed as a whole."""
 
 METADATA = "metadata.yaml"
 """Name of the file that makes a folder a rosbag2 folder."""
 
 _EDGE = 64 * 1024
 
-RECORDED = frozenset({".bag", ".csv", ".db3", ".journal", ".mcap"})
-"""Suffixes of files that samples are read from."""
-
 
 class EmptyError(SourceError):
     """A recording has no message."""
 
 
+def recognised(path: Path) -> RecordingFormat:
+    """The format of a file, by its content. Raises SourceError, with what can be read, where nobody recognises it."""
+    with reading(path):
+        if not path.is_file():  # a pipe would be empty when it is read
+            raise SourceError(f"{path}: is no regular file")
+        if kind := format_of(path):
+            return kind
+    raise SourceError(f"{path}: not a recording; expected {', '.join(formats())} or a folder with {METADATA}")
+
+
 def holds_messages(path: Path) -> bool:
-    """Whether this is a file of a recording, by its name."""
-    return path.suffix in SUFFIXES or (path.suffix == PACKED and Path(path.stem).suffix in SUFFIXES)
+    """Whether this is a file of messages, by its content."""
+    return path.is_file() and isinstance(format_of(path), MessageFormat)
 
 
 def parts_of(path: Path) -> list[Path]:
-    """Return the files to open: a rosbag2 folder is opened as one, a folder without its metadata file by file."""
+    """The files to open: a rosbag2 folder is opened as one, a folder without its metadata file by file."""
+    if not path.is_dir():
+        recognised(path)
+        return [path]
     with reading(path):
-        if not path.is_dir():
-            if path.suffix not in SUFFIXES:
-                what = f"expected {', '.join(SUFFIXES)} or a folder with {METADATA}"
-                raise SourceError(f"{path}: not a recording; {what}")
-            return [path]
         if (path / METADATA).exists():
             return [path]
-        parts = sorted(
-            part
-            for part in path.iterdir()
-            if (part.suffix in SUFFIXES and part.is_file()) or (part / METADATA).is_file()
-        )
+        parts = sorted(part for part in path.iterdir() if _found(part) or (part / METADATA).is_file())
     if not parts:
-        raise SourceError(f"{path}: holds no recording; expected {METADATA} or {', '.join(SUFFIXES)} files")
+        kinds = ", ".join(name for name, one in formats().items() if _in_folders(one))
+        raise SourceError(f"{path}: holds no recording; expected {METADATA} or files of {kinds}")
     return parts
+
+
+def _found(file: Path) -> bool:
+    return file.is_file() and _in_folders(format_of(file))
+
+
+def _in_folders(kind: RecordingFormat | None) -> bool:
+    return isinstance(kind, MessageFormat) or (isinstance(kind, SampleFormat) and kind.in_folders)
 
 
 def recordings_in(paths: Iterable[Path]) -> tuple[Path, ...]:
@@ -115,7 +124,7 @@ def existing(path: Path) -> Path:
     """
     if path.exists():
         return path
-    meant = RECORDED | {path.suffix.lower() or ".bag"}
+    meant = suffixes() | {path.suffix.lower() or ".bag"}
     beside: Iterable[Path] = path.parent.iterdir() if path.parent.is_dir() else ()
     names = [one.name for one in beside if one.suffix.lower() in meant or _has_recordings(one)]
     raise SourceError(f"{path}: no such file{nearest(path.name, names)}")
@@ -123,6 +132,6 @@ def existing(path: Path) -> Path:
 
 def _has_recordings(folder: Path) -> bool:
     try:
-        return folder.is_dir() and any(one.suffix.lower() in RECORDED for one in folder.iterdir())
+        return folder.is_dir() and any(one.suffix.lower() in suffixes() for one in folder.iterdir())
     except OSError:  # of somebody else
         return False

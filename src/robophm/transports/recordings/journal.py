@@ -1,4 +1,4 @@
-"""Transport ``journal``: the samples of a run, written as they came, so that the run can be replayed exactly.
+"""The samples of a run, written as they came, so that the run can be replayed exactly.
 
 ::
 
@@ -27,7 +27,9 @@ from robophm.core.signal import CLOCK, Sample, split_signal
 from robophm.transports.recordings.files import existing
 from robophm.transports.recordings.text import TextSource
 
-_TITLE = "# robophm journal 1\n"
+TITLE = b"# robophm journal 1\n"
+"""The first line of a journal."""
+
 _BUFFERED = 1 << 18
 """Bytes of lines that may wait to go to the operating system: no more is asked of it than is said below."""
 
@@ -56,7 +58,7 @@ class Journal:
             spoken = any(not line.startswith(b"#") for _, line in before._lines())
             title = f"{_GAP}not listening\n" if spoken else ""
         else:
-            title = _TITLE
+            title = TITLE.decode()
         self._file = self.path.open("a", _BUFFERED, encoding="utf-8", newline="\n")
         self._file.write(title)
         try:
@@ -138,8 +140,8 @@ class JournalRecording(TextSource):
     ends = False  # its clock samples say how long the robot was listened to
 
     def _signals(self) -> frozenset[str]:
-        if next(self._lines(), (1, b""))[1] != _TITLE.encode():
-            raise SourceError(f"{self.path}: not a journal; expected '{_TITLE.strip()}' as its first line")
+        if next(self._lines(), (1, b""))[1] != TITLE:
+            raise SourceError(f"{self.path}: not a journal; expected '{TITLE.decode().strip()}' as its first line")
         mark = _SIGNAL.encode()
         names = (line[len(mark) :] for _, line in self._lines() if line.startswith(mark) and line.endswith(b"\n"))
         return frozenset(name.decode(errors="replace").rstrip("\n") for name in names)

@@ -6,11 +6,15 @@ from pathlib import Path
 
 from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import SourceError
+from robophm.core.given import path as given_path
+from robophm.transports.recordings.files import existing, recognised
+from robophm.transports.recordings.format import SampleFormat
+from robophm.transports.recordings.packed import is_packed
 from robophm.transports.signals.source import SignalSource
 
 
 def open_source(*paths: str | Path) -> SignalSource:
-    """Open the source that reads these files, by suffix: one .csv, one .journal, or any number of recordings.
+    """The source that reads these files, by their content: one file of samples, or any number of files of messages.
 
     Of a damaged recording what is whole is read, and the notes say what is lost.
 
@@ -18,18 +22,15 @@ def open_source(*paths: str | Path) -> SignalSource:
     """
     if not paths:
         raise SourceError("no recordings; expected at least one")
-    paths = tuple(given_path(path, "recording", SourceError) for path in paths)
-    suffixes = {Path(path).suffix.lower() for path in paths}
-    if len(paths) == 1 and suffixes == {".csv"}:
-        from robophm.transports.recordings.csv import CsvRecording
-
-        return CsvRecording(paths[0])
-    if len(paths) == 1 and suffixes == {".journal"}:
-        from robophm.transports.recordings.journal import JournalRecording
-
-        return JournalRecording(paths[0])
-    if alone := suffixes & {".csv", ".journal"}:
-        raise SourceError(f"a {min(alone)} file is read alone; {len(paths)} files were given")
+    given = [existing(Path(given_path(path, "recording", SourceError))) for path in paths]
+    for path in given:
+        kind = None if path.is_dir() else recognised(path)
+        if isinstance(kind, SampleFormat):
+            if len(given) > 1:
+                raise SourceError(f"{path}: holds samples, and is read alone; {len(given)} files were given")
+            if is_packed(path):
+                raise SourceError(f"{path}: is compressed; expected it unpacked, as all that holds samples")
+            return kind.open(path)
     from robophm.transports.recordings.salvage import Salvage
 
-    return Salvage(*paths)
+    return Salvage(*given)

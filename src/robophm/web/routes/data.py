@@ -16,7 +16,7 @@ from robophm.health.reporting import health_report
 from robophm.report.health_page import health_page
 from robophm.report.pdf import Printer
 from robophm.report.words import rate_text
-from robophm.stores.sqlite import SqliteStore
+from robophm.stores import open_store, store_exists
 from robophm.web.guard import REPORT_POLICY
 from robophm.web.metrics import metrics_text
 from robophm.web.routes.design import REFUSED
@@ -184,8 +184,8 @@ def _report(service: Service) -> str:
     exposure, ledger = service.past(prepared)
     report = health_report(prepared.plant, exposure, exposure.settled(ledger), task=prepared.robot.task)
     history: list[Any] = []
-    if (store := service.settings.store) and store.exists():
-        with SqliteStore(store) as kept:
+    if (store := service.settings.store) and store_exists(store):
+        with open_store(store) as kept:
             history = list(kept.history(prepared.robot.name))
     return health_page(prepared.robot, report, history, ledger.to_json())
 

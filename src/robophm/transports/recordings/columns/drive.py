@@ -10,7 +10,10 @@ from pathlib import Path
 
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.pieces import MOST_TIME, PiecedFile
-from robophm.transports.recordings.files import METADATA, PACKED, existing, parts_of, reading
+from robophm.transports.recordings.files import METADATA, existing, parts_of, reading, recognised
+from robophm.transports.recordings.format import MessageFormat
+from robophm.transports.recordings.packed import Unpacked, is_packed
+from robophm.transports.recordings.recognising import formats
 
 
 def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -> list[PiecedFile]:
@@ -58,10 +61,8 @@ def _files(path: Path, notes: Counter[str], failed: list[SourceError]) -> Iterat
 
 
 def _open(path: Path, packs: bool, notes: Counter[str], stack: ExitStack) -> PiecedFile:
-    """Open one file, left to the stack to close."""
-    if path.suffix == PACKED:
-        from robophm.transports.recordings.columns.folder import Unpacked
-
+    """One file, left to the stack to close."""
+    if is_packed(path):
         unpacked = Unpacked(path, notes)
         stack.callback(unpacked.close)
         file = _unpacked(unpacked.path, path, notes)
@@ -89,14 +90,9 @@ def _unpacked(temporary: Path, path: Path, notes: Counter[str]) -> PiecedFile:
 
 
 def _plain(path: Path, notes: Counter[str]) -> PiecedFile:
-    if path.suffix == ".db3":
-        from robophm.transports.recordings.columns.db3 import Db3File
-
-        return Db3File(path, notes)
-    if path.suffix == ".mcap":
-        from robophm.transports.recordings.columns.mcap import McapFile
-
-        return McapFile(path, notes)
-    from robophm.transports.recordings.columns.bag import BagFile
-
-    return BagFile(path, notes)
+    kind = recognised(path)
+    if not isinstance(kind, MessageFormat):
+        known = [name for name, one in formats().items() if isinstance(one, MessageFormat)]
+        raise SourceError(f"{path}: holds samples and no messages; expected {', '.join(known)}")
+    file: PiecedFile = kind.open(path, notes)
+    return file

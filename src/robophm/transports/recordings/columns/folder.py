@@ -5,8 +5,6 @@ What metadata.yaml says is not believed: the files that are there are read, and 
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path, PurePath
@@ -25,18 +23,10 @@ from robophm.transports.recordings.columns.pieces import (
 )
 from robophm.transports.recordings.columns.rows import Row, RowsFile, one_by_one
 from robophm.transports.recordings.files import METADATA, PACKED, holds_messages
+from robophm.transports.recordings.packed import ZSTD
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
-
-_ZSTD = b"\x28\xb5\x2f\xfd"
-"""The first bytes of what is compressed; a message in CDR begins with a zero."""
-
-_STEP = 1 << 20
-"""Bytes of a file that are unpacked at once."""
-
-_LEFT = 2
-"""Part of the free room for temporary files that is left: one in so many."""
 
 
 def files_in(folder: Path, notes: Counter[str]) -> tuple[list[Path], bool]:
@@ -91,44 +81,6 @@ def _information(metadata: Path) -> tuple[dict[str, Any], str]:
     return found, ""
 
 
-class Unpacked:
-    """A file that was compressed as a whole, unpacked into a temporary folder until it is closed.
-
-    Raises SourceError where it is damaged before anything of it is unpacked, or would fill the disk: how large it is,
-    nothing in it is asked.
-    """
-
-    def __init__(self, path: Path, notes: Counter[str]) -> None:
-        self._folder = tempfile.TemporaryDirectory(prefix="robophm.")
-        self.path = Path(self._folder.name) / path.stem
-        try:
-            self._unpack(path, notes)
-        except BaseException:
-            self._folder.cleanup()
-            raise
-
-    def _unpack(self, path: Path, notes: Counter[str]) -> None:
-        import zstandard
-
-        room = shutil.disk_usage(self._folder.name).free // _LEFT
-        with path.open("rb") as packed, self.path.open("wb") as file:
-            stream = zstandard.ZstdDecompressor().stream_reader(packed, read_across_frames=True)
-            try:
-                while part := stream.read(_STEP):
-                    room -= len(part)
-                    if room < 0:
-                        raise SourceError(f"{path}: does not fit on the disk when it is unpacked")
-                    file.write(part)
-            except zstandard.ZstdError as error:
-                if not file.tell():
-                    raise SourceError(f"{path}: cannot be read: {error}") from error
-                notes[f"{path.name}: the rest is lost: {error}"] += 1
-
-    def close(self) -> None:
-        """Remove the unpacked copy."""
-        self._folder.cleanup()
-
-
 class PackedMessages(RowsFile):
     """A file whose messages are compressed one by one; those that are not are taken as they are."""
 
@@ -162,7 +114,7 @@ class PackedMessages(RowsFile):
     def rows(self, wanted: Collection[int], start: int, end: int) -> Iterator[Row]:
         """Yield the rows in order of time; a message that does not unpack is lost."""
         for time, raw, connection in one_by_one(self._inside, wanted, start, end):
-            if raw[:4] != _ZSTD:
+            if raw[:4] != ZSTD:  # a message in CDR begins with a zero
                 yield time, raw, connection
                 continue
             try:
@@ -176,6 +128,6 @@ def packs_messages(file: PiecedFile) -> bool:
     everything = [connection.id for connection in file.connections]
     notes, file.notes = file.notes, Counter()
     try:
-        return next(one_by_one(file, everything, -MOST_TIME, MOST_TIME), (0, b"", 0))[1][:4] == _ZSTD
+        return next(one_by_one(file, everything, -MOST_TIME, MOST_TIME), (0, b"", 0))[1][:4] == ZSTD
     finally:
         file.notes = notes

@@ -1,18 +1,21 @@
 import { type ReactNode, useCallback, useEffect, useMemo, useState } from "react";
-import { editWithUndo, edit, go, route, say, useDesign, useShared } from "../../lib/store";
-import type { Operation } from "../../lib/api";
-import { findPart, freeName, levelOf, levelPlace, type Part, treeOf } from "../../lib/tree";
-import { lastStep } from "../../lib/words";
-import { Canvas } from "./Canvas";
-import { GroupDialog } from "./GroupDialog";
-import { Inspector } from "./Inspector";
-import { MoveDialog } from "./MoveDialog";
-import { RenameDialog } from "./RenameDialog";
-import { Tree } from "./Tree";
-import "./design.css";
+import { editWithUndo, edit, go, route, say, useDesign, useShared } from "../lib/store";
+import type { Operation } from "../lib/api";
+import { findPart, freeName, levelOf, levelPlace, type Part, treeOf } from "../lib/tree";
+import { lastStep } from "../lib/words";
+import { ICONS } from "../parts/Icon";
+import { Canvas } from "./design/Canvas";
+import { GroupDialog } from "./design/GroupDialog";
+import { Inspector } from "./design/Inspector";
+import { MoveDialog } from "./design/MoveDialog";
+import { RenameDialog } from "./design/RenameDialog";
+import { Tree } from "./design/Tree";
+import "./design/design.css";
+
+export const page = { name: "Design", icon: ICONS.diagram, order: 20, flush: true };
 
 /** Tree, canvas, inspector. What is chosen in one is chosen in all; "" is the robot. */
-export function Design(): ReactNode {
+export default function Design(): ReactNode {
   const design = useDesign();
   const { rest } = useShared(route);
   const [chosen, setChosen] = useState<string[]>([rest]);

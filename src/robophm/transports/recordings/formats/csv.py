@@ -1,4 +1,4 @@
-"""Transport ``csv``: a table whose columns are signals.
+"""A table whose columns are signals.
 
 ::
 
@@ -21,6 +21,7 @@ from decimal import Decimal, InvalidOperation
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND, Sample, split_signal
 from robophm.transports.recordings.files import reading
+from robophm.transports.recordings.format import SampleFormat
 from robophm.transports.recordings.text import TextSource
 
 MOST_COLUMNS = 4096
@@ -115,3 +116,9 @@ def parse_time(text: str) -> int:
     if not (seconds.is_finite() and abs(seconds) < 2**63 // SECOND):
         raise ValueError(f"'{text}' is out of range; expected seconds or ISO 8601")
     return round(seconds * SECOND)
+
+
+_HEADING = re.compile(rb'(\xef\xbb\xbf)?time,"?/')
+"""What a table begins with, as others and ``robophm data export`` write it; one that does not is told by its suffix."""
+
+FORMAT = SampleFormat((".csv",), lambda head: _HEADING.match(head) is not None, CsvRecording, in_folders=False)

@@ -1,0 +1,8 @@
+"""What ``robophm watch`` keeps of a live run."""
+
+from __future__ import annotations
+
+from robophm.transports.recordings.format import SampleFormat
+from robophm.transports.recordings.journal import TITLE, JournalRecording
+
+FORMAT = SampleFormat((".journal",), lambda head: head.startswith(TITLE), JournalRecording, in_folders=False)

@@ -1,0 +1,21 @@
+"""What ROS 2 records unless told otherwise, and others too: MCAP."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from robophm.transports.recordings.format import MessageFormat
+
+if TYPE_CHECKING:
+    from robophm.transports.recordings.columns.pieces import PiecedFile
+
+
+def _open(path: Path, notes: Counter[str]) -> PiecedFile:
+    from robophm.transports.recordings.columns.mcap import McapFile
+
+    return McapFile(path, notes)
+
+
+FORMAT = MessageFormat((".mcap",), lambda head: head.startswith(b"\x89MCAP"), _open)
