@@ -32,6 +32,22 @@ class Element:
         """Its children less what only describes it."""
         return (child for child in self.children if child.tag not in ("label", "attributes"))
 
+    def each(self, tag: str) -> Iterator[Element]:
+        """Its children of this tag."""
+        return (child for child in self.children if child.tag == tag)
+
+    def all(self) -> Iterator[Element]:
+        """Every element in it, itself first, as they stand in the file."""
+        stack = [self]
+        while stack:
+            yield (one := stack.pop())
+            stack += reversed(one.children)
+
+    @property
+    def content(self) -> str:
+        """Its own text, without the white space around it."""
+        return "".join(self.text).strip()
+
 
 class Markup:
     """Reads one file. Errors are one line: file, line, what is wrong."""
