@@ -177,16 +177,16 @@ def completion_uncertainty(
     ratios = draw_rates(outlook.plant, draws, seed)
     own = [outlook.future]
     futures = [_mean_of_first(task.duration, load) for load in loads] or own
-    found, weight = _completions(outlook, task, ratios, futures)
+    found, weight = completions_of(outlook, task, ratios, futures)
     failure, probability = (float(weight @ one) for one in found)
 
     def interval(ratios: Array, futures: Sequence[Future]) -> Interval:
-        (failures, _), weight = _completions(outlook, task, ratios, futures)
-        return _interval(failures, weight)
+        (failures, _), weight = completions_of(outlook, task, ratios, futures)
+        return weighted_interval(failures, weight)
 
     return CompletionUncertainty(
         Completion(probability, failure),
-        _interval(found[0], weight),
+        weighted_interval(found[0], weight),
         interval(np.ones((len(ratios), len(futures))), futures),
         interval(ratios, own),
     )
@@ -212,11 +212,11 @@ def completion_at_rates(outlook: Outlook, task: Task, ratio: float) -> Completio
     """Of a task by a robot whose rates are all so many times the stated ones, its past too."""
     if not task.legs:
         return Completion(1.0, 0.0)
-    (failure, probability), _ = _completions(outlook, task, np.full((len(outlook.age), 1), ratio), [outlook.future])
+    (failure, probability), _ = completions_of(outlook, task, np.full((len(outlook.age), 1), ratio), [outlook.future])
     return Completion(float(probability[0]), float(failure[0]))
 
 
-def _completions(outlook: Outlook, task: Task, ratios: Array, futures: Sequence[Future]) -> tuple[Array, Array]:
+def completions_of(outlook: Outlook, task: Task, ratios: Array, futures: Sequence[Future]) -> tuple[Array, Array]:
     """Of each draw: (failure, probability), shape (2, draws), and how much it counts; each has one of the futures."""
     wanted, ends = needs(task)
     mission = outlook.plant.mission(now(wanted), wanted)
@@ -224,7 +224,7 @@ def _completions(outlook: Outlook, task: Task, ratios: Array, futures: Sequence[
     def log_works(known: Array) -> Array:
         return mission.phases.log_known(known, np.zeros((len(ends), *known.shape)))
 
-    drawn = _Drawn(outlook, mission, mission.needed, ratios, len(futures), log_works)
+    drawn = DrawnRates(outlook, mission, mission.needed, ratios, len(futures), log_works)
     legs = [planned(replace(outlook, future=future), task) for future in futures]
     stated = [outlook.increments(drawn.scaling, *leg) for leg in legs]
     others = [
@@ -244,7 +244,7 @@ def predictive_life(outlook: Outlook, diagram: Block, ratios: Array, futures: Se
     system = outlook.plant.system(diagram)
 
     def curve_of(ratios: Array) -> Curve:
-        drawn = _Drawn(outlook, system, system.needed, ratios, len(futures), system.conditional.log_works)
+        drawn = DrawnRates(outlook, system, system.needed, ratios, len(futures), system.conditional.log_works)
         known = drawn.known[:, None]
         stated = [outlook.along(drawn.scaling, future) for future in futures]
         others = [outlook.along(drawn.others, *one) for one in zip(futures, drawn.ratios, strict=True)]
@@ -315,14 +315,14 @@ def _refined(curve: Curve, survives: Array, guess: Array) -> Array:
     return found
 
 
-def _interval(values: Array, weight: Array) -> Interval:
+def weighted_interval(values: Array, weight: Array) -> Interval:
     """Weighted quantiles."""
     order = np.argsort(values)
     level = np.cumsum(weight[order]) - weight[order] / 2
     return Interval(*(float(one) for one in np.interp([0.05, 0.5, 0.95], level, values[order])))
 
 
-class _Drawn:
+class DrawnRates:
     """Groups of units under drawn rates: what gathers in them, and how much each draw counts.
 
     Where a cumulative hazard is a power of age, θ·u for u is a constant factor: θ^β, for the past and for any future.
