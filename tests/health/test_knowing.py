@@ -92,3 +92,19 @@ def test_of_very_many_parts_the_largest_is_still_found():
     now, diagram = outlook(few + ", big: {rate: 1e-3 /h, uncertainty: {error_factor: 5}}")
     (found,) = largest_unknowns(now, diagram, HALF_HOUR, most=1, draws=500)
     assert [part.path for part in found.parts] == ["big"]
+
+
+def test_parts_of_one_entry_share_what_is_not_known_of_it():
+    """Two of them fail twice as often as one, whatever that is: their range is as wide as one's, and not narrower."""
+    one, two, other = (
+        outlook(said)
+        for said in ("a: {part: imu}", "a: {part: imu}, b: {part: imu}", "a: {part: imu}, b: {part: antenna}")
+    )
+    alone, both, apart = (ranges(*each, HALF_HOUR).hazard_rate for each in (one, two, other))
+    assert both == pytest.approx([2 * rate for rate in alone], rel=1e-6)
+    assert apart.high / apart.low < alone.high / alone.low
+    stated, diagram = outlook(
+        "a: {part: imu, mtbf: 1e5 h}, b: {part: imu, mtbf: 1e5 h}", "uncertainty: {error_factor: 6}"
+    )
+    own = ranges(stated, diagram, HALF_HOUR).hazard_rate
+    assert own.high / own.low < alone.high / alone.low  # figures of one's own are each their own

@@ -85,14 +85,15 @@ def drafted(said: Mapping[str, Any]) -> bool:
 def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {str(key): _plain(one) for key, one in value.items()}
-    return [_plain(one) for one in value] if isinstance(value, list | tuple) else str(value)
+    return [_plain(one) for one in value] if isinstance(value, list | tuple) else inline(value).strip('"')
 
 
 def design_text(head: Iterable[str], robot: Mapping[str, Any], parts: Iterable[DraftPart]) -> str:
     """The text of a design: remarks at its head, keys of the robot, and its modules with their parts."""
     lines = [f"# {line}".rstrip() for line in head]
     for key, value in {"schema_version": 1, **robot}.items():
-        lines += key_lines(key, value, "")
+        own = key in ("schema_version", "name")
+        lines.append(f"{quoted(key)}: {inline(value)}" + ("" if own else f"  # drafted {stamp({'value': value})}"))
     lines.append("modules:")
     modules: dict[str, list[DraftPart]] = {}
     for one in parts:

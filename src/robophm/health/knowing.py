@@ -18,13 +18,13 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block
 from robophm.design.robot import Component
 from robophm.design.task import Leg, Task
+from robophm.health.drawn_rates import draw_rates
 from robophm.health.prognosis import Outlook
 from robophm.health.uncertainty import (
     DRAWS,
     DrawnRates,
     Interval,
     completions_of,
-    draw_rates,
     predictive_life,
     weighted_interval,
 )

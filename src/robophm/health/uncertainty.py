@@ -17,12 +17,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_array
-from scipy.special import gammaincinv, ndtri
 
 from robophm.blocks.diagram import Block
 from robophm.core.waiting_time import Curve, time_at
-from robophm.design.robot import Uncertainty
 from robophm.design.task import Task
+from robophm.health.drawn_rates import draw_rates, ignorance
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger, Step
 from robophm.health.mission import Completion, needs, now, planned
@@ -99,33 +98,6 @@ class CompletionUncertainty:
     def of_load(self) -> bool:
         """The same of the load to come."""
         return self.failure_if_load_known != self.failure
-
-
-def draw_rates(plant: Plant, count: int, seed: int) -> Array:
-    """Ratio of each mode's rate to the stated one in so many draws; shape (modes, count), each row of mean 1.
-
-    Each is drawn evenly from its distribution (McKay, Beckman and Conover 1979) and on its own: another part in the
-    design changes nothing. What a common cause takes from a part has that part's rate.
-    """
-    ratios = np.ones((len(plant.robot.modes), count))
-    for i, mode in enumerate(plant.robot.modes):
-        if mode.uncertainty:
-            random = np.random.default_rng([seed, *mode.origin.encode()])
-            ratios[i] = _ratio(mode.uncertainty, (random.permutation(count) + random.random(count)) / count)
-    return ratios
-
-
-def _ratio(uncertainty: Uncertainty, level: Array) -> Array:
-    """The quantiles at these levels."""
-    if uncertainty.error_factor is not None:
-        deviation = math.log(uncertainty.error_factor) / ndtri(0.95)
-        result: Array = np.exp(deviation * ndtri(level) - deviation**2 / 2)
-    elif uncertainty.failures is not None:
-        result = gammaincinv(uncertainty.failures, level) / uncertainty.failures
-    else:
-        samples = np.array(uncertainty.samples)
-        result = samples[(level * len(samples)).astype(int)]
-    return result
 
 
 def draw_loads(plant: Plant, ledger: Ledger, count: int, seed: int) -> list[Future]:
@@ -359,7 +331,7 @@ class DrawnRates:
         if _effective(alone) < _FEWEST_EFFECTIVE * len(alone):  # together they leave few draws: draw by each instead
             same_rate: dict[str, list[int]] = defaultdict(list)
             for i in np.flatnonzero(np.ptp(ratios, axis=1) > 0).tolist():
-                same_rate[outlook.plant.robot.modes[m[i]].origin].append(i)
+                same_rate[ignorance(outlook.plant.robot.modes[m[i]])].append(i)
             for modes in same_rate.values():
                 chosen = _resampled(evidence[modes].sum(axis=0))
                 for rows in (ratios, lived, unseen):
