@@ -59,6 +59,8 @@ class Markup:
                 self._text = file.read(MAX_BYTES + 1)
         except OSError as error:
             raise DesignError(f"{path}: cannot be read: {error.strerror}") from None
+        except ValueError:  # with a character that no path has
+            raise DesignError(f"{path}: cannot be read: expected the path of a file") from None
         if len(self._text) > MAX_BYTES:
             raise DesignError(f"{path}: is larger than {MAX_BYTES:,} bytes")
 

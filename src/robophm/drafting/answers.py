@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, replace
 
 from robophm.core.errors import RobophmError, nearest
+from robophm.core.given import shown
 from robophm.core.units import quantity
 from robophm.design.importers.urdf import Description
 from robophm.design.importers.urdf.drives import DRIVES, LIGHT, moved
@@ -22,6 +23,9 @@ WHERE = {
 ground is GM by the handbook's definition, indoors too."""
 
 NONE = ("none", "no", "-")
+
+LONGEST = 1000
+"""Letters of an answer."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,14 @@ class Answers:
     """What moves its wheels or joints: dynamixel, harmonic drive, planetary gearbox …"""
     needs: str | None = None
     """Parts or modules without which it cannot do its task, apart by commas; "all"."""
+
+    def __post_init__(self) -> None:
+        for one in fields(self):
+            said = getattr(self, one.name)
+            if said is not None and (not isinstance(said, str) or len(said) > LONGEST):
+                raise RobophmError(
+                    f"answer {one.name} {shown(said)}: expected text of at most {LONGEST} letters, or None"
+                )
 
     def with_(self, **said: str | None) -> Answers:
         """The same with these answers where they are none."""

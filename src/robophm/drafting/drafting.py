@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from robophm.core.errors import RobophmError, nearest
+from robophm.core.given import instance, shown
+from robophm.core.given import path as given_path
 from robophm.design.draft import DraftPart, assumed_usage, design_text
 from robophm.design.file import parse
 from robophm.design.importers.bom import import_bom
@@ -82,8 +85,17 @@ def new(
     What nobody answers is assumed, and said so. Raises RobophmError of what cannot be read, or where nothing tells of
     a part.
     """
-    known = evidence(Path(urdf) if urdf else None, [Path(one) for one in recordings])
-    return drafted(known, answers or Answers(), changes, parts_lists or {}, name=name)
+    description = None if urdf is None else given_path(urdf, "URDF", RobophmError)
+    if isinstance(recordings, str | os.PathLike) or not isinstance(recordings, Iterable):
+        raise RobophmError(f"recordings {shown(recordings)}: expected a list of paths")
+    bags = [given_path(one, "recording", RobophmError) for one in recordings]
+    lists = instance({} if parts_lists is None else parts_lists, Mapping, "parts lists", "paths by module")
+    for module, source in lists.items():
+        instance(module, str, "module", "names with / between them")
+        given_path(source, "parts list", RobophmError)
+    instance(answers or Answers(), Answers, "answers", "robophm.Answers")
+    instance(name, str, "name", "text")
+    return drafted(evidence(description, bags), answers or Answers(), list(changes), lists, name=name)
 
 
 def drafted(
