@@ -53,6 +53,8 @@ def test_nothing_is_overwritten_without_being_told(inside, tmp_path, there):
     assert [path.name for path in tmp_path.iterdir()] == [there]
     assert (tmp_path / there).read_text() == "mine"
     assert inside("new", "robot.yaml", "--urdf", URDF, "--force").returncode == 0
+    if there != "tasks.yaml":  # none was seen, and none is written
+        assert (tmp_path / f"{there}.bak").read_text() == "mine"
 
 
 @pytest.mark.parametrize(

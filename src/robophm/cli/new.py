@@ -12,7 +12,7 @@ import typer
 
 from robophm.cli.shared.drafts import Bag, ask, print_bindings, print_look, print_parts_of
 from robophm.cli.shared.options import Force, Json
-from robophm.cli.shared.output import console, may_make, may_write, print_json, progress_console, warn, write
+from robophm.cli.shared.output import console, may_make, may_write, print_json, progress_console, warn
 from robophm.cli.shared.progress import counted
 from robophm.core.errors import RobophmError
 from robophm.design.file import parse, read, write_text
@@ -163,10 +163,10 @@ def _say_what_there_is(known: Known) -> None:
 def _write(design: Path, draft: Draft, text: str, *, again: bool) -> None:
     """The design, the page of assumptions, and the tasks, which at an update are left as somebody has them."""
     write_text(design, text)
-    write(design.parent / ASSUMPTIONS, draft.assumptions)
+    write_text(design.parent / ASSUMPTIONS, draft.assumptions)  # what somebody noted there is kept as .bak
     tasks = design.parent / TASKS
     if draft.tasks and not (again and tasks.exists()):
-        write(tasks, draft.tasks_file)
+        write_text(tasks, draft.tasks_file)
 
 
 def _document(design: Path, draft: Draft, look: FirstLook, outcomes: Sequence[Outcome]) -> dict[str, Any]:
