@@ -4,7 +4,7 @@ PYTHON ?= $(shell sh tools/find-python)
 BIN := .venv/bin
 CHECKED := src tests benchmarks tools
 
-.PHONY: help setup demo demo-ros lint check peers test test-full test-fresh calibrate prognostics fuzz bench clean
+.PHONY: help setup demo demo-ros lint check peers test test-full test-fresh calibrate prognostics new-user fuzz bench clean
 .DEFAULT_GOAL := help
 
 help:
@@ -17,6 +17,7 @@ help:
 	@echo "make calibrate  predictions against 20,000 robots that really fail (docs/calibration.md)"
 	@echo "make fuzz       300,000 damaged recordings, ten minutes to an hour (docs/guides/columns.md)"
 	@echo "make prognostics  when real wear ends, beside SurPyval, two minutes (docs/theory/wear.md)"
+	@echo "make new-user  from a wheel to the first report of four robots, five minutes (docs/guides/your-robot.md)"
 	@echo "make bench      speed, as ratios against named peers (docs/benchmarks.md)"
 	@echo "make clean      remove what the others made"
 
@@ -64,6 +65,9 @@ calibrate: setup
 
 prognostics: setup
 	@$(BIN)/python -m benchmarks.prognostics --peers
+
+new-user: setup
+	@$(BIN)/python -m tests.drafting.new_user
 
 bench: setup
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[bench]"

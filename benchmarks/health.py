@@ -14,12 +14,13 @@ from robophm.core.waiting_time import time_at
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Leg, Task
+from robophm.health.drawn_rates import draw_rates
 from robophm.health.mission import completion as of_task
 from robophm.health.outlooks import nominal_outlook
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.subject import Figures, figures
-from robophm.health.uncertainty import draw_rates, life_uncertainty, predictive_life
+from robophm.health.uncertainty import life_uncertainty, predictive_life
 
 PEER = "RePyability"
 

@@ -158,6 +158,12 @@ CALLS: dict[str, tuple[list[Any], Call]] = {
     "Fleet.remaining_life": (THINGS, FLEET.remaining_life),
     "Fleet.remaining_life(survives)": ([*but(NUMBERS, []), 1.5],
                                        lambda x: FLEET.remaining_life(ROBOT.diagram, x)),
+    "Answers": (but(THINGS, None, "", "wheel"), robophm.Answers),
+    "Answers(where)": (NAMES[1:7], lambda x: robophm.new(answers=robophm.Answers(where=x, computer="pc"))),
+    "new(urdf)": (but(PATHS, None), robophm.new),
+    "new(recordings)": (but(PATHS, [], {}, AN_ARRAY), lambda x: robophm.new(None, x)),
+    "new(parts_lists)": (but(THINGS, None, {}), lambda x: robophm.new(parts_lists=x, answers=robophm.Answers())),
+    "new(answers)": ([5, "x", object(), AN_ARRAY[:1]], lambda x: robophm.new(answers=x)),
     "Robot": ([], ROBOT.all_components), "HealthReport": ([], HEALTH.to_json), "RobophmError": ([], str),
 }  # fmt: skip
 

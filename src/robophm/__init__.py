@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from robophm.design.robot import Robot
     from robophm.design.task import Leg, Task
     from robophm.design.task_file import load_plan
+    from robophm.drafting.answers import Answers
+    from robophm.drafting.drafting import new
     from robophm.health.fleet import Fleet
     from robophm.health.report import HealthReport
     from robophm.life import life_distribution
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from robophm.transports.recordings.opening import open_source
 
 __all__ = [
+    "Answers",
     "Fleet",
     "HealthReport",
     "KOutOfN",
@@ -44,6 +47,7 @@ __all__ = [
     "life_distribution",
     "load",
     "load_plan",
+    "new",
     "open_source",
     "open_store",
     "replay",
@@ -58,6 +62,8 @@ _HOMES = {
     "design.robot": ("Robot",),
     "design.task": ("Leg", "Task"),
     "design.task_file": ("load_plan",),
+    "drafting.answers": ("Answers",),
+    "drafting.drafting": ("new",),
     "health.fleet": ("Fleet",),
     "health.report": ("HealthReport",),
     "life": ("life_distribution",),

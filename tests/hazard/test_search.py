@@ -30,3 +30,14 @@ def test_a_kind_of_part_is_found_by_words_not_by_letters_within_them() -> None:
     assert not any("actuator" in name for name in find_models("LED"))  # of a coupled one
     assert {*find_models("microcircuit")} < {*find_models("circuit")}
     assert "mil_hdbk_217f.optoelectronic" in find_models("coupler")  # the optocoupler
+
+
+def test_who_is_called_so_comes_before_who_speaks_of_it():
+    assert next(iter(find_models("gear"))) == "nswc_11.gear"
+    assert next(iter(find_models("belt"))) == "nswc_11.belt"
+
+
+@pytest.mark.parametrize("words", ["an", "a", "of the", " "])
+def test_words_that_name_no_part_find_no_model(words):
+    with pytest.raises(PlugError, match="no hazard model of"):
+        find_models(words)

@@ -14,6 +14,7 @@ from scipy.stats import gamma
 
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Task
+from robophm.health.drawn_rates import draw_rates
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import completion
@@ -23,7 +24,6 @@ from robophm.health.prognosis import Outlook
 from robophm.health.uncertainty import (
     completion_uncertainty,
     draw_loads,
-    draw_rates,
     life_uncertainty,
 )
 from robophm.life import LifeDistribution

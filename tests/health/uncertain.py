@@ -16,6 +16,7 @@ import pytest
 
 from robophm.design.file import parse
 from robophm.design.robot import Robot
+from robophm.health.drawn_rates import draw_rates
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger, Step
 from robophm.health.outlooks import nominal_outlook
@@ -23,7 +24,6 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.uncertainty import (
     Interval,
-    draw_rates,
     predictive_life,
 )
 

@@ -10,6 +10,8 @@ from robophm.cli import EXIT_CODES, NotOursError
 from robophm.cli.shared.command_group import CommandGroup
 
 COMMANDS = {
+    "new": "Draft a robot's design from its URDF, its recordings and its parts lists, and say its first health.",
+    "bind": "Propose bindings for the inputs of a design by what recordings have, and write those that are accepted.",
     "learn": "What failures in the field say of a design's rates.",
     "service": "Tell a robot's ledger that a part was replaced, or repaired.",
     "fit": "Fit life data: distributions, lives at stress, repaired systems (needs robophm[fit]).",

@@ -14,6 +14,10 @@ _KIND_OF = "(?:micro|opto|photo)?"
 """Prefixes that may stand before a word: a microcircuit is a circuit, but a thumbwheel switch no wheel."""
 
 
+_SMALL = frozenset(["a", "an", "and", "for", "in", "of", "on", "or", "the", "to", "with"])
+"""Words that name no part."""
+
+
 def all_models() -> dict[str, Model]:
     """Hazard models by name, then accelerations."""
     return {name: handbook_model(name) for name in handbook_models()} | dict(ACCELERATIONS)
@@ -22,17 +26,29 @@ def all_models() -> dict[str, Model]:
 def find_models(kind: str | None = None) -> dict[str, Model]:
     """The models of a kind of part, such as "chip resistor", by name; of none all models.
 
+    Those that are called so come before those that only speak of it.
     Raises PlugError, with the nearest known word, where there is none of that kind.
     """
     models = all_models()
     if kind is None:
         return models
-    wanted = [re.compile(rf"(?<![a-z]){_KIND_OF}{re.escape(word)}") for word in kind.lower().split()]
-    found = {name: model for name, model in models.items() if all(one.search(_words(name, model)) for one in wanted)}
+    said = [word for word in kind.lower().split() if word not in _SMALL]
+    wanted = [re.compile(rf"(?<![a-z]){_KIND_OF}{re.escape(word)}") for word in said]
+    found = {
+        name: model
+        for name, model in models.items()
+        if wanted and all(one.search(_words(name, model)) for one in wanted)
+    }
     if not found:
         known = {word for name, model in models.items() for word in _names(name, model).split() if len(word) > 2}
         raise PlugError(f"no hazard model of '{kind}'{nearest(kind.lower(), known, ())}")
-    return found
+
+    def how(name: str) -> int:
+        """By its own name, by that of a choice that it has, or only in its description."""
+        said = (name.replace("_", " ").replace(".", " "), _names(name, models[name]))
+        return next((i for i, text in enumerate(said) if all(one.search(text) for one in wanted)), len(said))
+
+    return {name: found[name] for name in sorted(found, key=how)}
 
 
 def _names(name: str, model: Model) -> str:

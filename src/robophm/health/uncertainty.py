@@ -17,12 +17,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_array
-from scipy.special import gammaincinv, ndtri
 
 from robophm.blocks.diagram import Block
 from robophm.core.waiting_time import Curve, time_at
-from robophm.design.robot import Uncertainty
 from robophm.design.task import Task
+from robophm.health.drawn_rates import draw_rates, ignorance
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger, Step
 from robophm.health.mission import Completion, needed_now, needs, planned
@@ -101,33 +100,6 @@ class CompletionUncertainty:
         return self.failure_if_load_known != self.failure
 
 
-def draw_rates(plant: Plant, count: int, seed: int) -> Array:
-    """Draw the ratio of each mode's rate to the stated one; shape (modes, count), each row of mean 1.
-
-    Each is drawn evenly from its distribution (McKay, Beckman and Conover 1979) and on its own: another part in the
-    design changes nothing. What a common cause takes from a part has that part's rate.
-    """
-    ratios = np.ones((len(plant.robot.modes), count))
-    for i, mode in enumerate(plant.robot.modes):
-        if mode.uncertainty:
-            random = np.random.default_rng([seed, *mode.origin.encode()])
-            ratios[i] = _ratio(mode.uncertainty, (random.permutation(count) + random.random(count)) / count)
-    return ratios
-
-
-def _ratio(uncertainty: Uncertainty, level: Array) -> Array:
-    """The quantiles of a rate's ratio at these levels."""
-    if uncertainty.error_factor is not None:
-        deviation = math.log(uncertainty.error_factor) / ndtri(0.95)
-        result: Array = np.exp(deviation * ndtri(level) - deviation**2 / 2)
-    elif uncertainty.failures is not None:
-        result = gammaincinv(uncertainty.failures, level) / uncertainty.failures
-    else:
-        samples = np.array(uncertainty.samples)
-        result = samples[(level * len(samples)).astype(int)]
-    return result
-
-
 def draw_loads(plant: Plant, ledger: Ledger, count: int, seed: int) -> list[Future]:
     """Draw loads to come in blocks from the robot's own past; none where that is too short.
 
@@ -177,16 +149,16 @@ def completion_uncertainty(
     ratios = draw_rates(outlook.plant, draws, seed)
     own = [outlook.future]
     futures = [_mean_of_first(task.duration, load) for load in loads] or own
-    found, weight = _completions(outlook, task, ratios, futures)
+    found, weight = completions_of(outlook, task, ratios, futures)
     failure, probability = (float(weight @ one) for one in found)
 
     def interval(ratios: Array, futures: Sequence[Future]) -> Interval:
-        (failures, _), weight = _completions(outlook, task, ratios, futures)
-        return _interval(failures, weight)
+        (failures, _), weight = completions_of(outlook, task, ratios, futures)
+        return weighted_interval(failures, weight)
 
     return CompletionUncertainty(
         Completion(probability, failure),
-        _interval(found[0], weight),
+        weighted_interval(found[0], weight),
         interval(np.ones((len(ratios), len(futures))), futures),
         interval(ratios, own),
     )
@@ -212,19 +184,19 @@ def completion_at_rates(outlook: Outlook, task: Task, ratio: float) -> Completio
     """Return the completion of a task by a robot whose rates, its past too, are all ``ratio`` times the stated ones."""
     if not task.legs:
         return Completion(1.0, 0.0)
-    (failure, probability), _ = _completions(outlook, task, np.full((len(outlook.age), 1), ratio), [outlook.future])
+    (failure, probability), _ = completions_of(outlook, task, np.full((len(outlook.age), 1), ratio), [outlook.future])
     return Completion(float(probability[0]), float(failure[0]))
 
 
-def _completions(outlook: Outlook, task: Task, ratios: Array, futures: Sequence[Future]) -> tuple[Array, Array]:
-    """Pairs (failure, probability) of draws, shape (2, draws), and the draws' weights; each draw has one future."""
+def completions_of(outlook: Outlook, task: Task, ratios: Array, futures: Sequence[Future]) -> tuple[Array, Array]:
+    """Of each draw: (failure, probability), shape (2, draws), and how much it counts; each has one of the futures."""
     wanted, ends = needs(task)
     mission = outlook.plant.mission(needed_now(wanted), wanted)
 
     def log_works(known: Array) -> Array:
         return mission.phases.log_known(known, np.zeros((len(ends), *known.shape)))
 
-    drawn = _Drawn(outlook, mission, mission.needed, ratios, len(futures), log_works)
+    drawn = DrawnRates(outlook, mission, mission.needed, ratios, len(futures), log_works)
     legs = [planned(replace(outlook, future=future), task) for future in futures]
     stated = [outlook.increments(drawn.scaling, *leg) for leg in legs]
     others = [
@@ -244,7 +216,7 @@ def predictive_life(outlook: Outlook, diagram: Block, ratios: Array, futures: Se
     system = outlook.plant.system(diagram)
 
     def curve_of(ratios: Array) -> Curve:
-        drawn = _Drawn(outlook, system, system.needed, ratios, len(futures), system.conditional.log_works)
+        drawn = DrawnRates(outlook, system, system.needed, ratios, len(futures), system.conditional.log_works)
         known = drawn.known[:, None]
         stated = [outlook.along(drawn.scaling, future) for future in futures]
         others = [outlook.along(drawn.others, *one) for one in zip(futures, drawn.ratios, strict=True)]
@@ -315,14 +287,14 @@ def _refined(curve: Curve, survives: Array, guess: Array) -> Array:
     return found
 
 
-def _interval(values: Array, weight: Array) -> Interval:
-    """The weighted quantiles of an Interval."""
+def weighted_interval(values: Array, weight: Array) -> Interval:
+    """Weighted quantiles."""
     order = np.argsort(values)
     level = np.cumsum(weight[order]) - weight[order] / 2
     return Interval(*(float(one) for one in np.interp([0.05, 0.5, 0.95], level, values[order])))
 
 
-class _Drawn:
+class DrawnRates:
     """Groups of units under drawn rates: what gathers in them, and how much each draw counts.
 
     Where a cumulative hazard is a power of age, θ·u for u is a constant factor: θ^β, for the past and for any future.
@@ -359,7 +331,7 @@ class _Drawn:
         if _effective(alone) < _FEWEST_EFFECTIVE * len(alone):  # together they leave few draws: draw by each instead
             same_rate: dict[str, list[int]] = defaultdict(list)
             for i in np.flatnonzero(np.ptp(ratios, axis=1) > 0).tolist():
-                same_rate[outlook.plant.robot.modes[m[i]].origin].append(i)
+                same_rate[ignorance(outlook.plant.robot.modes[m[i]])].append(i)
             for modes in same_rate.values():
                 chosen = _resampled(evidence[modes].sum(axis=0))
                 for rows in (ratios, lived, unseen):

@@ -11,6 +11,7 @@ from robophm.design.importers.bom import import_bom
 from robophm.design.importers.legacy.reading import import_legacy
 from robophm.design.importers.open_psa import load
 from robophm.design.importers.open_psa.as_design import as_design
+from robophm.design.importers.urdf import import_urdf
 
 DATA = Path(__file__).parents[2] / "data"
 TREE = """<opsa-mef><define-fault-tree name="t">
@@ -23,11 +24,13 @@ IMPORTERS: dict[str, Callable[[Path], str]] = {
     "bom": lambda path: import_bom(path, path.with_name("new.yaml")).text,
     "legacy": lambda path: import_legacy(path).text,
     "open_psa": lambda path: as_design(load(path), path.name, 1000.0),
+    "urdf": import_urdf,
 }
 OWN = {
     "bom": (DATA / "bom" / "kicad.csv").read_bytes(),
     "legacy": (DATA / "legacy_ota.yaml").read_bytes(),
     "open_psa": TREE.encode(),
+    "urdf": (DATA / "robots" / "six_axis_arm.urdf").read_bytes(),
 }
 NONE = {"empty": b"", "no text": bytes(range(256)), "prose": b"The motor failed on Monday.\n"}
 

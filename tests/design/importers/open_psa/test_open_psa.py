@@ -9,8 +9,9 @@ import pytest
 from robophm.blocks.diagram import KOutOfN, Link, Network, Parallel, Series
 from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.reliability import Structure
+from robophm.core import markup
 from robophm.core.errors import DesignError
-from robophm.design.importers.open_psa import load, markup
+from robophm.design.importers.open_psa import load
 from robophm.design.importers.open_psa.writing import document
 
 EVENTS = """<model-data>

@@ -19,8 +19,8 @@ from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.graph import ALL, ANY, NOT, ODD, UNIT, Gate
 from robophm.blocks.top_event import TopEvent
 from robophm.core.errors import DesignError, StructureError, nearest
+from robophm.core.markup import Element, Markup
 from robophm.design.importers.open_psa.expressions import Expressions, Life
-from robophm.design.importers.open_psa.markup import Element, Markup
 
 Array = npt.NDArray[np.float64]
 

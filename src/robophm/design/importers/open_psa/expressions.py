@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 
 from robophm.core.errors import nearest
-from robophm.design.importers.open_psa.markup import Element, Markup
+from robophm.core.markup import Element, Markup
 
 _DEPTH = 50  # parameters that are made of parameters
 

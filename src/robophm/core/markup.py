@@ -32,6 +32,22 @@ class Element:
         """Yield its children, without those that only describe it."""
         return (child for child in self.children if child.tag not in ("label", "attributes"))
 
+    def each(self, tag: str) -> Iterator[Element]:
+        """Its children of this tag."""
+        return (child for child in self.children if child.tag == tag)
+
+    def all(self) -> Iterator[Element]:
+        """Every element in it, itself first, as they stand in the file."""
+        stack = [self]
+        while stack:
+            yield (one := stack.pop())
+            stack += reversed(one.children)
+
+    @property
+    def content(self) -> str:
+        """Its own text, without the white space around it."""
+        return "".join(self.text).strip()
+
 
 class Markup:
     """Reads one XML file. Its errors are one line: file, line, what is wrong."""
@@ -43,6 +59,8 @@ class Markup:
                 self._text = file.read(MAX_BYTES + 1)
         except OSError as error:
             raise DesignError(f"{path}: cannot be read: {error.strerror}") from None
+        except ValueError:  # with a character that no path has
+            raise DesignError(f"{path}: cannot be read: expected the path of a file") from None
         if len(self._text) > MAX_BYTES:
             raise DesignError(f"{path}: is larger than {MAX_BYTES:,} bytes")
 

@@ -1,0 +1,67 @@
+"""``robophm bind``: bindings of a design's inputs, proposed by what recordings have, with the values seen."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robophm.cli.shared.drafts import print_bindings
+from robophm.cli.shared.options import Design, Json
+from robophm.cli.shared.output import console, may_write, print_json
+from robophm.core.errors import RobophmError, nearest
+from robophm.design.file import load, rewrite
+from robophm.design.importers.urdf import read_urdf
+from robophm.drafting.binding import bound_text
+from robophm.drafting.bindings import Proposal, proposals
+from robophm.drafting.seen import look
+
+
+def command(
+    design: Design,
+    bags: Annotated[list[Path], typer.Argument(help="recordings, or folders of them", metavar="BAGS")],
+    urdf: Annotated[Path | None, typer.Option(help="the robot's description: limits say what counts as a load")] = None,
+    accept: Annotated[list[str] | None, typer.Option(help="PART: INPUT, as listed; several")] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="accept all")] = False,
+    as_json: Json = False,
+) -> None:
+    """Propose bindings for the inputs of a design by what recordings have, and write those that are accepted."""
+    may_write(design, *bags)
+    robot = load(design)
+    efforts = {joint.name: joint.effort for joint in read_urdf(urdf).joints} if urdf else {}
+    known = {name: effort for name, effort in efforts.items() if effort > 0}
+    found, notes = proposals(robot, look(bags), known)
+    asks = not (yes or accept or as_json) and sys.stdin.isatty() and sys.stdout.isatty()
+    if not as_json:
+        print_bindings(found, notes)
+    accepted = found if yes else _named(found, accept or ()) if accept else _asked(found) if asks else []
+    if accepted:
+        rewrite(design, bound_text(design, accepted))
+    if as_json:
+        document = [{"part": one.part, "input": one.input, "binding": dict(one.binding), "seen": one.seen,
+                     "assumed": one.assumed, "accepted": one in accepted} for one in found]  # fmt: skip
+        print_json({"robot": robot.name, "proposals": document, "not_bound": notes})
+        return
+    said = f"{len(accepted)} of {len(found)} written to {design}" if accepted else "nothing written"
+    more = "" if accepted or not found else "; --yes accepts all, --accept 'PART: INPUT' some"
+    console().print(f"{said}{more}", markup=False, soft_wrap=True)
+
+
+def _named(found: Sequence[Proposal], accept: Sequence[str]) -> list[Proposal]:
+    by_name = {name_of(one): one for one in found}
+    for name in accept:
+        if name not in by_name:
+            raise RobophmError(f"--accept {name!r:.80}: no such proposal{nearest(name, by_name)}")
+    return [by_name[name] for name in dict.fromkeys(accept)]
+
+
+def name_of(one: Proposal) -> str:
+    """How a proposal is called: "joints/elbow servo: temperature"."""
+    return f"{one.part or 'the robot'}: {one.input}"
+
+
+def _asked(found: Sequence[Proposal]) -> list[Proposal]:
+    return [one for one in found if typer.confirm(f"{name_of(one)} from {' and '.join(one.signals)}?", default=True)]

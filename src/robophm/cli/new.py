@@ -1,0 +1,201 @@
+"""``robophm new``: a first design of a robot from its URDF, its recordings and its parts lists, and its health."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from robophm.cli.shared.drafts import Bag, ask, print_bindings, print_look, print_parts_of
+from robophm.cli.shared.options import Force, Json
+from robophm.cli.shared.output import console, may_make, may_write, print_json, progress_console, warn
+from robophm.cli.shared.progress import counted
+from robophm.core.errors import RobophmError
+from robophm.design.file import parse, read, write_text
+from robophm.drafting.answers import Answers, Known, asked
+from robophm.drafting.composing import Change, change_of
+from robophm.drafting.drafting import Draft, drafted, evidence
+from robophm.drafting.first_look import FirstLook, first_look, part_figures
+from robophm.drafting.updating import Outcome, Updated, earlier_answers, updated
+from robophm.health.report import plain
+
+ASSUMPTIONS, TASKS = "assumptions.md", "tasks.yaml"
+"""What is written beside the design."""
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What the command line says."""
+
+    urdf: Path | None
+    bags: tuple[Path, ...]
+    parts_lists: dict[str, Path]
+    answers: Answers
+    changes: tuple[Change, ...]
+    name: str
+    update: bool
+    force: bool
+    silent: bool
+    """Whether nothing is asked."""
+
+
+def command(
+    design: Annotated[Path, typer.Argument(help="the design to write", metavar="ROBOT.YAML")],
+    urdf: Annotated[Path | None, typer.Option(help="the robot's description, expanded from xacro")] = None,
+    bag: Bag = None,
+    bom: Annotated[list[str] | None, typer.Option(help="parts list and its module, main.csv=Drive/board")] = None,
+    hours: Annotated[str | None, typer.Option(help="that it works a day")] = None,
+    where: Annotated[str | None, typer.Option(help="it works: indoor, outdoor, flying …")] = None,
+    battery: Annotated[str | None, typer.Option(help="li-ion, lipo, lead acid …, mains or none")] = None,
+    computer: Annotated[str | None, typer.Option(help="raspberry pi, jetson, mini pc … or none")] = None,
+    sensors: Annotated[str | None, typer.Option(help="that were not seen, in words, with commas")] = None,
+    drive: Annotated[str | None, typer.Option(help="of wheels or joints: dynamixel, harmonic drive …")] = None,
+    needs: Annotated[str | None, typer.Option(help="what must work for a task: parts or modules with commas")] = None,
+    part: Annotated[
+        list[str] | None, typer.Option(help="NAME=WORDS: a part is this; NAME=none: it is not there")
+    ] = None,
+    name: Annotated[str, typer.Option(help="of the robot; default its URDF's")] = "",
+    yes: Annotated[bool, typer.Option("--yes", help="ask nothing: assume what is not said")] = False,
+    update: Annotated[bool, typer.Option("--update", help="change in a design only what nobody touched")] = False,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Draft a robot's design from its URDF, its recordings and its parts lists, and say its first health."""
+    wishes = Wishes(
+        urdf, tuple(bag or ()), lists_of(bom or ()),
+        Answers(hours, where, battery, computer, sensors, drive, needs), tuple(map(change_of, part or ())), name,
+        update=update, force=force, silent=yes or as_json or not (sys.stdin.isatty() and sys.stdout.isatty()),
+    )  # fmt: skip
+    run(design, wishes, as_json=as_json)
+
+
+def lists_of(said: Sequence[str]) -> dict[str, Path]:
+    """Parts lists by the module that they are of. Raises RobophmError."""
+    found: dict[str, Path] = {}
+    for one in said:
+        file, equals, module = one.rpartition("=")
+        if not (file and equals and module.strip()):
+            raise RobophmError(f"--bom {one!r:.60}: expected FILE=MODULE, such as main.csv=Drive/board")
+        if module.strip() in found:
+            raise RobophmError(f"--bom: two lists for {module.strip()!r:.60}; expected a module of its own for each")
+        found[module.strip()] = Path(file)
+    return found
+
+
+def run(design: Path, wishes: Wishes, *, as_json: bool) -> None:
+    """Write the design and what goes with it. Raises RobophmError, nothing written, of what cannot be read."""
+    _folder_of(design)
+    beside = design.parent / ASSUMPTIONS, design.parent / TASKS
+    inputs = [*filter(None, [wishes.urdf]), *wishes.parts_lists.values(), *wishes.bags]
+    for path in (design, *beside):
+        if wishes.update:
+            may_write(path, *inputs)
+        else:
+            may_make(path, *inputs, force=wishes.force)
+    before = read(design) if wishes.update else ""
+    answers, changes = _with_earlier(wishes, before)
+    with counted(progress_console(), "reading") as advance:
+        advance(0, 1)
+        known = evidence(wishes.urdf, wishes.bags)
+    if not wishes.silent:
+        _say_what_there_is(known)
+        answers = asked(answers, known, ask)
+    draft = drafted(known, answers, changes, wishes.parts_lists, name=wishes.name)
+    while not wishes.silent:
+        print_parts_of(part_figures(draft.robot))
+        if not (
+            wish := typer.prompt("A part to change (NAME=WORDS, NAME=none), or Enter", default="", show_default=False)
+        ):
+            break
+        try:
+            draft = drafted(known, answers, [*changes, change_of(wish)], wishes.parts_lists, name=wishes.name)
+            changes = [*changes, change_of(wish)]
+        except RobophmError as error:
+            warn(str(error))
+    brought = updated(before, draft, str(design)) if before else Updated(draft.text, ())
+    look = first_look(parse(brought.text, str(design)), wishes.bags)
+    _write(design, draft, brought.text, again=bool(before))
+    outcomes = brought.outcomes
+    if as_json:
+        print_json(_document(design, draft, look, outcomes))
+        return
+    if wishes.silent:
+        print_parts_of(part_figures(draft.robot))
+    _print(design, draft, look, outcomes)
+
+
+def _folder_of(design: Path) -> None:
+    """Make the folder of a new robot, in one that is there. Raises RobophmError."""
+    if design.suffix not in (".yaml", ".yml"):
+        raise RobophmError(f"{design}: cannot be a design; expected a name that ends in .yaml or .yml")
+    try:
+        design.parent.mkdir(exist_ok=True)
+    except OSError as error:
+        raise RobophmError(f"{design.parent}: cannot be made: {error.strerror}") from None
+
+
+def _with_earlier(wishes: Wishes, before: str) -> tuple[Answers, list[Change]]:
+    """Answers and changes, with those of an earlier draft where none are given now."""
+    told = earlier_answers(before)
+    earlier = [change_of(str(one)) for one in told.pop("changes", [])]
+    now = {key: text for key, text in asdict(wishes.answers).items() if text is not None}
+    names = {one.part for one in wishes.changes}
+    return Answers().with_(**{**told, **now}), [*(one for one in earlier if one.part not in names), *wishes.changes]
+
+
+def _say_what_there_is(known: Known) -> None:
+    out = console()
+    if known.description:
+        found = known.description
+        moving = sum(joint.moves for joint in found.joints)
+        out.print(
+            f"{found.name}: {len(found.links)} links, {moving} joints that move, {found.mass:.3g} kg", markup=False
+        )
+    if known.seen.recorded:
+        bags, topics = len(known.seen.recorded), len(known.seen.topics)
+        out.print(f"{bags} recording{'s' * (bags != 1)}, {topics} topics", markup=False)
+
+
+def _write(design: Path, draft: Draft, text: str, *, again: bool) -> None:
+    """The design, the page of assumptions, and the tasks, which at an update are left as somebody has them."""
+    write_text(design, text)
+    write_text(design.parent / ASSUMPTIONS, draft.assumptions)  # what somebody noted there is kept as .bak
+    tasks = design.parent / TASKS
+    if draft.tasks and not (again and tasks.exists()):
+        write_text(tasks, draft.tasks_file)
+
+
+def _document(design: Path, draft: Draft, look: FirstLook, outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    return {
+        "robot": draft.robot.name,
+        "design": str(design),
+        "parts": [asdict(one) for one in part_figures(draft.robot)],
+        "bound": [{"part": one.part, "input": one.input, "signals": one.signals, "seen": one.seen,
+                   "assumed": one.assumed} for one in draft.bound],
+        "unbound": list(draft.unbound),
+        "tasks": [asdict(one) for one in draft.tasks],
+        "outcomes": [asdict(one) for one in outcomes],
+        "lived": look.lived,
+        "ranges": plain(asdict(look.ranges)),
+        "largest_unknowns": [
+            {"parts": [part.path for part in one.parts], "entry": one.entry, "left": one.left}
+            for one in look.unknowns
+        ],
+        "parts_of_unknown_rate": look.left_out.parts if look.left_out else 0,
+    }  # fmt: skip
+
+
+def _print(design: Path, draft: Draft, look: FirstLook, outcomes: Sequence[Outcome]) -> None:
+    out = console()
+    print_bindings(draft.bound, draft.unbound)
+    for one in outcomes:
+        if one.state != "unchanged":
+            out.print(f"{one.state}: {one.name}{': ' * bool(one.text)}{one.text}", markup=False, soft_wrap=True)
+    print_look(look)
+    files = [str(design), str(design.parent / ASSUMPTIONS)]
+    files += [str(design.parent / TASKS)] if draft.tasks else []
+    out.print(f"\nwritten: {', '.join(files)}; next: robophm check {design}", markup=False, soft_wrap=True)

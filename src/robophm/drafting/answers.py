@@ -1,0 +1,228 @@
+"""What neither a description nor a recording says, asked in at most seven questions, each with what is assumed else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, replace
+
+from robophm.core.errors import RobophmError, nearest
+from robophm.core.given import shown
+from robophm.core.units import quantity
+from robophm.design.importers.urdf import Description
+from robophm.design.importers.urdf.drives import DRIVES, LIGHT, moved
+from robophm.drafting.heard import BATTERY
+from robophm.drafting.seen import Seen
+from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS
+from robophm.parts import Entry, library, search
+
+WHERE = {
+    "indoor": "GM", "outdoor": "GM", "warehouse": "GM", "laboratory": "GB", "office": "GB", "fixed": "GF",
+    "factory": "GF", "flying": "ARW", "underwater": "NU", "ship": "NS", "space": "SF",
+}  # fmt: skip
+"""Words for where a robot works, and the environment of MIL-HDBK-217F's Table 3-2 that is nearest: what moves over
+ground is GM by the handbook's definition, indoors too."""
+
+NONE = ("none", "no", "-")
+
+LONGEST = 1000
+"""Letters of an answer."""
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What somebody said of a robot; None is not answered, and then assumed."""
+
+    hours: str | None = None
+    """That it works a day: "8", "8 h"."""
+    where: str | None = None
+    """A word of ``WHERE``, or a symbol of MIL-HDBK-217F."""
+    battery: str | None = None
+    """In the words of ``robophm parts``, "mains" or "none"."""
+    computer: str | None = None
+    sensors: str | None = None
+    """That were not seen, apart by commas."""
+    drive: str | None = None
+    """What moves its wheels or joints: dynamixel, harmonic drive, planetary gearbox …"""
+    needs: str | None = None
+    """Parts or modules without which it cannot do its task, apart by commas; "all"."""
+
+    def __post_init__(self) -> None:
+        for one in fields(self):
+            said = getattr(self, one.name)
+            if said is not None and (not isinstance(said, str) or len(said) > LONGEST):
+                raise RobophmError(
+                    f"answer {one.name} {shown(said)}: expected text of at most {LONGEST} letters, or None"
+                )
+
+    def with_(self, **said: str | None) -> Answers:
+        """The same with these answers where they are none."""
+        known = {field.name for field in fields(self)}
+        if unknown := [key for key in said if key not in known]:
+            raise RobophmError(f"no question '{unknown[0]}'{nearest(unknown[0], known)}")
+        return replace(self, **{key: text for key, text in said.items() if text is not None})
+
+
+@dataclass(frozen=True)
+class Question:
+    """A question, and what is taken where nobody answers it."""
+
+    key: str
+    """Of ``Answers``, and of the option ``--key``."""
+    text: str
+    default: str
+    because: str
+    """Why that is assumed."""
+
+
+@dataclass(frozen=True)
+class Known:
+    """What evidence there is when questions are asked."""
+
+    description: Description | None
+    seen: Seen
+
+    @property
+    def uses(self) -> frozenset[str]:
+        """What its joints are for: wheel, arm, rotor …"""
+        return frozenset(one.use for one in moved(self.description)) if self.description else frozenset()
+
+    @property
+    def flies(self) -> bool:
+        """Whether it has rotors, or an autopilot is heard."""
+        return "rotor" in self.uses or any(topic.type.startswith("px4_msgs/") for topic in self.seen.topics)
+
+    @property
+    def stands(self) -> bool:
+        """Whether it has joints of an arm and no wheels."""
+        return "arm" in self.uses and not {"wheel", "rotor"} & self.uses
+
+    @property
+    def light(self) -> bool:
+        """Whether its description makes it light."""
+        return self.description is not None and 0 < self.description.mass <= LIGHT
+
+    @property
+    def has_battery(self) -> bool:
+        """Whether a battery is heard."""
+        return bool(self.seen.of_type(*BATTERY))
+
+
+def questions(known: Known) -> Iterator[Question]:
+    """The questions, with what is assumed in view of the evidence."""
+    yield Question("hours", "How many hours a day does it work?", "8", "a working day")
+    where = ("flying", "it has rotors") if known.flies else ("indoor", "most robots work there")
+    yield Question("where", f"Where does it work ({', '.join(WHERE)})?", *where)
+    yield Question("battery", "Which battery does it have (li-ion, lipo, lead acid … or mains)?", *_battery(known))
+    yield Question(
+        "computer", "Which computer does it have (raspberry pi, jetson, mini pc … or none)?", *_computer(known)
+    )
+    yield Question("sensors", "Which sensors were not seen (in words, with commas, or none)?", "none",
+                   "those of the description and of the topics are taken for all")  # fmt: skip
+    if known.uses & {"wheel", "arm"}:
+        yield Question("drive", "What moves its wheels or joints (dynamixel, harmonic drive, planetary gearbox …)?", "",
+                       "by names of meshes, mass and limits")  # fmt: skip
+    yield Question("needs", "What must work for a task (parts or modules with commas, or all)?", "all",
+                   "that fails on the safe side")  # fmt: skip
+
+
+def _battery(known: Known) -> tuple[str, str]:
+    if known.flies:
+        return "lipo", "most drones have one"
+    if known.stands and not known.has_battery:
+        return "mains", "an arm, and no battery is heard"
+    return "li-ion", "a battery is heard" if known.has_battery else "most robots that drive have one"
+
+
+def _computer(known: Known) -> tuple[str, str]:
+    if known.flies:
+        return "none", "the autopilot is one, and is in the draft"
+    if known.stands and not known.light:
+        return "industrial pc", "an arm that is not light"
+    return "raspberry pi", "most small robots have one like it"
+
+
+def settled(answers: Answers, known: Known) -> tuple[Answers, list[tuple[Question, str]]]:
+    """The answers with what is assumed in place of those that are missing, and which questions those are."""
+    assumed = [(one, one.default) for one in questions(known) if getattr(answers, one.key) is None]
+    return answers.with_(**{one.key: said for one, said in assumed}), assumed
+
+
+# -- what answers mean
+
+
+def share_of_day(hours: str) -> float:
+    """Of hours a day the share of it. Raises RobophmError."""
+    text = hours.strip()
+    value = quantity(text if any(letter.isalpha() for letter in text) else f"{text} h", "h")
+    if not 0 < value <= 24:
+        raise RobophmError(f"hours {hours!r:.40}: expected more than 0 and at most 24 a day")
+    return value / 24
+
+
+def environment_of(where: str) -> str:
+    """The symbol of a word for a place. Raises RobophmError with the nearest known one."""
+    word = where.strip()
+    if word in ENVIRONMENTS:
+        return word
+    if word.lower() in WHERE:
+        return WHERE[word.lower()]
+    raise RobophmError(f"where {where!r:.40}: no such place{nearest(word.lower(), WHERE)}")
+
+
+def entry_called(words: str, kinds: tuple[str, ...] = (), what: str = "part") -> Entry:
+    """The entry that fits words best, of these kinds if any. Raises RobophmError where none does."""
+    words = words.strip()
+    found = [library()[words]] if words in library() else search(words)
+    fitting = [entry for entry in found if not kinds or entry.kind in kinds]
+    if not fitting:
+        hint = f"; it finds {found[0].name}, which is none" if found else "; robophm parts lists all"
+        raise RobophmError(f"{what} {words!r:.40}: the library has none of that name{hint}")
+    return fitting[0]
+
+
+def drive_called(words: str | None) -> Entry | None:
+    """What moves wheels and joints; None where nobody said so."""
+    return entry_called(words, DRIVES, "drive") if words and words.lower() not in NONE else None
+
+
+def listed(text: str | None) -> list[str]:
+    """What is in a text apart by commas; nothing of "none" or "all"."""
+    said = [word.strip() for word in (text or "").split(",")]
+    return [word for word in said if word and word.lower() not in (*NONE, "all")]
+
+
+Ask = Callable[[Question], str]
+"""Puts a question to somebody, and returns what was said, "" for what is assumed."""
+
+
+def asked(answers: Answers, known: Known, ask: Ask) -> Answers:
+    """The answers, with those that are missing asked for."""
+    for one in questions(known):
+        if getattr(answers, one.key) is None and (said := ask(one)):
+            answers = answers.with_(**{one.key: said})
+    return answers
+
+
+def check(key: str, said: str) -> None:
+    """Raises RobophmError where an answer to this question cannot be one."""
+    if key == "hours":
+        share_of_day(said)
+    elif key == "where":
+        environment_of(said)
+    elif key == "drive":
+        drive_called(said)
+    elif key == "battery" and said.lower() not in ("mains", *NONE):
+        battery_called(said)
+    elif key == "computer" and said.lower() not in NONE:
+        entry_called(said, ("computers",), "computer")
+    elif key == "sensors":
+        for word in listed(said):
+            entry_called(word, what="sensor")
+
+
+def battery_called(words: str) -> Entry:
+    """The entry of a battery: lipo and lead acid are batteries of that kind. Raises RobophmError."""
+    said = words.strip().lower()
+    found = [*search(words), *search(f"{words} battery")]
+    fitting = [one for one in found if one.kind == "batteries" and any(said in word.lower() for word in one.words)]
+    return fitting[0] if fitting else entry_called(words, ("batteries",), "battery")

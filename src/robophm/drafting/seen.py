@@ -1,0 +1,184 @@
+"""What recordings show of a robot: topics with types and rates, and values of the signals that could be bound."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from robophm.core.errors import SourceError, UnitError
+from robophm.core.signal import SECOND, signal_name
+from robophm.core.units import quantity
+from robophm.design.importers.urdf.drives import words_of
+from robophm.measured.overview import Overview, overview, per_second
+from robophm.measured.recordings import Recorded, Signal, recordings, signal_of
+from robophm.measured.statistics import statistics_of
+from robophm.transports.signals.message_units import field_unit
+
+MOST_SIGNALS = 300
+"""Of which values are looked at: of more, the first."""
+
+HELD = 60 * SECOND
+"""How long a value holds, for means."""
+
+KINDS = {
+    "temperature": frozenset({"temperature", "temp", "temperatures"}),
+    "load": frozenset({"effort", "torque"}),
+    "voltage": frozenset({"voltage"}),
+    "current": frozenset({"current"}),
+    "humidity": frozenset({"humidity"}),
+}
+"""Stresses that parts answer to, by the words that name them in fields and elements."""
+
+_UNITS = {"temperature": "degC", "load": "N*m", "voltage": "V", "current": "A", "humidity": ""}
+_VALUED = re.compile(r"(^|\.)values\[[^\]]*\]$")
+
+
+@dataclass(frozen=True)
+class SeenTopic:
+    """A topic that recordings have."""
+
+    name: str
+    type: str
+    """Without ``/msg/``: sensor_msgs/LaserScan."""
+    per_second: float | None
+
+    @property
+    def words(self) -> frozenset[str]:
+        """The words of its name."""
+        return frozenset(words_of(self.name))
+
+
+@dataclass(frozen=True)
+class SeenSignal:
+    """A signal that a model input could follow, and its values."""
+
+    topic: str
+    field: str
+    kind: str
+    """A stress of ``KINDS``, or position, of which edges may be counted."""
+    unit: str
+    lowest: float = math.nan
+    highest: float = math.nan
+    samples: int = 0
+
+    @property
+    def name(self) -> str:
+        """``/joint_states.effort[elbow]``"""
+        return signal_name(self.topic, self.field)
+
+    @cached_property
+    def words(self) -> frozenset[str]:
+        """The words of topic, field and element."""
+        return frozenset(words_of(f"{self.topic} {self.field}"))
+
+    @property
+    def element(self) -> str:
+        """The name of its element, of an array: elbow."""
+        found = re.findall(r"\[([^\]]+)\]", self.field)
+        return found[0] if found else ""
+
+    @property
+    def values(self) -> str:
+        """What was seen, in words."""
+        if not self.samples:
+            return "no value seen"
+        unit = f" {self.unit}" if self.unit else ""
+        return f"{self.lowest:.4g} … {self.highest:.4g}{unit}, {self.samples:,} samples"
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What recordings hold, at a glance."""
+
+    recorded: tuple[Recorded, ...]
+    topics: tuple[SeenTopic, ...]
+    signals: tuple[SeenSignal, ...]
+    notes: tuple[str, ...] = ()
+
+    def of_type(self, *types: str) -> list[SeenTopic]:
+        """The topics of these types."""
+        return [one for one in self.topics if one.type in types]
+
+
+NOTHING = Seen((), (), ())
+
+
+def look(paths: Sequence[Path]) -> Seen:
+    """What recordings, or folders of them, hold. Raises SourceError."""
+    if not paths:
+        return NOTHING
+    found = recordings(paths)
+    looks = [overview(one) for one in found]
+    topics = {topic.name: topic for one in reversed(looks) for topic in one.topics}
+    seen = [SeenTopic(name, one.type.replace("/msg/", "/"), per_second(one)) for name, one in sorted(topics.items())]
+    sought = [one for look in looks for one in _signals(look)]
+    sought = list({one.name: one for one in sought}.values())
+    notes = [f"{len(sought) - MOST_SIGNALS:,} signals more were not looked at"] if len(sought) > MOST_SIGNALS else []
+    return Seen(tuple(found), tuple(seen), tuple(_valued(found, sought[:MOST_SIGNALS])), tuple(notes))
+
+
+def _signals(one: Overview) -> Iterator[SeenSignal]:
+    """The signals of a recording that could be bound: by the words and units of fields and of their elements."""
+    for topic in one.topics:
+        fields = [(field, topic.fields[field]) for field in topic.fields if "[]" not in field]
+        for array, names in topic.names.items():
+            for name in names:
+                field = f"{array[:-1]}{_quoted(name)}]"
+                fields.append((f"{field}.value" if _is_key_value(topic.type, field) else field, None))
+        for field, unit in fields:
+            if field.startswith("header."):
+                continue
+            unit = field_unit(topic.type, field) if unit is None else unit
+            if kind := _kind(topic.name, topic.type, field, unit):
+                yield SeenSignal(topic.name, field, kind, _UNITS.get(kind, "") if unit is None else unit)
+
+
+def _quoted(name: str) -> str:
+    return f"'{name}'" if name.isdecimal() else name
+
+
+def _is_key_value(type_: str, field: str) -> bool:
+    return type_.replace("/msg/", "/") == "diagnostic_msgs/DiagnosticArray" and bool(_VALUED.search(field))
+
+
+def _kind(topic: str, type_: str, field: str, unit: str | None) -> str:
+    last = words_of(re.split(r"\.(?![^\[]*\])", field.removesuffix(".value"))[-1])
+    if unit == "degC":
+        return "temperature"
+    if field.startswith("position[") and type_.endswith("/JointState"):
+        return "position"
+    if type_.replace("/msg/", "/").startswith("std_msgs/"):
+        last = words_of(topic.rpartition("/")[2])  # its only field says nothing
+    for kind, called in KINDS.items():
+        if called & set(last) and (unit is None or _fits(unit, _UNITS[kind])):
+            return kind
+    return ""
+
+
+def _fits(unit: str, wanted: str) -> bool:
+    try:
+        quantity(f"1 {unit}" if unit else 1.0, wanted)
+    except UnitError:
+        return False
+    return True
+
+
+def _valued(found: Sequence[Recorded], sought: Sequence[SeenSignal]) -> Iterator[SeenSignal]:
+    signals: list[Signal] = []
+    for one in sought:
+        try:
+            signals.append(signal_of(one.name, found))
+        except SourceError:
+            continue  # of a recording beside it
+    spans: dict[str, tuple[float, float, int]] = {}
+    for seen in statistics_of(found, signals, None, HELD).seen:
+        low, high, count = spans.get(seen.signal.name, (math.inf, -math.inf, 0))
+        whole = seen.whole
+        spans[seen.signal.name] = min(low, whole.lowest), max(high, whole.highest), count + whole.samples
+    for one in sought:
+        low, high, count = spans.get(one.name, (math.nan, math.nan, 0))
+        yield SeenSignal(one.topic, one.field, one.kind, one.unit, low, high, count)

@@ -1,0 +1,54 @@
+"""Rates that are not exactly known, drawn."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import gammaincinv, ndtri
+
+from robophm.design.robot import FailureMode, Uncertainty
+from robophm.health.plant import Plant
+from robophm.parts import graded
+
+Array = npt.NDArray[np.float64]
+
+
+def draw_rates(plant: Plant, count: int, seed: int) -> Array:
+    """Ratio of each mode's rate to the stated one in so many draws; shape (modes, count), each row of mean 1.
+
+    Each is drawn evenly from its distribution (McKay, Beckman and Conover 1979) and on its own: another part in the
+    design changes nothing. What a common cause takes from a part has that part's rate; parts of one entry of the
+    library have one (``ignorance``).
+    """
+    ratios = np.ones((len(plant.robot.modes), count))
+    for i, mode in enumerate(plant.robot.modes):
+        if mode.uncertainty:
+            random = np.random.default_rng([seed, *ignorance(mode).encode()])
+            ratios[i] = _ratio(mode.uncertainty, (random.permutation(count) + random.random(count)) / count)
+    return ratios
+
+
+def ignorance(mode: FailureMode) -> str:
+    """What it is that is not known of a rate: equal for modes whose rates are one unknown.
+
+    An entry of the library says of a kind of part how often it fails. Where that is three times off, it is so for all
+    parts of that entry, until the field has said something of one.
+    """
+    if mode.evidence or not graded(mode.source):
+        return mode.origin
+    return f"{mode.source} {mode.clock} {mode.life!r}"
+
+
+def _ratio(uncertainty: Uncertainty, level: Array) -> Array:
+    """The quantiles at these levels."""
+    if uncertainty.error_factor is not None:
+        deviation = math.log(uncertainty.error_factor) / ndtri(0.95)
+        result: Array = np.exp(deviation * ndtri(level) - deviation**2 / 2)
+    elif uncertainty.failures is not None:
+        result = gammaincinv(uncertainty.failures, level) / uncertainty.failures
+    else:
+        samples = np.array(uncertainty.samples)
+        result = samples[(level * len(samples)).astype(int)]
+    return result
