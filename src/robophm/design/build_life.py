@@ -40,12 +40,12 @@ def figure_of(place: Path, mode: schema.FailureMode, key: str, unit: str) -> flo
     at, said = (*place, key), getattr(mode, key)
     if key != "rate":
         try:
-            age = written(at, said, unit)
-        except Fault as fault:
+            age = quantity_at(at, said, unit)
+        except LocatedError as fault:
             clock = "operating hours" if mode.clock == "operating" else f"the clock '{mode.clock}'"
-            raise Fault(at, f"{fault}: {key} is an age in {unit} of {clock}") from None
+            raise LocatedError(at, f"{fault}: {key} is an age in {unit} of {clock}") from None
         if not age > 0:
-            raise Fault(at, f"{key} {said}; expected above zero")
+            raise LocatedError(at, f"{key} {said}; expected above zero")
         return age
     try:
         rate = quantity_at(at, said, f"1/{unit}")

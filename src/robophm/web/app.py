@@ -20,7 +20,7 @@ from starlette.staticfiles import StaticFiles
 
 from robophm.core.errors import RobophmError
 from robophm.core.registry import load_plug, plugs
-from robophm.design.fault import Fault
+from robophm.design.located_error import LocatedError
 from robophm.web import routes
 from robophm.web.guard import Guard, TooLargeError
 from robophm.web.service import Service, Settings
