@@ -333,15 +333,20 @@ class BagFile(ChunkedFile):
         return replace(chunk, first=min(times, default=0), last=max(times, default=MOST_TIME), indices=indices)
 
     def _cut(self, position: int) -> None:
-        """The record at the end is not whole: of a chunk that is not compressed its whole messages are still there."""
+        """The record at the end is not whole: of a chunk the messages before its end are still there."""
         self.lost(f"{self.size - position} bytes of a file that is cut or damaged", position)
         try:
             record = _record(self.content, position, MOST_TIME)
+            if record.operation != CHUNK or record.start >= self.size:
+                return
+            compression = record.fields.get(b"compression", b"").decode("ascii", "replace")
+            plain = compression in ("", "none")
+            end = self.size if plain else min(record.end, self.size)
+            size = end - record.start if plain else record.number(b"size")
         except DamageError:
             return
-        if record.operation == CHUNK and record.fields.get(b"compression") == b"none" and record.start < self.size:
-            rest = Chunk(0, MOST_TIME, position, record.start, self.size, "", self.size - record.start, 0, None)
-            self.chunks.append(replace(self._timed(rest), indices=None))
+        rest = Chunk(0, MOST_TIME, position, record.start, end, compression, size, 0, None, cut=True)
+        self.chunks.append(replace(self._timed(rest), indices=None))
 
     def _connections(self) -> list[Connection]:
         from rosbags.interfaces import Connection, ConnectionExtRosbag1, MessageDefinition

@@ -62,10 +62,20 @@ class Db3File(RowsFile):
             self._database = sqlite3.connect(f"{path.resolve().as_uri()}?immutable=1", uri=True)
             self._database.execute("PRAGMA writable_schema = ON")  # else a file that was cut is refused, not read
             self._limit()
+            try:
+                self._database.execute("SELECT count(*) FROM sqlite_master").fetchone()
+            except sqlite3.Error as error:
+                damage = "no database, or the first page, which says where its tables are, is damaged"
+                raise SourceError(f"{path}: cannot be read: {error}: {damage}") from error
             self.connections = self._connections()
+            if not self.connections and self._database.execute("SELECT 1 FROM messages LIMIT 1").fetchone():
+                notes[f"{path.name}: all messages lost: its table of topics names none"] += 1
         except (sqlite3.Error, UnicodeDecodeError) as error:
             self.close()
             raise SourceError(f"{path}: cannot be read: {error}") from error
+        except SourceError:
+            self.close()
+            raise
         except MemoryError:  # what SQLite says of some damage, with next to no memory taken
             self.close()
             raise SourceError(f"{path}: cannot be read: database disk image is malformed") from None
@@ -172,6 +182,9 @@ class Db3File(RowsFile):
             lost[f"{self.path.name}: its index is damaged and was not asked"] += 1
         table = find_rows(pages, root, indexed)
         lost.update({f"{self.path.name}: {what}": count for what, count in table.lost.items()})
+        known = {connection.id for connection in self.connections}
+        if strange := int((~np.isin(table.rows.topics, list(known))).sum()):
+            lost[f"{self.path.name}: messages of topics that its table of topics does not name lost"] = strange
         found = len(table.rows.times)
         if indexed is not None and indexed > found:
             lost[f"{self.path.name}: messages that its index counts and its table lacks lost"] += indexed - found
@@ -223,11 +236,14 @@ class Db3File(RowsFile):
 
         formats = {"ros2msg": Format.MSG, "ros2idl": Format.IDL}
         definitions: dict[str, MessageDefinition] = {}
-        if self._database.execute("SELECT 1 FROM sqlite_master WHERE name = 'message_definitions'").fetchone():
-            query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions ORDER BY id"
-            for type_, encoding, text in self._database.execute(query):
-                if isinstance(text, str) and encoding in formats:
-                    definitions.setdefault(type_, MessageDefinition(formats[encoding], text))
+        try:
+            if self._database.execute("SELECT 1 FROM sqlite_master WHERE name = 'message_definitions'").fetchone():
+                query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions ORDER BY id"
+                for type_, encoding, text in self._database.execute(query):
+                    if isinstance(text, str) and encoding in formats:
+                        definitions.setdefault(type_, MessageDefinition(formats[encoding], text))
+        except sqlite3.Error as error:  # times are there without them, and types that are well known
+            self.notes[f"{self.path.name}: definitions of message types are lost: {error}"] += 1
         missing = MessageDefinition(Format.NONE, "")
         topics = self._database.execute("SELECT id, name, type, serialization_format FROM topics ORDER BY id")
         return [

@@ -318,17 +318,20 @@ class McapFile(ChunkedFile):
         return places
 
     def _cut(self, behind: int) -> None:
-        """The record at the end is not whole: of a chunk that is not compressed its whole messages are still there."""
+        """The record at the end is not whole: of a chunk the messages before its end are still there."""
         self.lost(f"{self.size - behind} bytes of a file that is cut or damaged", behind)
         try:
-            opcode, _, first, _, _, _, name = struct.unpack("<BQQQQII", self.between(behind, behind + 41))
+            opcode, _, first, _, size, _, name = struct.unpack("<BQQQQII", self.between(behind, behind + 41))
+            start = behind + 49 + name
+            compression = self.between(behind + 41, start - 8).decode("ascii", "replace") if name <= 16 else "?"
+            (stored,) = struct.unpack("<Q", self.between(start - 8, start))
         except DamageError:
             return
-        if opcode == CHUNK and name == 0 and behind + 49 < self.size:
-            start = behind + 49
-            self.chunks.append(
-                Chunk(min(first, MOST_TIME), MOST_TIME, behind, start, self.size, "", self.size - start, 0, None)
-            )
+        if opcode == CHUNK and start < self.size:
+            end = min(start + stored, self.size) if compression else self.size
+            size = size if compression else end - start
+            cut = Chunk(min(first, MOST_TIME), MOST_TIME, behind, start, end, compression, size, 0, None, cut=True)
+            self.chunks.append(cut)
 
     def _defined(self) -> set[int]:
         """The channels whose schema is known, or that have none."""

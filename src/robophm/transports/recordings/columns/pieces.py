@@ -168,6 +168,25 @@ def unpack(content: Bytes, compression: str, size: int) -> Bytes:
     return unpacked  # type: ignore[no-any-return]
 
 
+def unpack_begun(content: Bytes, compression: str, size: int) -> Bytes:
+    """What there is of a chunk's content of ``size`` bytes whose end is missing.
+
+    Raises DamageError as ``unpack``, but where it is less than that.
+    """
+    if compression in ("", "none"):
+        return content
+    if size > LARGEST_CHUNK:
+        raise DamageError(f"a chunk of {size} bytes")
+    try:
+        unpacker = partial(unpack_zstd, begun=True) if compression == "zstd" else _decompressor(compression)
+        found = unpacker(content.data, size)
+    except (DamageError, MemoryError):
+        raise
+    except Exception as error:
+        raise DamageError(f"chunk does not unpack: {error}") from error
+    return np.frombuffer(found, np.uint8)
+
+
 def _decompressor(compression: str) -> Callable[[Any, int], bytes]:
     if compression == "zstd":
         return unpack_zstd
@@ -180,15 +199,18 @@ def _decompressor(compression: str) -> Callable[[Any, int], bytes]:
     raise DamageError(f"compression '{compression}' is not known")
 
 
-def unpack_zstd(content: Any, size: int) -> bytes:
-    """The content of a zstd frame, of at most ``size`` bytes. Raises DamageError where it is larger or broken."""
+def unpack_zstd(content: Any, size: int, *, begun: bool = False) -> bytes:
+    """The content of a zstd frame, of at most ``size`` bytes; what there is of one that is only ``begun``.
+
+    Raises DamageError where it is larger or broken.
+    """
     import zstandard
 
     try:
         said = zstandard.frame_content_size(content)
         if said > size:
             raise DamageError(f"more than {size} bytes in what is compressed")
-        if said >= 0:
+        if said >= 0 and not begun:
             return zstandard.ZstdDecompressor().decompress(content, max_output_size=size)
         parts, left = [], size
         with zstandard.ZstdDecompressor().stream_reader(content) as stream:
@@ -220,6 +242,8 @@ class Chunk:
     checksum: int
     indices: dict[int, int] | None
     """By connection: where in the file the index of its messages lies; None where there is none."""
+    cut: bool = False
+    """Whether the end of its content is missing."""
 
     @property
     def packed(self) -> bool:
@@ -319,7 +343,10 @@ class ChunkedFile(MappedFile):
 
     def unpacked(self, chunk: Chunk) -> Bytes:
         """The chunk's content; raises DamageError where it is not what was written."""
-        content = unpack(self.content[chunk.start : chunk.end], chunk.compression, chunk.size)
+        stored = self.content[chunk.start : chunk.end]
+        if chunk.cut:
+            return unpack_begun(stored, chunk.compression, chunk.size)
+        content = unpack(stored, chunk.compression, chunk.size)
         if chunk.checksum and crc32(content.data) != chunk.checksum:
             raise DamageError("chunk does not have its checksum")
         return content
