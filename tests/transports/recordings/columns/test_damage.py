@@ -180,7 +180,7 @@ def test_a_chunk_whose_end_is_missing_is_unpacked_as_far_as_it_goes(
         counts.append(sum(map(len, found.values())))
         assert any("cut or damaged" in note and "lost" in note for note in notes)
     assert 0 < counts[0] <= counts[1] <= counts[2] < sum(map(len, whole.values()))
-    assert counts[0] < counts[2]  # bz2 has but blocks of 900 kB
+    assert counts[0] < counts[2] or compression == "BZ2"  # of which a block has 900 kB, of what is there after runs
 
 
 def test_one_bit_of_an_index_of_a_database_loses_no_row(recorded: dict[str, Path], tmp_path: Path) -> None:
