@@ -11,7 +11,6 @@ from array import array
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -20,15 +19,13 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
+from robophm.transports.recordings.columns.chunked import Chunk, ChunkedFile, distinct
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
 from robophm.transports.recordings.columns.pieces import (
     LONGEST_TEXT,
     MOST_TIME,
-    Chunk,
-    ChunkedFile,
     DamageError,
     Messages,
-    distinct,
 )
 
 if TYPE_CHECKING:
@@ -83,22 +80,21 @@ class BagFile(ChunkedFile):
         self.chunks: list[Chunk] = []
         self._defined: dict[int, tuple[str, str, str]] = {}
         self._counts: Counter[int] = Counter()
-        self._told: dict[int, dict[int, int]] = {}
-        """By where a chunk ends, how many messages of each connection its info counts."""
-        header = _Record(HEADER, {}, 0, 0)
+        self._told: dict[int, Mapping[int, int]] = {}
+        """By where a chunk lies, how many messages of each connection its info counts."""
+        self._ends: dict[int, Mapping[int, int]] = {}
+        """The same by where its content ends, once that is known."""
+        self._header = _Record(HEADER, {}, 0, 0)
         with suppress(DamageError):  # said when the index is looked for
-            header = _record(self.content, len(MAGIC), MOST_TIME)
-        if header.fields.get(b"encryptor"):
+            self._header = _record(self.content, len(MAGIC), MOST_TIME)
+        if self._header.fields.get(b"encryptor"):
             raise SourceError(f"{path}: cannot be read: is encrypted")
         try:
-            self._read_index(header)
+            self._read_index(self._header)
         except DamageError as error:
-            self.notes[f"{path.name}: looked through for want of an index: {error}"] += 1
-            self.chunks.clear()
             self._defined.clear()
             self._counts.clear()
-            self._told.clear()
-            self._look_through(header)
+            self.look_through(str(error))
         self.connections = self._connections()
 
     def index(self, offset: int, connection: int) -> NDArray[Any]:
@@ -106,7 +102,7 @@ class BagFile(ChunkedFile):
         for record in self._indices(offset):
             if record.number(b"conn") == connection:
                 entries = self._entries(record)
-                if len(entries) != self._told.get(offset, {}).get(connection, len(entries)):
+                if len(entries) != self._ends.get(offset, {}).get(connection, len(entries)):
                     raise DamageError("not as many as its chunk's info counts")
                 return entries
         raise DamageError("damage")
@@ -230,6 +226,7 @@ class BagFile(ChunkedFile):
         position = header.number(b"index_pos")
         if not position:
             raise DamageError("its recorder was not closed")
+        self.ahead(position, self.size)
         for _ in range(header.number(b"conn_count")):
             record = self._record(position)
             if record.operation != CONNECTION:
@@ -247,16 +244,36 @@ class BagFile(ChunkedFile):
                 raise DamageError(f"no chunk info at byte {position}")
             self._counts.update(counts)
             first, last = (record.time(b"start_time"), record.time(b"end_time")) if count else (0, 0)
-            chunk = self.chunk_at(record.number(b"chunk_pos"))
-            if chunk.offset in offsets:
+            offset = record.number(b"chunk_pos")
+            if offset in offsets:
                 raise DamageError(f"another chunk's info at byte {position}")
-            offsets.add(chunk.offset)
-            self._told[chunk.end] = counts
-            indices = dict.fromkeys(counts, chunk.end) if self._agrees(chunk, counts) else None
-            self.chunks.append(replace(chunk, first=first, last=last, indices=indices))
+            offsets.add(offset)
+            self._told[offset] = counts
+            self.chunks.append(Chunk(first, last, offset, 0, 0, "", 0, 0, counts))
             position = record.end
         if position != self.size:
             raise DamageError(f"{self.size - position} bytes behind it")
+
+    def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:
+        """The chunks, of which the index of all knows but where they begin."""
+        unplaced = [number for number, chunk in enumerate(chunks) if not chunk.end]
+        for number in unplaced:
+            self.ahead(chunks[number].offset, chunks[number].offset + 1)
+        found = [*chunks]
+        for number in unplaced:
+            chunk = self.chunk_at(chunks[number].offset)
+            found[number] = chunk._replace(first=chunks[number].first, last=chunks[number].last)
+            self.ahead(chunk.end, chunk.end + 1)
+        for number in unplaced:
+            counts = self._ends[found[number].end] = self._told[chunks[number].offset]
+            indices = dict.fromkeys(counts, found[number].end) if self._agrees(found[number], counts) else None
+            found[number] = found[number]._replace(indices=indices)
+        return found
+
+    def counted(self, chunk: Chunk, wanted: Collection[int]) -> int:
+        """How many messages of these connections are in a chunk, by its info."""
+        counts = self._told.get(chunk.offset, {})
+        return sum(counts.get(id_, MOST_TIME) for id_ in wanted if id_ in (chunk.indices or ()))
 
     def _agrees(self, chunk: Chunk, counts: Mapping[int, int]) -> bool:
         """Whether a chunk's own index is of a connection that its info counts: else one of the two lies."""
@@ -265,6 +282,15 @@ class BagFile(ChunkedFile):
             return first is None or first.number(b"conn") in counts
         except DamageError:
             return False
+
+    def look_through(self, why: str) -> None:
+        """Find the chunks from record to record, as the index is damaged; what it says of connections holds."""
+        self.notes[f"{self.path.name}: looked through for want of an index: {why}"] += 1
+        self.chunks.clear()
+        self._told.clear()
+        self._ends.clear()
+        self.read_whole()
+        self._look_through(self._header)
 
     def _look_through(self, header: _Record) -> None:
         """Find chunks from record to record; connections and times in them, where no index says them."""
@@ -294,7 +320,7 @@ class BagFile(ChunkedFile):
                 within = (place for place in known if place < record.end and self.chunk_lies_at(place))
                 position = next(within, record.end)
         if self.chunks:  # of its index maybe not all is there
-            self.chunks[-1] = replace(self.chunks[-1], indices=None)
+            self.chunks[-1] = self.chunks[-1]._replace(indices=None)
         for record in repeated:  # what the index says, where there was no better word
             with suppress(DamageError):
                 self._define(record, self.content)
@@ -327,10 +353,10 @@ class BagFile(ChunkedFile):
             try:
                 found, _ = self._scan(self.unpacked(chunk))
             except DamageError:
-                return replace(chunk, indices=None)  # said when its messages are read
+                return chunk._replace(indices=None)  # said when its messages are read
             times += [int(found["time"].min()), int(found["time"].max())] if len(found) else []
         indices = dict.fromkeys(connections, chunk.end) if connections else None
-        return replace(chunk, first=min(times, default=0), last=max(times, default=MOST_TIME), indices=indices)
+        return chunk._replace(first=min(times, default=0), last=max(times, default=MOST_TIME), indices=indices)
 
     def _cut(self, position: int) -> None:
         """The record at the end is not whole: of a chunk the messages before its end are still there."""
@@ -346,7 +372,7 @@ class BagFile(ChunkedFile):
         except DamageError:
             return
         rest = Chunk(0, MOST_TIME, position, record.start, end, compression, size, 0, None, cut=True)
-        self.chunks.append(replace(self._timed(rest), indices=None))
+        self.chunks.append(self._timed(rest)._replace(indices=None))
 
     def _connections(self) -> list[Connection]:
         from rosbags.interfaces import Connection, ConnectionExtRosbag1, MessageDefinition

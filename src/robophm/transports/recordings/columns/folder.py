@@ -15,15 +15,9 @@ from typing import TYPE_CHECKING, Any
 from robophm.core.errors import DesignError, SourceError
 from robophm.core.yaml_values import values
 from robophm.design.file import read
-from robophm.transports.recordings.columns.pieces import (
-    LARGEST_CHUNK,
-    MOST_TIME,
-    DamageError,
-    PiecedFile,
-    TopicExtent,
-    unpack_zstd,
-)
+from robophm.transports.recordings.columns.pieces import MOST_TIME, DamageError, PiecedFile, TopicExtent
 from robophm.transports.recordings.columns.rows import Row, RowsFile, one_by_one
+from robophm.transports.recordings.columns.unpacking import LARGEST_CHUNK, unpack_zstd
 from robophm.transports.recordings.files import METADATA, PACKED, holds_messages
 
 if TYPE_CHECKING:

@@ -12,7 +12,6 @@ from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
@@ -23,18 +22,16 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.checksum import crc32
+from robophm.transports.recordings.columns.chunked import Chunk, ChunkedFile, UnknownError, distinct
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
 from robophm.transports.recordings.columns.pieces import (
     BATCH,
     LONGEST_TEXT,
     MOST_TIME,
-    Chunk,
-    ChunkedFile,
     DamageError,
     Messages,
     Piece,
     TopicExtent,
-    distinct,
     tell,
 )
 
@@ -79,17 +76,29 @@ class McapFile(ChunkedFile):
         self._clear()
         try:
             self._read_summary()
+        except _NotInSummaryError:
+            self._look_again()
         except (DamageError, struct.error, UnicodeDecodeError) as error:
-            self.notes[f"{path.name}: looked through for want of an index: {error}"] += 1
-            schemas, channels = self._schemas, self._channels
-            self._clear()
-            if self._checked:
-                self._schemas |= schemas
-                self._channels |= channels
-            self._look_through()
+            self.look_through(str(error))
         self.connections = self._connections()
 
+    def look_through(self, why: str) -> None:
+        """Find the chunks from record to record, as the index is damaged."""
+        self.notes[f"{self.path.name}: looked through for want of an index: {why}"] += 1
+        self._look_again()
+
+    def _look_again(self) -> None:
+        schemas, channels = self._schemas, self._channels
+        self._clear()
+        if self._checked:
+            self._schemas |= schemas
+            self._channels |= channels
+        self.read_whole()
+        self._look_through()
+
     def _clear(self) -> None:
+        self._from_index = False
+        """Whether chunks are known from the summary alone."""
         self.chunks: list[Chunk] = []
         self._schemas: dict[int, tuple[str, str, bytes]] = {}
         self._channels: dict[int, tuple[int, str, str]] = {}
@@ -103,9 +112,14 @@ class McapFile(ChunkedFile):
         """When the first message was received [ns]."""
         return min(super().begin(), int(self._loose["time"].min(initial=MOST_TIME)))
 
-    def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
+    def pieces(self, wanted: Collection[int], start: int, end: int, timed: Collection[int] = ()) -> Iterator[Piece]:
         """Chunks, and what was found outside them, in order of time."""
-        return heapq.merge(super().pieces(wanted, start, end), self._outside(wanted), key=attrgetter("first"))
+        within = super().pieces(wanted, start, end, timed)
+        return (
+            heapq.merge(within, self._outside({*wanted, *timed}), key=attrgetter("first"))
+            if self._loose.size
+            else within
+        )
 
     def _outside(self, wanted: Collection[int]) -> Iterator[Piece]:
         loose = self._loose[np.isin(self._loose["channel"], list(wanted))]
@@ -118,8 +132,10 @@ class McapFile(ChunkedFile):
     def index(self, offset: int, connection: int) -> NDArray[Any]:
         """The message index record at this place."""
         opcode, length, channel, size = struct.unpack("<BQHI", self.between(offset, offset + 15))
-        if opcode != MESSAGE_INDEX or channel != connection or size + 6 != length or size % 16:
+        if opcode != MESSAGE_INDEX or channel != connection or size + 6 > length or size % 16:
             raise DamageError("damage")
+        if size + 6 < length:  # a record may go on with what this version does not know
+            raise UnknownError("a record longer than is known")
         return np.frombuffer(self.view(offset + 15, offset + 15 + size), _INDEX)
 
     def indexed_times(self, chunk: Chunk) -> dict[int, Ints]:
@@ -127,6 +143,27 @@ class McapFile(ChunkedFile):
         if chunk.indices is None:
             raise DamageError("no index")
         return {id_: self.index(at, id_)["time"].astype(np.int64) for id_, at in chunk.indices.items()}
+
+    def counted(self, chunk: Chunk, wanted: Collection[int]) -> int:
+        """How many messages of these connections are in a chunk: the records of its index lie side by side."""
+        places = sorted((at, id_) for id_, at in (chunk.indices or {}).items())
+        ends = [at for at, _ in places[1:]] + [chunk.behind or MOST_TIME]
+        return sum(max(0, end - at - 15) // 16 for (at, id_), end in zip(places, ends, strict=True) if id_ in wanted)
+
+    def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:
+        """The chunks with their checksums, where their messages are wanted."""
+        some = [number for number, chunk in enumerate(chunks) if chunk.indices and not wanted.isdisjoint(chunk.indices)]
+        if not self._from_index or not some:
+            return chunks
+        for number in some:
+            self.ahead(chunks[number].offset, chunks[number].start)
+        found = [*chunks]
+        for number in some:
+            known = chunks[number]
+            found[number] = _with_index(self.chunk_at(known.offset), known.indices, known.behind)
+            if found[number]._replace(checksum=0) != known:
+                raise DamageError(f"another chunk at byte {known.offset}")
+        return found
 
     def told(self) -> dict[int, TopicExtent]:
         """How many messages each connection has, in chunks and outside them, and when they were received."""
@@ -236,19 +273,22 @@ class McapFile(ChunkedFile):
         opcode, length, summary, _, checksum = struct.unpack("<BQQQI", self.between(start, self.size - len(MAGIC)))
         if self.content[-len(MAGIC) :].tobytes() != MAGIC or opcode != FOOTER or length != 20:
             raise DamageError("no footer")
-        if not summary or summary > start:
+        if not summary:
+            raise _NotInSummaryError("no summary")
+        if summary > start:
             raise DamageError("no summary")
         if self.content[summary] not in (SCHEMA, CHANNEL, *_SUMMARY):  # before all up to the end is gone through
             raise DamageError("no summary")
         if checksum and crc32(self.view(summary, start + 25)) != checksum:
             raise DamageError("summary does not have its checksum")
         self._checked = bool(checksum)
-        position, counted = summary, 0
-        while position < start:
-            opcode, length = struct.unpack("<BQ", self.between(position, position + 9))
-            if not opcode:
-                raise DamageError(f"no record at byte {position}")
-            content = self.view(position + 9, position + 9 + length)
+        position, counted = 0, 0
+        records = self.view(summary, start)
+        while position < len(records):
+            opcode, length = struct.unpack_from("<BQ", records, position)
+            if not opcode or position + 9 + length > len(records):
+                raise DamageError(f"no record at byte {summary + position}")
+            content = records[position + 9 : position + 9 + length]
             if opcode in (SCHEMA, CHANNEL):
                 self._define(opcode, content)
             elif opcode == CHUNK_INDEX:
@@ -258,18 +298,30 @@ class McapFile(ChunkedFile):
                 self._counts = dict(struct.iter_unpack("<HQ", content[46 : 46 + size]))
             position += 9 + length
         if not self._defined().issuperset(self._channels):
-            raise DamageError("no schemas in the summary")
+            raise _NotInSummaryError("no schemas in the summary")
         if not self._channels or not (self.chunks or (self._counts and not counted)):
-            raise DamageError("no channels or chunks in the summary")
+            raise _NotInSummaryError("no channels or chunks in the summary")
 
     def _indexed_chunk(self, content: memoryview) -> Chunk:
-        """The chunk that a chunk index record speaks of."""
-        offset, size = struct.unpack_from("<16xQ8xI", content)
-        if 36 + size > len(content):
+        """The chunk that a chunk index record speaks of; its own record is asked where no checksum vouches for that."""
+        first, last, offset, length, size = struct.unpack_from("<QQQQI", content)
+        at = 36 + size
+        if at + 12 > len(content):
             raise DamageError("damaged chunk index")
-        chunk = self.chunk_at(offset)
-        chunk.indices.update(struct.iter_unpack("<HQ", content[36 : 36 + size]))  # type: ignore[union-attr]
-        return chunk if chunk.indices else _unindexed(chunk)
+        indices: dict[int, int] = dict(struct.iter_unpack("<HQ", content[36:at]))
+        behind, name = struct.unpack_from("<QI", content, at)
+        behind += offset + length
+        if not self._checked:
+            return _with_index(self.chunk_at(offset), indices, behind)
+        compression = bytes(content[at + 12 : at + 12 + name]).decode("ascii", "replace")
+        stored, unpacked = struct.unpack_from("<QQ", content, at + 12 + name)
+        start = offset + 49 + name
+        if start + stored > min(offset + length, self.size):
+            raise DamageError("damaged chunk index")
+        times = min(first, MOST_TIME), min(last, MOST_TIME)
+        self._from_index = True
+        chunk = Chunk(*times, offset, start, start + stored, compression, unpacked, 0, {})
+        return _with_index(chunk, indices, behind)
 
     def _look_through(self) -> None:
         """Find chunks and messages from record to record; what is defined in chunks only is looked for there."""
@@ -358,7 +410,15 @@ class McapFile(ChunkedFile):
 
 
 def _unindexed(chunk: Chunk) -> Chunk:
-    return replace(chunk, indices=None)
+    return chunk._replace(indices=None)
+
+
+def _with_index(chunk: Chunk, indices: dict[int, int] | None, behind: int) -> Chunk:
+    return chunk._replace(indices=indices or None, behind=behind)
+
+
+class _NotInSummaryError(DamageError):
+    """What a summary need not have is not there."""
 
 
 def _table(columns: list[array[int]]) -> NDArray[Any]:
