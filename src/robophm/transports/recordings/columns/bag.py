@@ -43,6 +43,10 @@ LONGEST_HEADER = 1 << 16
 SHORTEST_MESSAGE = 4 + 4 + 4 + 9 + 17 + 4
 """Bytes of a record of a message: two lengths, three fields."""
 
+_LENGTH = struct.Struct("<I").unpack_from
+_TIME = struct.Struct("<II").unpack
+_VERSION, _CHUNK_INFO = b"\1\0\0\0", bytes([CHUNK_INFO])
+
 _INDEX = np.dtype([("sec", "<u4"), ("nsec", "<u4"), ("offset", "<u4")])
 _FOUND = np.dtype([("connection", "<u4"), ("time", "<i8"), ("start", "<i8"), ("end", "<i8")])
 
@@ -125,17 +129,19 @@ class BagFile(ChunkedFile):
             raise DamageError("damage")
         return np.frombuffer(self.view(record.start, record.end), _INDEX)
 
-    def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
-        """The messages at these offsets of a chunk, whose headers have their fields in one order."""
-        starts = index["offset"].astype(np.int64)
+    def located(
+        self, content: Bytes, connection: int, index: NDArray[Any], begins: Ints | int, limits: Ints | int
+    ) -> Messages:
+        """The messages at these offsets of chunks, whose headers have their fields in one order."""
+        starts = index["offset"].astype(np.int64) + begins
         if not len(starts):
             return Messages(connection, content, starts, starts, starts)
-        if not distinct(index["offset"], len(content) // SHORTEST_MESSAGE):
+        if not distinct(starts, len(content) // SHORTEST_MESSAGE):
             raise DamageError("an offset that is there twice")
         times = index["sec"].astype(np.int64) * SECOND + index["nsec"]
         first = _record(content, int(starts[0]), len(content))
         size = first.start - 4 - int(starts[0])  # of the length of the header and the header
-        if int(starts.max()) + size + 4 > len(content):
+        if int((limits - starts).min()) < size + 4:
             raise DamageError("an offset beyond the end")
         begun = content[int(starts[0]) : int(starts[0]) + size].tobytes()
         where = {name: begun.find(name + b"=") + len(name) + 1 for name in (b"op", b"conn", b"time")}
@@ -150,7 +156,7 @@ class BagFile(ChunkedFile):
         fits &= words[starts + where[b"time"] + 4] == index["nsec"]
         begin = starts + (size + 4)
         ends = begin + words[starts + size]
-        if not (fits & (ends <= len(content))).all():
+        if not (fits & (ends <= limits)).all():
             raise DamageError("an offset that is no message's")
         return Messages(connection, content, times, begin, ends)
 
@@ -233,26 +239,17 @@ class BagFile(ChunkedFile):
                 raise DamageError(f"no connection at byte {position}")
             self._define(record, self.content)
             position = record.end
-        offsets: set[int] = set()
+        infos = self.view(position, self.size)
+        at = 0
         for _ in range(header.number(b"chunk_count")):
-            record = self._record(position)
-            count = record.number(b"count")
-            if record.operation != CHUNK_INFO or record.number(b"ver") != 1 or count * 8 != record.end - record.start:
-                raise DamageError(f"no chunk info at byte {position}")
-            counts = dict(struct.iter_unpack("<II", self.view(record.start, record.end)))
-            if len(counts) != count or counts.keys() - self._defined.keys():
-                raise DamageError(f"no chunk info at byte {position}")
+            offset, first, last, counts, at = _chunk_info(infos, at)
+            if offset in self._told or not self._defined.keys() >= counts.keys():
+                raise DamageError(f"no chunk info at byte {position + at}")
             self._counts.update(counts)
-            first, last = (record.time(b"start_time"), record.time(b"end_time")) if count else (0, 0)
-            offset = record.number(b"chunk_pos")
-            if offset in offsets:
-                raise DamageError(f"another chunk's info at byte {position}")
-            offsets.add(offset)
             self._told[offset] = counts
             self.chunks.append(Chunk(first, last, offset, 0, 0, "", 0, 0, counts))
-            position = record.end
-        if position != self.size:
-            raise DamageError(f"{self.size - position} bytes behind it")
+        if position + at != self.size:
+            raise DamageError(f"{self.size - position - at} bytes behind it")
 
     def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:
         """The chunks, of which the index of all knows but where they begin."""
@@ -408,14 +405,40 @@ def _record(content: Bytes, position: int, size: int) -> _Record:
     return _Record(operation[0], fields, behind + 4, end)
 
 
+def _chunk_info(infos: memoryview, at: int) -> tuple[int, int, int, dict[int, int], int]:
+    """Where a chunk lies, when it begins and ends, its messages by connection, and where the next info lies.
+
+    Raises DamageError.
+    """
+    try:
+        (length,) = _LENGTH(infos, at)
+        fields = _fields(bytes(infos[at + 4 : at + 4 + length]))
+        (size,) = _LENGTH(infos, at + 4 + length)
+        start = at + 8 + length
+        end = start + size
+        (count,) = _LENGTH(fields[b"count"])
+        if fields[b"op"] != _CHUNK_INFO or fields[b"ver"] != _VERSION or count * 8 != size or end > len(infos):
+            raise DamageError("a damaged chunk info")
+        counts: dict[int, int] = dict(struct.iter_unpack("<II", infos[start:end]))
+        (offset,) = struct.unpack("<Q", fields[b"chunk_pos"])
+        (first, first_part), (last, last_part) = map(_TIME, (fields[b"start_time"], fields[b"end_time"]))
+    except (KeyError, struct.error) as error:
+        raise DamageError("a damaged chunk info") from error
+    if len(counts) != count:
+        raise DamageError("a damaged chunk info")
+    if not count:
+        return offset, 0, 0, counts, end
+    return offset, first * SECOND + first_part, last * SECOND + last_part, counts, end
+
+
 def _fields(header: bytes) -> dict[bytes, bytes]:
     fields = {}
-    position = 0
-    while position + 4 <= len(header):
-        end = position + 4 + int.from_bytes(header[position : position + 4], "little")
-        if end > len(header):
+    position, length = 0, len(header)
+    while position + 4 <= length:
+        begin = position + 4
+        position = begin + _LENGTH(header, position)[0]
+        if position > length:
             raise DamageError("a damaged header")
-        name, _, value = header[position + 4 : end].partition(b"=")
+        name, _, value = header[begin:position].partition(b"=")
         fields[name] = value
-        position = end
     return fields

@@ -238,19 +238,52 @@ class ChunkedFile(MappedFile):
         self,
         batch: Iterable[_Asked],
         buffer: Bytes,
-        places: Iterable[tuple[Chunk, int, int]],
+        places: Sequence[tuple[Chunk, int, int]],
         wanted: frozenset[int],
         timed: frozenset[int],
     ) -> list[Messages]:
         found: dict[int, list[Messages]] = {}
-        for chunk, begin, end in places:
-            for messages in self._indexed(chunk, buffer[begin:end], wanted if chunk.indices else wanted | timed):
-                moved = messages._replace(buffer=buffer, starts=messages.starts + begin, ends=messages.ends + begin)
-                found.setdefault(messages.connection, []).append(moved)
+        for messages in self._at_once(buffer, places, wanted) or self._one_by_one(buffer, places, wanted, timed):
+            found.setdefault(messages.connection, []).append(messages)
         for chunk in (one.chunk for one in batch if timed and one.chunk.indices is not None):
             for messages in self._times(chunk, timed):
                 found.setdefault(messages.connection, []).append(messages)
         return [joined(parts) for parts in found.values()]
+
+    def _at_once(
+        self, buffer: Bytes, places: Sequence[tuple[Chunk, int, int]], wanted: frozenset[int]
+    ) -> list[Messages]:
+        """The messages of all chunks by their indices; none where one of those is not sound."""
+        parts: dict[int, list[tuple[NDArray[Any], int, int]]] = {}
+        try:
+            for chunk, begin, end in places:
+                if chunk.indices is None:
+                    return []
+                for connection in wanted.intersection(chunk.indices):
+                    index = self.index(chunk.indices[connection], connection)
+                    parts.setdefault(connection, []).append((index, begin, end))
+            found = []
+            for connection, some in parts.items():
+                indices, begins, ends = zip(*some, strict=True)
+                lengths = [len(index) for index in indices]
+                together = np.concatenate(indices) if len(indices) > 1 else indices[0]
+                limits = np.repeat(ends, lengths)
+                found.append(self.located(buffer, connection, together, np.repeat(begins, lengths), limits))
+        except DamageError:
+            return []
+        return found
+
+    def _one_by_one(
+        self,
+        buffer: Bytes,
+        places: Iterable[tuple[Chunk, int, int]],
+        wanted: frozenset[int],
+        timed: frozenset[int],
+    ) -> Iterator[Messages]:
+        """The messages of each chunk, by its index where that is sound."""
+        for chunk, begin, end in places:
+            for messages in self._indexed(chunk, buffer[begin:end], wanted if chunk.indices else wanted | timed):
+                yield messages._replace(buffer=buffer, starts=messages.starts + begin, ends=messages.ends + begin)
 
     def _times(self, chunk: Chunk, timed: frozenset[int]) -> list[Messages]:
         """The messages of these connections in a chunk, of which nothing but their times is told, by its index."""
@@ -312,7 +345,7 @@ class ChunkedFile(MappedFile):
         if chunk.indices is not None:
             try:
                 return [
-                    self.located(content, connection, self.index(offset, connection))
+                    self.located(content, connection, self.index(offset, connection), 0, len(content))
                     for connection, offset in chunk.indices.items()
                     if connection in wanted
                 ]
@@ -327,8 +360,13 @@ class ChunkedFile(MappedFile):
         """The index of a connection's messages in a chunk, from its place in the file; raises DamageError."""
 
     @abstractmethod
-    def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
-        """The messages that the index points at; raises DamageError where there are none."""
+    def located(
+        self, content: Bytes, connection: int, index: NDArray[Any], begins: Ints | int, limits: Ints | int
+    ) -> Messages:
+        """The messages that the index points at, in chunks that begin and end at these places of the content.
+
+        Raises DamageError where there are none.
+        """
 
     @abstractmethod
     def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:

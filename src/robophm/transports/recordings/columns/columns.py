@@ -139,7 +139,8 @@ class _Source:
     def pieces(self, number: int) -> Iterator[tuple[int, int, Callable[[], list[tuple[str, TopicColumns]]]]]:
         """When each piece begins, the number of its source, and what gives its columns by topic."""
         if self._readings:
-            for piece in self._file.pieces(self._readings.keys(), self._start, self._end):
+            timed = {id_ for id_, reading_ in self._readings.items() if isinstance(reading_, Receipts)}
+            for piece in self._file.pieces(self._readings.keys() - timed, self._start, self._end, timed):
                 yield piece.first, number, lambda piece=piece: self._load(piece)  # type: ignore[misc]
             for connection in self._file.connections if self._whole else ():
                 missing = connection.msgcount - self._found[connection.id]

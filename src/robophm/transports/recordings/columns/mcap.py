@@ -56,6 +56,7 @@ _HEAD = np.dtype(
 )
 """What comes before the bytes of a message."""
 
+_CHUNK_INDEX = struct.Struct("<QQQQI").unpack_from
 _INDEX = np.dtype([("time", "<u8"), ("offset", "<u8")])
 _FOUND = np.dtype([("channel", "<u2"), ("time", "<u8"), ("start", "<i8"), ("end", "<i8")])
 _FOOTER_SIZE = 9 + 20 + len(MAGIC)
@@ -160,8 +161,9 @@ class McapFile(ChunkedFile):
         found = [*chunks]
         for number in some:
             known = chunks[number]
-            found[number] = _with_index(self.chunk_at(known.offset), known.indices, known.behind)
-            if found[number]._replace(checksum=0) != known:
+            chunk = self.chunk_at(known.offset)
+            found[number] = known._replace(checksum=chunk.checksum)
+            if chunk[:7] != known[:7]:
                 raise DamageError(f"another chunk at byte {known.offset}")
         return found
 
@@ -172,19 +174,23 @@ class McapFile(ChunkedFile):
             tell(told, id_, self._loose["time"][self._loose["channel"] == id_].astype(np.int64))
         return told
 
-    def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
-        """The messages at these offsets of a chunk."""
-        offsets = index["offset"]
-        if not distinct(offsets, len(content) // _HEAD.itemsize):
-            raise DamageError("an offset that is there twice")
-        if len(index) and int(offsets.max()) + _HEAD.itemsize > len(content):
+    def located(
+        self, content: Bytes, connection: int, index: NDArray[Any], begins: Ints | int, limits: Ints | int
+    ) -> Messages:
+        """The messages at these offsets of chunks."""
+        starts = index["offset"].astype(np.int64)
+        if len(starts) and (int(starts.min()) < 0 or int(starts.max()) > len(content)):
             raise DamageError("an offset beyond the end")
-        starts = offsets.astype(np.int64)
+        starts += begins
+        if not distinct(starts, len(content) // _HEAD.itemsize):
+            raise DamageError("an offset that is there twice")
+        room = limits - 9 - starts
+        if len(starts) and int(room.min()) + 9 < _HEAD.itemsize:
+            raise DamageError("an offset beyond the end")
         heads = everywhere(content, f"V{_HEAD.itemsize}")[starts].view(_HEAD)
         length = heads["length"]
-        room = (len(content) - 9 - starts).astype(np.uint64)
         fits = (heads["opcode"] == MESSAGE) & (heads["channel"] == connection) & (heads["time"] == index["time"])
-        if not (fits & (length >= 22) & (length <= room) & (heads["time"] <= MOST_TIME)).all():
+        if not (fits & (length >= 22) & (length <= room.astype(np.uint64)) & (heads["time"] <= MOST_TIME)).all():
             raise DamageError("an offset that is no message's")
         ends = starts + 9 + length.astype(np.int64)
         return Messages(connection, content, index["time"].astype(np.int64), starts + _HEAD.itemsize, ends)
@@ -304,7 +310,7 @@ class McapFile(ChunkedFile):
 
     def _indexed_chunk(self, content: memoryview) -> Chunk:
         """The chunk that a chunk index record speaks of; its own record is asked where no checksum vouches for that."""
-        first, last, offset, length, size = struct.unpack_from("<QQQQI", content)
+        first, last, offset, length, size = _CHUNK_INDEX(content)
         at = 36 + size
         if at + 12 > len(content):
             raise DamageError("damaged chunk index")
@@ -312,16 +318,18 @@ class McapFile(ChunkedFile):
         behind, name = struct.unpack_from("<QI", content, at)
         behind += offset + length
         if not self._checked:
-            return _with_index(self.chunk_at(offset), indices, behind)
-        compression = bytes(content[at + 12 : at + 12 + name]).decode("ascii", "replace")
-        stored, unpacked = struct.unpack_from("<QQ", content, at + 12 + name)
-        start = offset + 49 + name
-        if start + stored > min(offset + length, self.size):
-            raise DamageError("damaged chunk index")
-        times = min(first, MOST_TIME), min(last, MOST_TIME)
+            return self.chunk_at(offset)._replace(indices=indices or None, behind=behind)
         self._from_index = True
-        chunk = Chunk(*times, offset, start, start + stored, compression, unpacked, 0, {})
-        return _with_index(chunk, indices, behind)
+        at += 12 + name
+        compression = str(content[at - name : at], "ascii", "replace")
+        stored, unpacked = struct.unpack_from("<QQ", content, at)
+        start = offset + 49 + name
+        end = start + stored
+        if end > offset + length or end > self.size:
+            raise DamageError("damaged chunk index")
+        if last > MOST_TIME or first > MOST_TIME:
+            first, last = min(first, MOST_TIME), min(last, MOST_TIME)
+        return Chunk(first, last, offset, start, end, compression, unpacked, 0, indices or None, behind)
 
     def _look_through(self) -> None:
         """Find chunks and messages from record to record; what is defined in chunks only is looked for there."""
@@ -411,10 +419,6 @@ class McapFile(ChunkedFile):
 
 def _unindexed(chunk: Chunk) -> Chunk:
     return chunk._replace(indices=None)
-
-
-def _with_index(chunk: Chunk, indices: dict[int, int] | None, behind: int) -> Chunk:
-    return chunk._replace(indices=indices or None, behind=behind)
 
 
 class _NotInSummaryError(DamageError):

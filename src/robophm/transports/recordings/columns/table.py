@@ -36,6 +36,9 @@ _INTEGERS = {1: [("i1", 0)], 2: [(">i2", 0)], 3: [(">i2", 8), ("u1", 0)], 4: [("
 }
 """How an integer of a type is put together: what lies one behind the other, and by how many bits it counts."""
 
+_STILL_THERE = 1 << 26
+"""Bytes of pages that a system still has in memory when they are looked at for the second time."""
+
 Flags = NDArray[np.bool_]
 
 
@@ -193,7 +196,8 @@ def _of_leaves(pages: Pages, leaves: Ints) -> tuple[Rows, int]:
     parts = []
     for first in range(0, len(leaves) or 1, some):
         here = leaves[first : first + some]
-        pages.fetch(here)
+        if len(leaves) > _STILL_THERE // pages.size:
+            pages.fetch(here)
         parts.append(_rows(pages, (here - 1) * pages.size))
     return _joined([rows for rows, _ in parts]), sum(unsound for _, unsound in parts)
 
