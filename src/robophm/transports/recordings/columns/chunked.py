@@ -143,7 +143,10 @@ class ChunkedFile(MappedFile):
             try:
                 return sorted(self.placed(some, wanted), key=lambda chunk: (chunk.first, chunk.offset))
             except DamageError as error:
+                notes, self.notes = self.notes, self.late
                 self.look_through(str(error))
+                self.notes = notes
+                self.notes.update(self.late)
 
     @abstractmethod
     def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
-from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -38,9 +37,11 @@ def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -
     notes.update(f"lost: {error}" for error in failed)
     if len(files) > 1:
         files.sort(key=lambda file: (file.begin(), file.fingerprint))  # of equal times the earlier file's come first
-    for one, other in combinations(files, 2):
-        if one.fingerprint == other.fingerprint and one.begin() < MOST_TIME:
-            raise SourceError(f"{one.path} and {other.path} are the same recording; expected it once")
+    known: dict[str, PiecedFile] = {}
+    for file in files:
+        other = known.setdefault(file.fingerprint, file)
+        if other is not file and file.begin() < MOST_TIME:
+            raise SourceError(f"{other.path} and {file.path} are the same recording; expected it once")
     return files
 
 

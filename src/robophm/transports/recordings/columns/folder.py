@@ -127,7 +127,7 @@ class PackedMessages(RowsFile):
     """A file whose messages are compressed one by one; those that are not are taken as they are."""
 
     def __init__(self, inside: PiecedFile) -> None:
-        self.path, self.fingerprint = inside.path, inside.fingerprint
+        self.path, self.fingerprint, self.late = inside.path, inside.fingerprint, inside.late
         self._inside = inside
         self._notes = inside.notes
         self.connections: list[Connection] = inside.connections

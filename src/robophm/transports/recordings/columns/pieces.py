@@ -66,6 +66,8 @@ class PiecedFile(ABC):
     def __init__(self, path: Path, notes: Counter[str]) -> None:
         self.path = path
         self.notes = notes
+        self.late: Counter[str] = Counter()
+        """What was noted of the file as a whole behind its opening."""
         self.fingerprint = fingerprint_of(path)
 
     @abstractmethod
