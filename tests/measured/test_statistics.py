@@ -17,7 +17,7 @@ from robophm.measured.levels import MOST_STEPS, Levels, marginal
 from robophm.measured.recordings import recordings, signal_of
 from robophm.measured.series import MOST_COLUMNS, Series
 from robophm.measured.statistics import Look, statistics, statistics_of
-from robophm.transports.recordings.columns import pieces
+from robophm.transports.recordings.columns import chunked
 
 from .plain import BARE, START, TEMPERATURE, samples, stretches, write
 
@@ -205,7 +205,7 @@ def test_windows_so_short_that_there_would_be_no_end_of_them(tmp_path):
 
 def test_memory_does_not_grow_with_the_recording(tmp_path, monkeypatch):
     """Of eight times the messages, far less is kept than even their times and values would take."""
-    monkeypatch.setattr(pieces, "BATCH", 1 << 16)  # else all of it would be handled at once
+    monkeypatch.setattr(chunked, "BATCH", 1 << 16)  # else all of it would be handled at once
     peaks, counts = [], (5_000, 40_000)
     for count in (counts[0], *counts):  # the first warms up
         path = write(tmp_path / f"{len(peaks)}.mcap",

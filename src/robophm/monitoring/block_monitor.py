@@ -43,6 +43,7 @@ class BlockMonitor:
         """Time at a tick [ns]: what had arrived until then, and nothing else, is in the ledger, integrated or
         pending."""
         self._new: dict[str, list[SignalColumns]] = {}
+        self._count_of_new = 0
         self._waiting: dict[str, SignalColumns] = {}
         """Samples that were taken, and are not yet integrated; ascending in time."""
         self._missed: dict[str, npt.NDArray[np.int64]] = {}
@@ -55,7 +56,8 @@ class BlockMonitor:
         for signal, heard in block.items():
             if len(heard.times):
                 self._new.setdefault(signal, []).append(heard)
-        if sum(len(heard.times) for parts in self._new.values() for heard in parts) >= ENOUGH:
+                self._count_of_new += len(heard.times)
+        if self._count_of_new >= ENOUGH:
             self._go_on()
 
     def finish(self) -> None:
@@ -72,7 +74,7 @@ class BlockMonitor:
 
     def _go_on(self) -> None:
         new = {signal: _joined(parts) for signal, parts in sorted(self._new.items())}
-        self._new = {}
+        self._new, self._count_of_new = {}, 0
         if self.ledger.integrated_to is None and new:
             new = self._begin(new)
         if self.ledger.integrated_to is None or not new:

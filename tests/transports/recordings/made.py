@@ -32,8 +32,8 @@ def joints(*effort: float) -> Callable[[Any], object]:
     return make
 
 
-def rewrite(source: Path, target: Path, compression: str) -> Path:
-    """Copy a recording with rosbags, compressed."""
+def rewrite(source: Path, target: Path, compression: str, chunk: int | None = None) -> Path:
+    """Copy a recording with rosbags, compressed; of a .bag in chunks of so many bytes."""
     from rosbags.highlevel import AnyReader
     from rosbags.rosbag1 import Writer as Writer1
     from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
@@ -43,6 +43,7 @@ def rewrite(source: Path, target: Path, compression: str) -> Path:
     if source.suffix == ".bag":
         writer = Writer1(target)
         writer.set_compression(Writer1.CompressionFormat[compression])
+        writer.chunk_threshold = chunk or writer.chunk_threshold
     else:
         writer = Writer2(target, version=9, storage_plugin=StoragePlugin[target.suffix[1:].upper()])
         writer.set_compression(CompressionMode[compression], CompressionFormat.ZSTD)

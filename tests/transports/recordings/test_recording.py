@@ -418,7 +418,7 @@ def test_unsaved_messages_are_not_passed_over(recorded: dict[str, Path], tmp_pat
     shutil.copytree(recorded[".db3"], tmp_path / "drive")
     (tmp_path / "drive" / "drive.db3-wal").write_bytes(b"x")
     for path in (tmp_path / "drive", tmp_path / "drive" / "drive.db3"):
-        with pytest.raises(SourceError, match="holds messages that the recorder did not save"):
+        with pytest.raises(SourceError, match="is no write-ahead log of SQLite"):
             Recording(path)
 
 

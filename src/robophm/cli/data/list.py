@@ -44,7 +44,8 @@ def command(
 
 def _print_overview(out: Console, one: Overview) -> None:
     begin, end = one.span or (0, 0)
-    span = f"{moment_text(begin)}, {duration_text((end - begin) / HOUR)}" if one.span else "no messages"
+    none = "no message that can be read; what is wrong stands below" if one.notes else "no messages"
+    span = f"{moment_text(begin)}, {duration_text((end - begin) / HOUR)}" if one.span else none
     rows = []
     for topic in one.topics:
         rate, heard = per_second(topic), ["–", "–"]

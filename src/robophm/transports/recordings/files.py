@@ -71,10 +71,7 @@ def recordings_in(paths: Iterable[Path]) -> tuple[Path, ...]:
 
 
 def check_whole(path: Path) -> None:
-    """Refuse a database that was cut or not closed: SQLite opens it, and passes over what is missing."""
-    unsaved = path.with_name(path.name + "-wal")
-    if unsaved.exists() and unsaved.stat().st_size:
-        raise SourceError(f"{unsaved}: holds messages that the recorder did not save; expected a closed one")
+    """SQLite opens a database that was cut, and passes over what is missing: refuse it here."""
     page, pages = pages_of(path)
     if path.stat().st_size < page * pages:
         raise SourceError(f"{path}: is cut short: {path.stat().st_size} bytes; expected {page * pages}")
@@ -88,11 +85,21 @@ def pages_of(path: Path) -> tuple[int, int]:
     return 65536 if page == 1 else page, int.from_bytes(head[28:32], "big")
 
 
+def log_of(path: Path) -> Path | None:
+    """The write-ahead log beside an SQLite file whose recorder did not close it; None where there is none."""
+    log = path.with_name(path.name + "-wal")
+    return log if path.suffix == ".db3" and log.is_file() and log.stat().st_size else None
+
+
 def fingerprint_of(path: Path) -> str:
-    """Return a digest of the size and the first, middle and last 64 KiB of each file of messages, names left out."""
+    """Digest of the size and the first, middle and last 64 KiB of each file of messages, names left out.
+
+    What an SQLite file's recorder has left beside it belongs to it.
+    """
     files = [path]
     if path.is_dir():
         files = [part for part in path.iterdir() if holds_messages(part)]
+    files += filter(None, map(log_of, files))
     digests = []
     for each in files:
         size = each.stat().st_size

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from contextlib import ExitStack, closing, suppress
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from heapq import merge
@@ -48,7 +48,6 @@ class Recording(SignalSource):
         from robophm.transports.recordings.columns.drive import opened  # which ask here what a recording is
         from robophm.transports.recordings.columns.pieces import MOST_TIME
 
-        self._paths = paths
         self._found: Counter[str] = Counter()
         self.notes = self._found
         self._files: list[PiecedFile] = []
@@ -98,6 +97,7 @@ class Recording(SignalSource):
             with reading(file.path):
                 found.append((file, file.told()))
             file.notes = notes
+            self._found.update(file.late)
         return found
 
     @cached_property
@@ -138,13 +138,15 @@ class Recording(SignalSource):
         return self._samples(self._raw(wanted))
 
     def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, SignalColumns]]:
-        """Yield the samples of these signals, straight from the files; what of a file is damaged is in the notes."""
-        from robophm.transports.recordings.columns.columns import read_columns  # which asks here what a recording is
+        """The samples of these signals, straight from the files; what of a file is damaged is in the notes."""
+        from robophm.transports.recordings.columns.columns import blocks_of  # which asks here what a recording is
         from robophm.transports.recordings.columns.topic_columns import by_signal
 
-        with closing(read_columns(self._paths, signals, since or None)) as columns:
-            self.notes = columns.notes
-            yield from map(by_signal, columns)
+        self.notes = Counter(self._found)
+        for file in self._files:
+            file.notes = self.notes
+        name = self._name if self._files else "closed recording"
+        yield from map(by_signal, blocks_of(self._files, name, signals, self.notes, since or None))
 
     def messages(self, topics: Collection[str], longest: int) -> Iterator[tuple[int, str, Any]]:
         """Yield receipt time [ns], topic and message, as rosbags decodes it, of these topics, in receipt order.

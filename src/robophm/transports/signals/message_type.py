@@ -41,7 +41,7 @@ _COMPILING = threading.Lock()
 """rosbags compiles in a module of one name: one after the other."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MessageType:
     """A type of messages, and how they are decoded."""
 
@@ -179,10 +179,14 @@ def numeric_fields(definitions: Typesdict, type_: str, prefix: str = "") -> Iter
 def fields_of(connection: Connection) -> tuple[str, ...]:
     """Return the numeric fields of a connection's messages; none where they cannot be decoded."""
     try:
-        type_ = message_type(connection)
-        return tuple(numeric_fields(type_.definitions, type_.name))
+        return _fields_of_type(message_type(connection))
     except SourceError:
         return ()
+
+
+@lru_cache(maxsize=256)
+def _fields_of_type(type_: MessageType) -> tuple[str, ...]:
+    return tuple(numeric_fields(type_.definitions, type_.name))
 
 
 def field_getter(definitions: Typesdict, type_: str, field: str) -> Callable[[Any], Any]:

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import random
 import sqlite3
 import struct
 import time
-from contextlib import closing
+from collections import Counter
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import pytest
 
 from robophm.core.errors import SourceError
+from robophm.core.signal import SECOND
 from robophm.transports.recordings.columns import read_columns
+from robophm.transports.recordings.columns.chunked import ChunkedFile
+from robophm.transports.recordings.columns.drive import opened
+from robophm.transports.synthetic import SyntheticOta
 
 from ...conftest import SIGNALS
-from ..made import rewrite
+from ..made import rewrite, rewrite_mcap
 from .damage import attempt, changed, rows, rows_of, traced
 
 
@@ -133,3 +139,111 @@ def test_tables_that_never_end(table: str, recorded: dict[str, Path], tmp_path: 
         assert any("interrupted" in note for note in result[1])
     assert time.process_time() - begun < 5 * 4  # tracing slows it down
     assert peak < 512 << 20
+
+
+@pytest.fixture(scope="module")
+def hour(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Recordings of some megabytes."""
+    drive, folder = SyntheticOta(seed=5, duration=2400 * SECOND), tmp_path_factory.mktemp("hour")
+    return {suffix: drive.record(folder / f"x{suffix}") for suffix in (".bag", ".mcap")}
+
+
+@pytest.mark.parametrize("name", ["ZSTD.mcap", "LZ4.mcap", "LZ4.bag", "BZ2.bag"])
+def test_a_chunk_whose_end_is_missing_is_unpacked_as_far_as_it_goes(
+    name: str, hour: dict[str, Path], tmp_path: Path
+) -> None:
+    """One chunk alone, so that nothing of the file is read that is not of it."""
+    from mcap.writer import CompressionType
+
+    compression, suffix = name.split(".")
+    path = tmp_path / name
+    if suffix == "mcap":
+        rewrite_mcap(hour[".mcap"], path, compression=CompressionType[compression], chunk_size=1 << 30)
+    else:
+        rewrite(hour[".bag"], path, compression, 1 << 30)
+    signals = ("/ota/battery.voltage", "/ota/power/temperature.temperature")
+    whole, content = rows_of(list(read_columns(path, signals))), path.read_bytes()
+    with ExitStack() as stack:
+        (file,) = opened([path], Counter(), stack)
+        assert isinstance(file, ChunkedFile)
+        (chunk,) = file.placed(file.chunks, frozenset(file.known()))
+        begin, size = chunk.start, chunk.end - chunk.start
+    counts = []
+    for kept in (0.6, 0.75, 0.95):
+        path.write_bytes(content[: begin + int(size * kept)])
+        result = attempt(path, *signals)
+        assert not isinstance(result, SourceError)
+        blocks, notes = result
+        found = rows_of(blocks)
+        for signal, some in found.items():
+            assert some == whole[signal][: len(some)]
+        counts.append(sum(map(len, found.values())))
+        assert any("cut or damaged" in note and "lost" in note for note in notes)
+    assert 0 < counts[0] <= counts[1] <= counts[2] < sum(map(len, whole.values()))
+    assert counts[0] < counts[2] or compression == "BZ2"  # of which a block has 900 kB, of what is there after runs
+
+
+def test_one_bit_of_an_index_of_a_database_loses_no_row(recorded: dict[str, Path], tmp_path: Path) -> None:
+    """Pages of the index and inner ones of the table: every row comes, whatever SQLite makes of it."""
+    path = tmp_path / "x.db3"
+    path.write_bytes((recorded[".db3"] / "drive.db3").read_bytes())
+    with closing(sqlite3.connect(path, isolation_level=None)) as database:
+        database.execute("PRAGMA page_size = 512")
+        database.execute("VACUUM")
+    whole, content = rows(path), path.read_bytes()
+    size = int.from_bytes(content[16:18], "big")
+    with closing(sqlite3.connect(path)) as database:
+        (root,) = database.execute("SELECT rootpage FROM sqlite_master WHERE name = 'messages'").fetchone()
+        (count,) = database.execute("SELECT count(*) FROM messages NOT INDEXED").fetchone()
+    pages = [at for at in range(size, len(content), size) if content[at] in (2, 10) or at == (root - 1) * size]
+    assert len(pages) >= 9
+    chance = random.Random(1)
+    hidden = 0
+    for number in range(216):
+        damaged = bytearray(content)
+        at = pages[number % len(pages)] + chance.choice([chance.randrange(12), chance.randrange(size)])
+        damaged[at] ^= 1 << chance.randrange(8)
+        path.write_bytes(damaged)
+        assert rows(path) == whole, at
+        with closing(sqlite3.connect(path)) as database:
+            try:
+                query = "SELECT count(*) FROM (SELECT * FROM messages ORDER BY timestamp)"
+                hidden += database.execute(query).fetchone()[0] < count
+            except sqlite3.DatabaseError:
+                hidden += 1
+    assert hidden > 20
+
+
+@pytest.mark.parametrize("at", [0, 16, None])
+def test_a_database_whose_first_page_is_damaged_says_so(
+    at: int | None, recorded: dict[str, Path], tmp_path: Path
+) -> None:
+    content = bytearray((recorded[".db3"] / "drive.db3").read_bytes())
+    if at is None:
+        content[:4096] = bytes(4096)
+    else:
+        content[at] ^= 0x55
+    path = tmp_path / "x.db3"
+    path.write_bytes(content)
+    with pytest.raises(SourceError, match="the first page, which says where its tables are, is damaged"):
+        read_columns(path, SIGNALS)
+
+
+def test_a_database_without_definitions_or_topics_says_so(recorded: dict[str, Path], tmp_path: Path) -> None:
+    path = tmp_path / "x.db3"
+    content = bytearray((recorded[".db3"] / "drive.db3").read_bytes())
+    path.write_bytes(content)
+    whole = rows(path)
+    with closing(sqlite3.connect(path)) as database, database:
+        (root,) = database.execute("SELECT rootpage FROM sqlite_master WHERE name = 'message_definitions'").fetchone()
+        content[(root - 1) * 4096] = 99
+        database.execute("DELETE FROM topics")
+    database.close()
+    said = attempt(path)
+    assert not isinstance(said, SourceError)
+    assert said[1] == {"x.db3: all messages lost: its table of topics names none": 1}
+    path.write_bytes(content)
+    found = attempt(path, *SIGNALS)
+    assert not isinstance(found, SourceError)
+    assert rows_of(found[0]) == whole  # all of types that are well known
+    assert any("definitions of message types are lost" in note for note in found[1])

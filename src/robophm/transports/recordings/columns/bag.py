@@ -11,7 +11,6 @@ from array import array
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -20,15 +19,13 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
+from robophm.transports.recordings.columns.chunked import Chunk, ChunkedFile, distinct
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
 from robophm.transports.recordings.columns.pieces import (
     LONGEST_TEXT,
     MOST_TIME,
-    Chunk,
-    ChunkedFile,
     DamageError,
     Messages,
-    distinct,
 )
 
 if TYPE_CHECKING:
@@ -45,6 +42,10 @@ LONGEST_HEADER = 1 << 16
 
 SHORTEST_MESSAGE = 4 + 4 + 4 + 9 + 17 + 4
 """Bytes of a record of a message: two lengths, three fields."""
+
+_LENGTH = struct.Struct("<I").unpack_from
+_TIME = struct.Struct("<II").unpack
+_VERSION, _CHUNK_INFO = b"\1\0\0\0", bytes([CHUNK_INFO])
 
 _INDEX = np.dtype([("sec", "<u4"), ("nsec", "<u4"), ("offset", "<u4")])
 _FOUND = np.dtype([("connection", "<u4"), ("time", "<i8"), ("start", "<i8"), ("end", "<i8")])
@@ -83,22 +84,21 @@ class BagFile(ChunkedFile):
         self.chunks: list[Chunk] = []
         self._defined: dict[int, tuple[str, str, str]] = {}
         self._counts: Counter[int] = Counter()
-        self._told: dict[int, dict[int, int]] = {}
-        """Number of messages of each connection by the info of a chunk, by where the chunk ends."""
-        header = _Record(HEADER, {}, 0, 0)
+        self._told: dict[int, Mapping[int, int]] = {}
+        """By where a chunk lies, how many messages of each connection its info counts."""
+        self._ends: dict[int, Mapping[int, int]] = {}
+        """The same by where its content ends, once that is known."""
+        self._header = _Record(HEADER, {}, 0, 0)
         with suppress(DamageError):  # said when the index is looked for
-            header = _record(self.content, len(MAGIC), MOST_TIME)
-        if header.fields.get(b"encryptor"):
+            self._header = _record(self.content, len(MAGIC), MOST_TIME)
+        if self._header.fields.get(b"encryptor"):
             raise SourceError(f"{path}: cannot be read: is encrypted")
         try:
-            self._read_index(header)
+            self._read_index(self._header)
         except DamageError as error:
-            self.notes[f"{path.name}: looked through for want of an index: {error}"] += 1
-            self.chunks.clear()
             self._defined.clear()
             self._counts.clear()
-            self._told.clear()
-            self._look_through(header)
+            self.look_through(str(error))
         self.connections = self._connections()
 
     def index(self, offset: int, connection: int) -> NDArray[Any]:
@@ -106,7 +106,7 @@ class BagFile(ChunkedFile):
         for record in self._indices(offset):
             if record.number(b"conn") == connection:
                 entries = self._entries(record)
-                if len(entries) != self._told.get(offset, {}).get(connection, len(entries)):
+                if len(entries) != self._ends.get(offset, {}).get(connection, len(entries)):
                     raise DamageError("not as many as its chunk's info counts")
                 return entries
         raise DamageError("damage")
@@ -129,17 +129,19 @@ class BagFile(ChunkedFile):
             raise DamageError("damage")
         return np.frombuffer(self.view(record.start, record.end), _INDEX)
 
-    def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
-        """Return the messages at these offsets of a chunk, whose headers have their fields in one order."""
-        starts = index["offset"].astype(np.int64)
+    def located(
+        self, content: Bytes, connection: int, index: NDArray[Any], begins: Ints | int, limits: Ints | int
+    ) -> Messages:
+        """The messages at these offsets of chunks, whose headers have their fields in one order."""
+        starts = index["offset"].astype(np.int64) + begins
         if not len(starts):
             return Messages(connection, content, starts, starts, starts)
-        if not distinct(index["offset"], len(content) // SHORTEST_MESSAGE):
+        if not distinct(starts, len(content) // SHORTEST_MESSAGE):
             raise DamageError("an offset that is there twice")
         times = index["sec"].astype(np.int64) * SECOND + index["nsec"]
         first = _record(content, int(starts[0]), len(content))
         size = first.start - 4 - int(starts[0])  # of the length of the header and the header
-        if int(starts.max()) + size + 4 > len(content):
+        if int((limits - starts).min()) < size + 4:
             raise DamageError("an offset beyond the end")
         begun = content[int(starts[0]) : int(starts[0]) + size].tobytes()
         where = {name: begun.find(name + b"=") + len(name) + 1 for name in (b"op", b"conn", b"time")}
@@ -154,7 +156,7 @@ class BagFile(ChunkedFile):
         fits &= words[starts + where[b"time"] + 4] == index["nsec"]
         begin = starts + (size + 4)
         ends = begin + words[starts + size]
-        if not (fits & (ends <= len(content))).all():
+        if not (fits & (ends <= limits)).all():
             raise DamageError("an offset that is no message's")
         return Messages(connection, content, times, begin, ends)
 
@@ -230,33 +232,45 @@ class BagFile(ChunkedFile):
         position = header.number(b"index_pos")
         if not position:
             raise DamageError("its recorder was not closed")
+        self.ahead(position, self.size)
         for _ in range(header.number(b"conn_count")):
             record = self._record(position)
             if record.operation != CONNECTION:
                 raise DamageError(f"no connection at byte {position}")
             self._define(record, self.content)
             position = record.end
-        offsets: set[int] = set()
+        infos = self.view(position, self.size)
+        at = 0
         for _ in range(header.number(b"chunk_count")):
-            record = self._record(position)
-            count = record.number(b"count")
-            if record.operation != CHUNK_INFO or record.number(b"ver") != 1 or count * 8 != record.end - record.start:
-                raise DamageError(f"no chunk info at byte {position}")
-            counts = dict(struct.iter_unpack("<II", self.view(record.start, record.end)))
-            if len(counts) != count or counts.keys() - self._defined.keys():
-                raise DamageError(f"no chunk info at byte {position}")
+            offset, first, last, counts, at = _chunk_info(infos, at)
+            if offset in self._told or not self._defined.keys() >= counts.keys():
+                raise DamageError(f"no chunk info at byte {position + at}")
             self._counts.update(counts)
-            first, last = (record.time(b"start_time"), record.time(b"end_time")) if count else (0, 0)
-            chunk = self.chunk_at(record.number(b"chunk_pos"))
-            if chunk.offset in offsets:
-                raise DamageError(f"another chunk's info at byte {position}")
-            offsets.add(chunk.offset)
-            self._told[chunk.end] = counts
-            indices = dict.fromkeys(counts, chunk.end) if self._agrees(chunk, counts) else None
-            self.chunks.append(replace(chunk, first=first, last=last, indices=indices))
-            position = record.end
-        if position != self.size:
-            raise DamageError(f"{self.size - position} bytes behind it")
+            self._told[offset] = counts
+            self.chunks.append(Chunk(first, last, offset, 0, 0, "", 0, 0, counts))
+        if position + at != self.size:
+            raise DamageError(f"{self.size - position - at} bytes behind it")
+
+    def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:
+        """The chunks, of which the index of all knows but where they begin."""
+        unplaced = [number for number, chunk in enumerate(chunks) if not chunk.end]
+        for number in unplaced:
+            self.ahead(chunks[number].offset, chunks[number].offset + 1)
+        found = [*chunks]
+        for number in unplaced:
+            chunk = self.chunk_at(chunks[number].offset)
+            found[number] = chunk._replace(first=chunks[number].first, last=chunks[number].last)
+            self.ahead(chunk.end, chunk.end + 1)
+        for number in unplaced:
+            counts = self._ends[found[number].end] = self._told[chunks[number].offset]
+            indices = dict.fromkeys(counts, found[number].end) if self._agrees(found[number], counts) else None
+            found[number] = found[number]._replace(indices=indices)
+        return found
+
+    def counted(self, chunk: Chunk, wanted: Collection[int]) -> int:
+        """How many messages of these connections are in a chunk, by its info."""
+        counts = self._told.get(chunk.offset, {})
+        return sum(counts.get(id_, MOST_TIME) for id_ in wanted if id_ in (chunk.indices or ()))
 
     def _agrees(self, chunk: Chunk, counts: Mapping[int, int]) -> bool:
         """Whether a chunk's own index is of a connection that its info counts: else one of the two lies."""
@@ -265,6 +279,15 @@ class BagFile(ChunkedFile):
             return first is None or first.number(b"conn") in counts
         except DamageError:
             return False
+
+    def look_through(self, why: str) -> None:
+        """Find the chunks from record to record, as the index is damaged; what it says of connections holds."""
+        self.notes[f"{self.path.name}: looked through for want of an index: {why}"] += 1
+        self.chunks.clear()
+        self._told.clear()
+        self._ends.clear()
+        self.read_whole()
+        self._look_through(self._header)
 
     def _look_through(self, header: _Record) -> None:
         """Find chunks from record to record; connections and times in them, where no index says them."""
@@ -294,7 +317,7 @@ class BagFile(ChunkedFile):
                 within = (place for place in known if place < record.end and self.chunk_lies_at(place))
                 position = next(within, record.end)
         if self.chunks:  # of its index maybe not all is there
-            self.chunks[-1] = replace(self.chunks[-1], indices=None)
+            self.chunks[-1] = self.chunks[-1]._replace(indices=None)
         for record in repeated:  # what the index says, where there was no better word
             with suppress(DamageError):
                 self._define(record, self.content)
@@ -327,21 +350,26 @@ class BagFile(ChunkedFile):
             try:
                 found, _ = self._scan(self.unpacked(chunk))
             except DamageError:
-                return replace(chunk, indices=None)  # said when its messages are read
+                return chunk._replace(indices=None)  # said when its messages are read
             times += [int(found["time"].min()), int(found["time"].max())] if len(found) else []
         indices = dict.fromkeys(connections, chunk.end) if connections else None
-        return replace(chunk, first=min(times, default=0), last=max(times, default=MOST_TIME), indices=indices)
+        return chunk._replace(first=min(times, default=0), last=max(times, default=MOST_TIME), indices=indices)
 
     def _cut(self, position: int) -> None:
-        """The record at the end is not whole: of a chunk that is not compressed its whole messages are still there."""
+        """The record at the end is not whole: of a chunk the messages before its end are still there."""
         self.lost(f"{self.size - position} bytes of a file that is cut or damaged", position)
         try:
             record = _record(self.content, position, MOST_TIME)
+            if record.operation != CHUNK or record.start >= self.size:
+                return
+            compression = record.fields.get(b"compression", b"").decode("ascii", "replace")
+            plain = compression in ("", "none")
+            end = self.size if plain else min(record.end, self.size)
+            size = end - record.start if plain else record.number(b"size")
         except DamageError:
             return
-        if record.operation == CHUNK and record.fields.get(b"compression") == b"none" and record.start < self.size:
-            rest = Chunk(0, MOST_TIME, position, record.start, self.size, "", self.size - record.start, 0, None)
-            self.chunks.append(replace(self._timed(rest), indices=None))
+        rest = Chunk(0, MOST_TIME, position, record.start, end, compression, size, 0, None, cut=True)
+        self.chunks.append(self._timed(rest)._replace(indices=None))
 
     def _connections(self) -> list[Connection]:
         from rosbags.interfaces import Connection, ConnectionExtRosbag1, MessageDefinition
@@ -377,14 +405,40 @@ def _record(content: Bytes, position: int, size: int) -> _Record:
     return _Record(operation[0], fields, behind + 4, end)
 
 
+def _chunk_info(infos: memoryview, at: int) -> tuple[int, int, int, dict[int, int], int]:
+    """Where a chunk lies, when it begins and ends, its messages by connection, and where the next info lies.
+
+    Raises DamageError.
+    """
+    try:
+        (length,) = _LENGTH(infos, at)
+        fields = _fields(bytes(infos[at + 4 : at + 4 + length]))
+        (size,) = _LENGTH(infos, at + 4 + length)
+        start = at + 8 + length
+        end = start + size
+        (count,) = _LENGTH(fields[b"count"])
+        if fields[b"op"] != _CHUNK_INFO or fields[b"ver"] != _VERSION or count * 8 != size or end > len(infos):
+            raise DamageError("a damaged chunk info")
+        counts: dict[int, int] = dict(struct.iter_unpack("<II", infos[start:end]))
+        (offset,) = struct.unpack("<Q", fields[b"chunk_pos"])
+        (first, first_part), (last, last_part) = map(_TIME, (fields[b"start_time"], fields[b"end_time"]))
+    except (KeyError, struct.error) as error:
+        raise DamageError("a damaged chunk info") from error
+    if len(counts) != count:
+        raise DamageError("a damaged chunk info")
+    if not count:
+        return offset, 0, 0, counts, end
+    return offset, first * SECOND + first_part, last * SECOND + last_part, counts, end
+
+
 def _fields(header: bytes) -> dict[bytes, bytes]:
     fields = {}
-    position = 0
-    while position + 4 <= len(header):
-        end = position + 4 + int.from_bytes(header[position : position + 4], "little")
-        if end > len(header):
+    position, length = 0, len(header)
+    while position + 4 <= length:
+        begin = position + 4
+        position = begin + _LENGTH(header, position)[0]
+        if position > length:
             raise DamageError("a damaged header")
-        name, _, value = header[position + 4 : end].partition(b"=")
+        name, _, value = header[begin:position].partition(b"=")
         fields[name] = value
-        position = end
     return fields

@@ -22,6 +22,9 @@ from robophm.transports.recordings.files import reading
 from robophm.transports.signals.element_names import Names
 from robophm.transports.signals.message_type import fields_of, message_type
 
+Load = Callable[[], list[tuple[str, TopicColumns]]]
+"""What gives the columns of a piece, by topic."""
+
 
 class Columns(Iterator[Block]):
     """The blocks of a recording, one after the other; its files are closed at the end, or by ``close()``."""
@@ -64,21 +67,35 @@ def read_columns(
     Raises SourceError where a file is missing or no recording, or has no such topic or field.
     """
     paths = [path] if isinstance(path, str | Path) else list(path)
+    notes: Counter[str] = Counter()
+    with ExitStack() as stack:
+        files = opened(paths, notes, stack)
+        name = ", ".join(map(str, paths)) or "no file"
+        blocks = blocks_of(files, name, fields, notes, start, end, topics=topics)
+        return Columns(blocks, notes, stack.pop_all())
+
+
+def blocks_of(
+    files: Sequence[PiecedFile],
+    name: str,
+    fields: Iterable[str],
+    notes: Counter[str],
+    start: int | None = None,
+    end: int | None = None,
+    *,
+    topics: Iterable[str] = (),
+) -> Iterator[Block]:
+    """The blocks of files that are open, as ``read_columns``; ``name`` is that of all of them."""
     wanted: dict[str, list[str]] = {topic: [] for topic in topics}
     for signal in sorted(set(fields)):
         topic, field = split_signal(signal)
         wanted.setdefault(topic, []).append(field)
-    notes: Counter[str] = Counter()
-    with ExitStack() as stack:
-        files = opened(paths, notes, stack)
-        known = {connection.topic for file in files for connection in file.connections}
-        for topic in wanted:
-            if topic not in known:
-                name = ", ".join(map(str, paths)) or "no file"
-                raise SourceError(f"{name}: no topic '{topic}'{nearest(topic, known)}")
-        names = Names(notes)
-        sources = [_Source(file, wanted, notes, names, start, end) for file in files]
-        return Columns(_blocks(sources, notes), notes, stack.pop_all())
+    known = {connection.topic for file in files for connection in file.connections}
+    for topic in wanted:
+        if topic not in known:
+            raise SourceError(f"{name}: no topic '{topic}'{nearest(topic, known)}")
+    names = Names(notes)
+    return _blocks([_Source(file, wanted, notes, names, start, end) for file in files], notes)
 
 
 def recorded_topics(path: str | Path) -> dict[str, tuple[str, tuple[str, ...]]]:
@@ -92,7 +109,8 @@ def recorded_topics(path: str | Path) -> dict[str, tuple[str, tuple[str, ...]]]:
     with ExitStack() as stack:
         for file in opened([path], Counter(), stack):
             for connection in file.connections:
-                found.setdefault(connection.topic, (connection.msgtype, fields_of(connection)))
+                if connection.topic not in found:
+                    found[connection.topic] = connection.msgtype, fields_of(connection)
     return dict(sorted(found.items()))
 
 
@@ -136,10 +154,12 @@ class _Source:
             except SourceError as error:
                 raise SourceError(f"{self._file.path}: topic '{connection.topic}' {error}") from None
 
-    def pieces(self, number: int) -> Iterator[tuple[int, int, Callable[[], list[tuple[str, TopicColumns]]]]]:
-        """Yield for each piece when it begins, the number of its source, and what gives its columns by topic."""
+    def pieces(self, number: int) -> Iterator[tuple[int, int, Load]]:
+        """When each piece begins, the number of its source, and what gives its columns by topic."""
         if self._readings:
-            for piece in self._file.pieces(self._readings.keys(), self._start, self._end):
+            yield max(self._file.begin(), self._start), number, list  # of those that begin later nothing is read yet
+            timed = {id_ for id_, reading_ in self._readings.items() if isinstance(reading_, Receipts)}
+            for piece in self._file.pieces(self._readings.keys() - timed, self._start, self._end, timed):
                 yield piece.first, number, lambda piece=piece: self._load(piece)  # type: ignore[misc]
             for connection in self._file.connections if self._whole else ():
                 missing = connection.msgcount - self._found[connection.id]

@@ -6,10 +6,10 @@ The index beside the table is never asked where a message is: one bit of it can 
 
 from __future__ import annotations
 
-import mmap
 import sqlite3
 from collections import Counter
 from collections.abc import Collection, Iterator
+from contextlib import closing, contextmanager
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robophm.core.errors import SourceError
-from robophm.transports.recordings.columns.field_extraction import Bytes
+from robophm.transports.recordings.columns.field_extraction import Ints
+from robophm.transports.recordings.columns.mapped import MappedFile
 from robophm.transports.recordings.columns.pieces import (
     BATCH,
     MOST_TIME,
@@ -42,7 +43,7 @@ LEAST_STEPS, STEPS_A_BYTE = 10_000_000, 10
 """Instructions of SQLite's machine that reading a file may take; a message takes some dozens."""
 
 
-class Db3File(RowsFile):
+class Db3File(MappedFile, RowsFile):
     """A .db3 file, which is never written to.
 
     Raises SourceError where it is none.
@@ -50,51 +51,51 @@ class Db3File(RowsFile):
 
     def __init__(self, path: Path, notes: Counter[str]) -> None:
         super().__init__(path, notes)
-        with path.open("rb") as file:
-            if not path.stat().st_size:
-                raise SourceError(f"{path}: is empty; expected a recording")
-            self._content: Bytes = np.frombuffer(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ), np.uint8)
         try:
             check_whole(path)
         except SourceError as error:
             notes[f"lost: {error}"] += 1
         try:
-            self._database = sqlite3.connect(f"{path.resolve().as_uri()}?immutable=1", uri=True)
-            self._database.execute("PRAGMA writable_schema = ON")  # else a file that was cut is refused, not read
-            self._limit()
-            self.connections = self._connections()
+            with self._opened() as database:
+                try:
+                    database.execute("SELECT count(*) FROM sqlite_master").fetchone()
+                except sqlite3.Error as error:
+                    damage = "no database, or the first page, which says where its tables are, is damaged"
+                    raise SourceError(f"{path}: cannot be read: {error}: {damage}") from error
+                self.connections = self._connections(database)
+                if not self.connections and database.execute("SELECT 1 FROM messages LIMIT 1").fetchone():
+                    notes[f"{path.name}: all messages lost: its table of topics names none"] += 1
         except (sqlite3.Error, UnicodeDecodeError) as error:
-            self.close()
             raise SourceError(f"{path}: cannot be read: {error}") from error
         except MemoryError:  # what SQLite says of some damage, with next to no memory taken
-            self.close()
             raise SourceError(f"{path}: cannot be read: database disk image is malformed") from None
 
-    def close(self) -> None:
-        """Close the database, and let go of the file as soon as no array needs it."""
-        del self._content
-        if hasattr(self, "_database"):
-            self._database.close()
+    @contextmanager
+    def _opened(self) -> Iterator[sqlite3.Connection]:
+        """The database, for as long as it is asked: it takes a handle.
 
-    def _limit(self) -> None:
-        """Limit what SQLite may do: a table may be a view that never ends, and a page may be there a million times."""
-        size = self.path.stat().st_size
-        self._database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(LARGEST_ROW, max(size, 1 << 16)))
-        left = LEAST_STEPS + STEPS_A_BYTE * size
+        What is read may be no table but a view that never ends, and a page may be there a million times.
+        """
+        with closing(sqlite3.connect(f"{self.source.resolve().as_uri()}?immutable=1", uri=True)) as database:
+            database.execute("PRAGMA writable_schema = ON")  # else a file that was cut is refused, not read
+            database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(LARGEST_ROW, max(self.size, 1 << 16)))
+            left = LEAST_STEPS + STEPS_A_BYTE * self.size
 
-        def spent() -> bool:
-            nonlocal left
-            left -= 10_000
-            return left < 0
+            def spent() -> bool:
+                nonlocal left
+                left -= 10_000
+                return left < 0
 
-        self._database.set_progress_handler(spent, 10_000)
+            database.set_progress_handler(spent, 10_000)
+            yield database
 
     def begin(self) -> int:
         """Return when the first message was received [ns]."""
         if self._found:
-            return int(self._found[1].times.min(initial=MOST_TIME))
+            return int(self._found[0].times.min(initial=MOST_TIME))
         try:
-            (first,) = self._database.execute("SELECT min(+timestamp) FROM messages").fetchone()
+            with self._opened() as database:
+                (first,) = database.execute("SELECT min(+timestamp) FROM messages").fetchone()
         except sqlite3.Error:
             return MOST_TIME  # said when its rows are read
         return first if isinstance(first, int) else MOST_TIME
@@ -103,18 +104,21 @@ class Db3File(RowsFile):
         """Return how many messages each connection has, and when the first and the last were received [ns]."""
         if not self._found:
             return super().told()
-        rows = self._found[1]
+        rows = self._found[0]
         told: dict[int, TopicExtent] = {}
         for topic in np.unique(rows.topics).tolist():
             tell(told, topic, rows.times[rows.topics == topic])
         return told
 
-    def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
-        """Yield the rows in order of time, a few megabytes of them at once."""
+    def pieces(self, wanted: Collection[int], start: int, end: int, timed: Collection[int] = ()) -> Iterator[Piece]:
+        """The rows in order of time, a few megabytes of them at once."""
         if not self._found:
-            yield from super().pieces(wanted, start, end)
+            yield from super().pieces(wanted, start, end, timed)
             return
-        pages, rows, lost = self._found
+        rows, lost = self._found
+        pages = Pages(self.content, self.ahead)
+        alone = np.array(sorted({*timed} - {*wanted}), np.int64)
+        wanted = {*wanted, *timed}
         self.notes.update(lost)
         some = (rows.times >= start) & (rows.times < end) & np.isin(rows.topics, list(wanted))
         order = np.flatnonzero(some)
@@ -124,18 +128,21 @@ class Db3File(RowsFile):
         for part in np.split(order, np.flatnonzero(np.diff(batch)) + 1):
             if len(part):
                 rows_ = Rows(*(column[part] for column in rows))
-                yield Piece(int(rows_.times[0]), partial(self._load, pages, rows_, used))
+                yield Piece(int(rows_.times[0]), partial(self._load, pages, rows_, used, alone))
 
-    def _load(self, pages: Pages, rows: Rows, used: Flags) -> list[Messages]:
+    def _load(self, pages: Pages, rows: Rows, used: Flags, timed: Ints) -> list[Messages]:
         messages = []
         for topic in np.unique(rows.topics).tolist():
             some = Rows(*(column[rows.topics == topic] for column in rows))
+            if topic in timed:
+                messages.append(Messages(topic, pages.content, some.times, some.starts, some.ends))
+                continue
             spilled = some.spills > 0
             if spilled.any():
                 messages.append(self._spilled(pages, topic, Rows(*(column[spilled] for column in some)), used))
                 some = Rows(*(column[~spilled] for column in some))
             if len(some.times):
-                messages.append(Messages(topic, self._content, some.times, some.starts, some.ends))
+                messages.append(Messages(topic, pages.content, some.times, some.starts, some.ends))
         return messages
 
     def _spilled(self, pages: Pages, topic: int, rows: Rows, used: Flags) -> Messages:
@@ -157,11 +164,11 @@ class Db3File(RowsFile):
         return Messages(topic, buffer, rows.times[whole], starts[whole], ends[whole])
 
     @cached_property
-    def _found(self) -> tuple[Pages, Rows, Counter[str]] | None:
+    def _found(self) -> tuple[Rows, Counter[str]] | None:
         """The rows of the table of messages, and what is lost of them; None where SQLite has to be asked."""
         try:
             root = self._root()
-            pages = Pages(self._content)
+            pages = Pages(self.content, self.ahead)
         except DamageError:
             return None
         lost: Counter[str] = Counter()
@@ -172,22 +179,26 @@ class Db3File(RowsFile):
             lost[f"{self.path.name}: its index is damaged and was not asked"] += 1
         table = find_rows(pages, root, indexed)
         lost.update({f"{self.path.name}: {what}": count for what, count in table.lost.items()})
+        known = {connection.id for connection in self.connections}
+        if strange := int((~np.isin(table.rows.topics, list(known))).sum()):
+            lost[f"{self.path.name}: messages of topics that its table of topics does not name lost"] = strange
         found = len(table.rows.times)
         if indexed is not None and indexed > found:
             lost[f"{self.path.name}: messages that its index counts and its table lacks lost"] += indexed - found
         elif indexed is not None and indexed < found:
             named = f"it names {indexed:,} of {found:,} messages"
             lost[f"{self.path.name}: its index is damaged and was not asked: {named}"] += 1
-        return pages, table.rows, lost
+        return table.rows, lost
 
     def _indexed(self) -> int | None:
         """The number of messages in the table's index, None where there is none; raises DamageError."""
         try:
             query = "SELECT name FROM sqlite_master WHERE type = 'index' AND tbl_name = 'messages' AND sql NOT NULL"
-            for (name,) in self._database.execute(query).fetchall():
-                quoted = str(name).replace('"', '""')
-                (count,) = self._database.execute(f'SELECT count(*) FROM messages INDEXED BY "{quoted}"').fetchone()
-                return int(count)
+            with self._opened() as database:
+                for (name,) in database.execute(query).fetchall():
+                    quoted = str(name).replace('"', '""')
+                    (count,) = database.execute(f'SELECT count(*) FROM messages INDEXED BY "{quoted}"').fetchone()
+                    return int(count)
         except (sqlite3.Error, UnicodeDecodeError, MemoryError) as error:
             raise DamageError(str(error)) from error
         return None
@@ -195,9 +206,10 @@ class Db3File(RowsFile):
     def _root(self) -> int:
         """The page where the table of messages begins; raises DamageError where it is not as rosbag2 makes it."""
         try:
-            columns = [name for _, name, *_ in self._database.execute("PRAGMA table_info(messages)")]
-            query = "SELECT rootpage FROM sqlite_master WHERE type = 'table' AND name = 'messages'"
-            found = self._database.execute(query).fetchall()
+            with self._opened() as database:
+                columns = [name for _, name, *_ in database.execute("PRAGMA table_info(messages)")]
+                query = "SELECT rootpage FROM sqlite_master WHERE type = 'table' AND name = 'messages'"
+                found = database.execute(query).fetchall()
         except (sqlite3.Error, ValueError) as error:
             raise DamageError(str(error)) from error
         if tuple(columns) != COLUMNS or len(found) != 1 or not isinstance(found[0][0], int):
@@ -212,24 +224,28 @@ class Db3File(RowsFile):
             "AND +timestamp >= ? AND +timestamp < ? ORDER BY +timestamp"
         )
         try:
-            yield from self._database.execute(query, (start, end))
+            with self._opened() as database:
+                yield from database.execute(query, (start, end))
         except (sqlite3.Error, MemoryError) as error:  # the latter as when it is opened
             why = str(error) or "database disk image is malformed"
             self.notes[f"{self.path.name}: the rest is lost: {why}"] += 1
 
-    def _connections(self) -> list[Connection]:
+    def _connections(self, database: sqlite3.Connection) -> list[Connection]:
         from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition
         from rosbags.interfaces import MessageDefinitionFormat as Format
 
         formats = {"ros2msg": Format.MSG, "ros2idl": Format.IDL}
         definitions: dict[str, MessageDefinition] = {}
-        if self._database.execute("SELECT 1 FROM sqlite_master WHERE name = 'message_definitions'").fetchone():
-            query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions ORDER BY id"
-            for type_, encoding, text in self._database.execute(query):
-                if isinstance(text, str) and encoding in formats:
-                    definitions.setdefault(type_, MessageDefinition(formats[encoding], text))
+        try:
+            if database.execute("SELECT 1 FROM sqlite_master WHERE name = 'message_definitions'").fetchone():
+                query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions ORDER BY id"
+                for type_, encoding, text in database.execute(query):
+                    if isinstance(text, str) and encoding in formats:
+                        definitions.setdefault(type_, MessageDefinition(formats[encoding], text))
+        except sqlite3.Error as error:  # times are there without them, and types that are well known
+            self.notes[f"{self.path.name}: definitions of message types are lost: {error}"] += 1
         missing = MessageDefinition(Format.NONE, "")
-        topics = self._database.execute("SELECT id, name, type, serialization_format FROM topics ORDER BY id")
+        topics = database.execute("SELECT id, name, type, serialization_format FROM topics ORDER BY id")
         return [
             Connection(id_, topic, type_, definitions.get(type_, missing), "", 0, ConnectionExtRosbag2(kind, []), self)
             for id_, topic, type_, kind in topics

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from robophm.transports.recordings.columns.field_extraction import Ints, Program
 from robophm.transports.recordings.columns.message_layout import NotCompilableError, compile_fields
 from robophm.transports.recordings.columns.pieces import Messages
 from robophm.transports.recordings.columns.topic_columns import TopicColumns, believed_stamps, time_order
-from robophm.transports.signals.element_names import Names, NotNamedError, name_getter
+from robophm.transports.signals.element_names import Names, NotNamedError, Way, name_getter
 from robophm.transports.signals.message_type import MessageType, field_getter, ways_to
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
@@ -59,6 +60,38 @@ class _Labels:
                 yield names[element], int(first), int(count)
 
 
+@dataclass(frozen=True)
+class _Recipe:
+    """How fields of a type are found, worked out once for all files that have it."""
+
+    stamps: tuple[str, ...]
+    paths: tuple[str, ...]
+    getters: Sequence[Any]
+    namers: Mapping[str, Any]
+    """Of fields by an index, what takes the name of the element there."""
+    arrays: Mapping[str, Way]
+    """Of those, and of fields by a name, the array whose elements have names."""
+    program: Program | None
+
+
+@lru_cache(maxsize=256)
+def _recipe(type_: MessageType, fields: tuple[str, ...]) -> _Recipe:
+    """Raises SourceError where the type has no such fields."""
+    stamps = _STAMP if type_.stamp else ()
+    paths = tuple(dict.fromkeys((*stamps, *fields)))
+    getters = [field_getter(type_.definitions, type_.name, path) for path in paths]
+    ways = {field: ways_to(type_.definitions, type_.name, field) for field in fields}
+    namers = {field: namer for field in fields if (namer := name_getter(ways[field]))}
+    arrays = {field: ways[field][0] for field in (*namers, *filter(named, fields))}
+    try:
+        program: Program | None = compile_fields(type_, paths)
+        if program and any(way.attribute not in program.marks for way in arrays.values()):
+            program = None  # it would not tell the names
+    except NotCompilableError:
+        program = None
+    return _Recipe(stamps, paths, getters, namers, arrays, program)
+
+
 class Reading:
     """Makes columns of the messages of one connection: by a compiled program, else one by one by rosbags."""
 
@@ -68,24 +101,14 @@ class Reading:
         self.topic = topic
         self._fields = fields
         self._names = names
-        self._stamps = _STAMP if type_.stamp else ()
         self._type = type_
         self._notes = notes
-        self._paths = paths = tuple(dict.fromkeys((*self._stamps, *fields)))
-        self._slots = [paths.index(field) for field in fields]
-        self._getters = [field_getter(type_.definitions, type_.name, path) for path in paths]
-        ways = {field: ways_to(type_.definitions, type_.name, field) for field in fields}
-        self._namers = {field: namer for field in fields if (namer := name_getter(ways[field]))}
-        """Functions that take the name of the element at an index, by field."""
+        recipe = _recipe(type_, tuple(fields))
+        self._stamps, self._paths, self._getters = recipe.stamps, recipe.paths, recipe.getters
+        self._namers, self._arrays, self._program = recipe.namers, recipe.arrays, recipe.program
+        self._slots = [self._paths.index(field) for field in fields]
         self._told = [field for field in fields if named(field)]
-        self._arrays = {field: ways[field][0] for field in (*self._namers, *self._told)}
-        self._program: Program | None = None
-        try:
-            program = compile_fields(type_, paths)
-            if any(way.attribute not in program.marks for way in self._arrays.values()):
-                raise NotCompilableError  # it would not tell the names
-            self._program = program
-        except NotCompilableError:
+        if not self._program:
             notes[f"{type_.name} decoded message by message"] += 1
 
     def columns(self, messages: Messages) -> TopicColumns:

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
-from itertools import combinations
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.pieces import MOST_TIME, PiecedFile
-from robophm.transports.recordings.files import METADATA, existing, parts_of, reading, recognised
-from robophm.transports.recordings.format import MessageFormat
-from robophm.transports.recordings.packed import Unpacked, is_packed
-from robophm.transports.recordings.recognising import formats
+from robophm.transports.recordings.files import METADATA, PACKED, existing, fingerprint_of, log_of, parts_of, reading
+
+if TYPE_CHECKING:
+    from robophm.transports.recordings.columns.folder import Unpacked
+    from robophm.transports.recordings.columns.unclosed import Settled
 
 
 def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -> list[PiecedFile]:
@@ -36,9 +37,11 @@ def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -
     notes.update(f"lost: {error}" for error in failed)
     if len(files) > 1:
         files.sort(key=lambda file: (file.begin(), file.fingerprint))  # of equal times the earlier file's come first
-    for one, other in combinations(files, 2):
-        if one.fingerprint == other.fingerprint and one.begin() < MOST_TIME:
-            raise SourceError(f"{one.path} and {other.path} are the same recording; expected it once")
+    known: dict[str, PiecedFile] = {}
+    for file in files:
+        other = known.setdefault(file.fingerprint, file)
+        if other is not file and file.begin() < MOST_TIME:
+            raise SourceError(f"{other.path} and {file.path} are the same recording; expected it once")
     return files
 
 
@@ -62,12 +65,7 @@ def _files(path: Path, notes: Counter[str], failed: list[SourceError]) -> Iterat
 
 def _open(path: Path, packs: bool, notes: Counter[str], stack: ExitStack) -> PiecedFile:
     """One file, left to the stack to close."""
-    if is_packed(path):
-        unpacked = Unpacked(path, notes)
-        stack.callback(unpacked.close)
-        file = _unpacked(unpacked.path, path, notes)
-    else:
-        file = _plain(path, notes)
+    file = _copied(path, notes, stack) or _plain(path, notes)
     stack.callback(file.close)
     if packs:
         from robophm.transports.recordings.columns.folder import PackedMessages, packs_messages
@@ -76,8 +74,29 @@ def _open(path: Path, packs: bool, notes: Counter[str], stack: ExitStack) -> Pie
     return file
 
 
-def _unpacked(temporary: Path, path: Path, notes: Counter[str]) -> PiecedFile:
-    """A file that was unpacked, under the name by which its user knows it."""
+def _copied(path: Path, notes: Counter[str], stack: ExitStack) -> PiecedFile | None:
+    """A file of which a copy has to be read: one that is packed as a whole, or a database that was not closed."""
+    copy: Unpacked | Settled
+    if path.suffix == PACKED:
+        from robophm.transports.recordings.columns.folder import Unpacked
+
+        copy = Unpacked(path, notes)
+    elif log_of(path):
+        from robophm.transports.recordings.columns.unclosed import Settled
+
+        try:
+            copy = Settled(path, notes)
+        except SourceError as error:  # what lies in the file itself is there all the same
+            notes[f"lost: {error}"] += 1
+            return None
+    else:
+        return None
+    stack.callback(copy.close)
+    return _renamed(copy.path, path, notes)
+
+
+def _renamed(temporary: Path, path: Path, notes: Counter[str]) -> PiecedFile:
+    """A copy of a file, under the name by which its user knows it."""
     said: Counter[str] = Counter()
     try:
         file = _plain(temporary, said)
@@ -85,7 +104,7 @@ def _unpacked(temporary: Path, path: Path, notes: Counter[str]) -> PiecedFile:
         raise type(error)(str(error).replace(str(temporary), str(path))) from None
     for what, count in said.items():
         notes[what.replace(str(temporary), str(path)).replace(f"{temporary.name}: ", f"{path.name}: ")] += count
-    file.path, file.notes = path, notes
+    file.path, file.notes, file.fingerprint = path, notes, fingerprint_of(path)
     return file
 
 

@@ -13,15 +13,9 @@ from typing import TYPE_CHECKING, Any
 from robophm.core.errors import DesignError, SourceError
 from robophm.core.yaml_values import values
 from robophm.design.file import read
-from robophm.transports.recordings.columns.pieces import (
-    LARGEST_CHUNK,
-    MOST_TIME,
-    DamageError,
-    PiecedFile,
-    TopicExtent,
-    unpack_zstd,
-)
+from robophm.transports.recordings.columns.pieces import MOST_TIME, DamageError, PiecedFile, TopicExtent
 from robophm.transports.recordings.columns.rows import Row, RowsFile, one_by_one
+from robophm.transports.recordings.columns.unpacking import LARGEST_CHUNK, unpack_zstd
 from robophm.transports.recordings.files import METADATA, PACKED, holds_messages
 from robophm.transports.recordings.packed import ZSTD
 
@@ -85,7 +79,7 @@ class PackedMessages(RowsFile):
     """A file whose messages are compressed one by one; those that are not are taken as they are."""
 
     def __init__(self, inside: PiecedFile) -> None:
-        self.path, self.fingerprint = inside.path, inside.fingerprint
+        self.path, self.fingerprint, self.late = inside.path, inside.fingerprint, inside.late
         self._inside = inside
         self._notes = inside.notes
         self.connections: list[Connection] = inside.connections

@@ -12,7 +12,6 @@ from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
@@ -23,18 +22,16 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.checksum import crc32
+from robophm.transports.recordings.columns.chunked import Chunk, ChunkedFile, UnknownError, distinct
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
 from robophm.transports.recordings.columns.pieces import (
     BATCH,
     LONGEST_TEXT,
     MOST_TIME,
-    Chunk,
-    ChunkedFile,
     DamageError,
     Messages,
     Piece,
     TopicExtent,
-    distinct,
     tell,
 )
 
@@ -59,6 +56,7 @@ _HEAD = np.dtype(
 )
 """The layout of what comes before the bytes of a message."""
 
+_CHUNK_INDEX = struct.Struct("<QQQQI").unpack_from
 _INDEX = np.dtype([("time", "<u8"), ("offset", "<u8")])
 _FOUND = np.dtype([("channel", "<u2"), ("time", "<u8"), ("start", "<i8"), ("end", "<i8")])
 _FOOTER_SIZE = 9 + 20 + len(MAGIC)
@@ -79,17 +77,29 @@ class McapFile(ChunkedFile):
         self._clear()
         try:
             self._read_summary()
+        except _NotInSummaryError:
+            self._look_again()
         except (DamageError, struct.error, UnicodeDecodeError) as error:
-            self.notes[f"{path.name}: looked through for want of an index: {error}"] += 1
-            schemas, channels = self._schemas, self._channels
-            self._clear()
-            if self._checked:
-                self._schemas |= schemas
-                self._channels |= channels
-            self._look_through()
+            self.look_through(str(error))
         self.connections = self._connections()
 
+    def look_through(self, why: str) -> None:
+        """Find the chunks from record to record, as the index is damaged."""
+        self.notes[f"{self.path.name}: looked through for want of an index: {why}"] += 1
+        self._look_again()
+
+    def _look_again(self) -> None:
+        schemas, channels = self._schemas, self._channels
+        self._clear()
+        if self._checked:
+            self._schemas |= schemas
+            self._channels |= channels
+        self.read_whole()
+        self._look_through()
+
     def _clear(self) -> None:
+        self._from_index = False
+        """Whether chunks are known from the summary alone."""
         self.chunks: list[Chunk] = []
         self._schemas: dict[int, tuple[str, str, bytes]] = {}
         self._channels: dict[int, tuple[int, str, str]] = {}
@@ -103,9 +113,14 @@ class McapFile(ChunkedFile):
         """Return when the first message was received [ns]."""
         return min(super().begin(), int(self._loose["time"].min(initial=MOST_TIME)))
 
-    def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
-        """Yield chunks, and what was found outside them, in order of time."""
-        return heapq.merge(super().pieces(wanted, start, end), self._outside(wanted), key=attrgetter("first"))
+    def pieces(self, wanted: Collection[int], start: int, end: int, timed: Collection[int] = ()) -> Iterator[Piece]:
+        """Chunks, and what was found outside them, in order of time."""
+        within = super().pieces(wanted, start, end, timed)
+        return (
+            heapq.merge(within, self._outside({*wanted, *timed}), key=attrgetter("first"))
+            if self._loose.size
+            else within
+        )
 
     def _outside(self, wanted: Collection[int]) -> Iterator[Piece]:
         loose = self._loose[np.isin(self._loose["channel"], list(wanted))]
@@ -118,8 +133,10 @@ class McapFile(ChunkedFile):
     def index(self, offset: int, connection: int) -> NDArray[Any]:
         """Return the message index record at this place."""
         opcode, length, channel, size = struct.unpack("<BQHI", self.between(offset, offset + 15))
-        if opcode != MESSAGE_INDEX or channel != connection or size + 6 != length or size % 16:
+        if opcode != MESSAGE_INDEX or channel != connection or size + 6 > length or size % 16:
             raise DamageError("damage")
+        if size + 6 < length:  # a record may go on with what this version does not know
+            raise UnknownError("a record longer than is known")
         return np.frombuffer(self.view(offset + 15, offset + 15 + size), _INDEX)
 
     def indexed_times(self, chunk: Chunk) -> dict[int, Ints]:
@@ -128,6 +145,28 @@ class McapFile(ChunkedFile):
             raise DamageError("no index")
         return {id_: self.index(at, id_)["time"].astype(np.int64) for id_, at in chunk.indices.items()}
 
+    def counted(self, chunk: Chunk, wanted: Collection[int]) -> int:
+        """How many messages of these connections are in a chunk: the records of its index lie side by side."""
+        places = sorted((at, id_) for id_, at in (chunk.indices or {}).items())
+        ends = [at for at, _ in places[1:]] + [chunk.behind or MOST_TIME]
+        return sum(max(0, end - at - 15) // 16 for (at, id_), end in zip(places, ends, strict=True) if id_ in wanted)
+
+    def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:
+        """The chunks with their checksums, where their messages are wanted."""
+        some = [number for number, chunk in enumerate(chunks) if chunk.indices and not wanted.isdisjoint(chunk.indices)]
+        if not self._from_index or not some:
+            return chunks
+        for number in some:
+            self.ahead(chunks[number].offset, chunks[number].start)
+        found = [*chunks]
+        for number in some:
+            known = chunks[number]
+            chunk = self.chunk_at(known.offset)
+            found[number] = known._replace(checksum=chunk.checksum)
+            if chunk[:7] != known[:7]:
+                raise DamageError(f"another chunk at byte {known.offset}")
+        return found
+
     def told(self) -> dict[int, TopicExtent]:
         """Return how many messages each connection has, in chunks and outside them, and when they were received."""
         told = super().told()
@@ -135,19 +174,23 @@ class McapFile(ChunkedFile):
             tell(told, id_, self._loose["time"][self._loose["channel"] == id_].astype(np.int64))
         return told
 
-    def located(self, content: Bytes, connection: int, index: NDArray[Any]) -> Messages:
-        """Return the messages at these offsets of a chunk."""
-        offsets = index["offset"]
-        if not distinct(offsets, len(content) // _HEAD.itemsize):
-            raise DamageError("an offset that is there twice")
-        if len(index) and int(offsets.max()) + _HEAD.itemsize > len(content):
+    def located(
+        self, content: Bytes, connection: int, index: NDArray[Any], begins: Ints | int, limits: Ints | int
+    ) -> Messages:
+        """The messages at these offsets of chunks."""
+        starts = index["offset"].astype(np.int64)
+        if len(starts) and (int(starts.min()) < 0 or int(starts.max()) > len(content)):
             raise DamageError("an offset beyond the end")
-        starts = offsets.astype(np.int64)
+        starts += begins
+        if not distinct(starts, len(content) // _HEAD.itemsize):
+            raise DamageError("an offset that is there twice")
+        room = limits - 9 - starts
+        if len(starts) and int(room.min()) + 9 < _HEAD.itemsize:
+            raise DamageError("an offset beyond the end")
         heads = everywhere(content, f"V{_HEAD.itemsize}")[starts].view(_HEAD)
         length = heads["length"]
-        room = (len(content) - 9 - starts).astype(np.uint64)
         fits = (heads["opcode"] == MESSAGE) & (heads["channel"] == connection) & (heads["time"] == index["time"])
-        if not (fits & (length >= 22) & (length <= room) & (heads["time"] <= MOST_TIME)).all():
+        if not (fits & (length >= 22) & (length <= room.astype(np.uint64)) & (heads["time"] <= MOST_TIME)).all():
             raise DamageError("an offset that is no message's")
         ends = starts + 9 + length.astype(np.int64)
         return Messages(connection, content, index["time"].astype(np.int64), starts + _HEAD.itemsize, ends)
@@ -236,19 +279,22 @@ class McapFile(ChunkedFile):
         opcode, length, summary, _, checksum = struct.unpack("<BQQQI", self.between(start, self.size - len(MAGIC)))
         if self.content[-len(MAGIC) :].tobytes() != MAGIC or opcode != FOOTER or length != 20:
             raise DamageError("no footer")
-        if not summary or summary > start:
+        if not summary:
+            raise _NotInSummaryError("no summary")
+        if summary > start:
             raise DamageError("no summary")
         if self.content[summary] not in (SCHEMA, CHANNEL, *_SUMMARY):  # before all up to the end is gone through
             raise DamageError("no summary")
         if checksum and crc32(self.view(summary, start + 25)) != checksum:
             raise DamageError("summary does not have its checksum")
         self._checked = bool(checksum)
-        position, counted = summary, 0
-        while position < start:
-            opcode, length = struct.unpack("<BQ", self.between(position, position + 9))
-            if not opcode:
-                raise DamageError(f"no record at byte {position}")
-            content = self.view(position + 9, position + 9 + length)
+        position, counted = 0, 0
+        records = self.view(summary, start)
+        while position < len(records):
+            opcode, length = struct.unpack_from("<BQ", records, position)
+            if not opcode or position + 9 + length > len(records):
+                raise DamageError(f"no record at byte {summary + position}")
+            content = records[position + 9 : position + 9 + length]
             if opcode in (SCHEMA, CHANNEL):
                 self._define(opcode, content)
             elif opcode == CHUNK_INDEX:
@@ -258,18 +304,32 @@ class McapFile(ChunkedFile):
                 self._counts = dict(struct.iter_unpack("<HQ", content[46 : 46 + size]))
             position += 9 + length
         if not self._defined().issuperset(self._channels):
-            raise DamageError("no schemas in the summary")
+            raise _NotInSummaryError("no schemas in the summary")
         if not self._channels or not (self.chunks or (self._counts and not counted)):
-            raise DamageError("no channels or chunks in the summary")
+            raise _NotInSummaryError("no channels or chunks in the summary")
 
     def _indexed_chunk(self, content: memoryview) -> Chunk:
-        """The chunk that a chunk index record speaks of."""
-        offset, size = struct.unpack_from("<16xQ8xI", content)
-        if 36 + size > len(content):
+        """The chunk that a chunk index record speaks of; its own record is asked where no checksum vouches for that."""
+        first, last, offset, length, size = _CHUNK_INDEX(content)
+        at = 36 + size
+        if at + 12 > len(content):
             raise DamageError("damaged chunk index")
-        chunk = self.chunk_at(offset)
-        chunk.indices.update(struct.iter_unpack("<HQ", content[36 : 36 + size]))  # type: ignore[union-attr]
-        return chunk if chunk.indices else _unindexed(chunk)
+        indices: dict[int, int] = dict(struct.iter_unpack("<HQ", content[36:at]))
+        behind, name = struct.unpack_from("<QI", content, at)
+        behind += offset + length
+        if not self._checked:
+            return self.chunk_at(offset)._replace(indices=indices or None, behind=behind)
+        self._from_index = True
+        at += 12 + name
+        compression = str(content[at - name : at], "ascii", "replace")
+        stored, unpacked = struct.unpack_from("<QQ", content, at)
+        start = offset + 49 + name
+        end = start + stored
+        if end > offset + length or end > self.size:
+            raise DamageError("damaged chunk index")
+        if last > MOST_TIME or first > MOST_TIME:
+            first, last = min(first, MOST_TIME), min(last, MOST_TIME)
+        return Chunk(first, last, offset, start, end, compression, unpacked, 0, indices or None, behind)
 
     def _look_through(self) -> None:
         """Find chunks and messages from record to record; what is defined in chunks only is looked for there."""
@@ -318,17 +378,20 @@ class McapFile(ChunkedFile):
         return places
 
     def _cut(self, behind: int) -> None:
-        """The record at the end is not whole: of a chunk that is not compressed its whole messages are still there."""
+        """The record at the end is not whole: of a chunk the messages before its end are still there."""
         self.lost(f"{self.size - behind} bytes of a file that is cut or damaged", behind)
         try:
-            opcode, _, first, _, _, _, name = struct.unpack("<BQQQQII", self.between(behind, behind + 41))
+            opcode, _, first, _, size, _, name = struct.unpack("<BQQQQII", self.between(behind, behind + 41))
+            start = behind + 49 + name
+            compression = self.between(behind + 41, start - 8).decode("ascii", "replace") if name <= 16 else "?"
+            (stored,) = struct.unpack("<Q", self.between(start - 8, start))
         except DamageError:
             return
-        if opcode == CHUNK and name == 0 and behind + 49 < self.size:
-            start = behind + 49
-            self.chunks.append(
-                Chunk(min(first, MOST_TIME), MOST_TIME, behind, start, self.size, "", self.size - start, 0, None)
-            )
+        if opcode == CHUNK and start < self.size:
+            end = min(start + stored, self.size) if compression else self.size
+            size = size if compression else end - start
+            cut = Chunk(min(first, MOST_TIME), MOST_TIME, behind, start, end, compression, size, 0, None, cut=True)
+            self.chunks.append(cut)
 
     def _defined(self) -> set[int]:
         """The channels whose schema is known, or that have none."""
@@ -355,7 +418,11 @@ class McapFile(ChunkedFile):
 
 
 def _unindexed(chunk: Chunk) -> Chunk:
-    return replace(chunk, indices=None)
+    return chunk._replace(indices=None)
+
+
+class _NotInSummaryError(DamageError):
+    """What a summary need not have is not there."""
 
 
 def _table(columns: list[array[int]]) -> NDArray[Any]:

@@ -80,9 +80,9 @@ class RowsFile(PiecedFile):
     def rows(self, wanted: Collection[int], start: int, end: int) -> Iterator[Row]:
         """Yield the rows of these connections, received from ``start`` until before ``end`` [ns], in order of time."""
 
-    def pieces(self, wanted: Collection[int], start: int, end: int) -> Iterator[Piece]:
-        """Yield the pieces of the file, each a batch of rows."""
-        rows = self.rows(wanted, start, end)
+    def pieces(self, wanted: Collection[int], start: int, end: int, timed: Collection[int] = ()) -> Iterator[Piece]:
+        """The pieces of the file, each a batch of rows."""
+        rows = self.rows({*wanted, *timed}, start, end)
         batch: list[Row] = [(start, b"", 0)]
 
         def load() -> list[Messages]:

@@ -10,6 +10,7 @@ No index is asked: what lies in the table is read, whatever an index beside it s
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -34,6 +35,9 @@ _INTEGERS = {1: [("i1", 0)], 2: [(">i2", 0)], 3: [(">i2", 8), ("u1", 0)], 4: [("
     6: [(">i8", 0)],
 }
 """Parts of an integer of each type: what lies one behind the other, and by how many bits it counts."""
+
+_STILL_THERE = 1 << 26
+"""Bytes of pages that a system still has in memory when they are looked at for the second time."""
 
 Flags = NDArray[np.bool_]
 
@@ -63,13 +67,15 @@ class Table:
 class Pages:
     """A SQLite file as pages, numbered from 1. Raises DamageError where it is none."""
 
-    def __init__(self, content: Bytes) -> None:
+    def __init__(self, content: Bytes, ahead: Callable[[int, int], None] = lambda start, end: None) -> None:
+        """``ahead`` has bytes of the file come from the disk, from one place until before another."""
         head = content[:100].tobytes()
         size = int.from_bytes(head[16:18], "big")
         self.size = 65536 if size == 1 else size
         if len(head) < 100 or self.size < 512:
             raise DamageError("no pages")
         self.content = content
+        self._ahead = ahead
         self.usable = self.size - head[20]
         self.count = len(content) // self.size
         """Number of whole pages: the last may be cut."""
@@ -84,7 +90,7 @@ class Pages:
             there = np.unique(pages[(pages >= 2) & (pages <= self.count)])
             new = there[~seen[there]]
             seen[new] = True
-            kinds = self.content[(new - 1) * self.size]
+            kinds = self._kinds(new)
             leaves.append(new[kinds == _LEAF])
             inner = new[kinds == _INTERIOR]
             broken += len(pages) - len(inner) - int((kinds == _LEAF).sum())
@@ -92,6 +98,23 @@ class Pages:
             broken += sum(not whole for _, whole in children)
             pages = np.concatenate([found for found, _ in children]) if children else pages[:0]
         return np.concatenate(leaves), broken
+
+    def _kinds(self, pages: Ints) -> Bytes:
+        """The first bytes of pages, which are in order."""
+        some = max(1, BATCH // self.size)
+        kinds = []
+        for first in range(0, len(pages), some):
+            self.fetch(pages[first : first + some])
+            kinds.append(self.content[(pages[first : first + some] - 1) * self.size])
+        return np.concatenate(kinds) if kinds else self.content[:0]
+
+    def fetch(self, pages: Ints) -> None:
+        """Have these pages, which are in order, come from the disk: those side by side at once."""
+        if len(pages):
+            gaps = np.flatnonzero(np.diff(pages) != 1)
+            firsts, lasts = pages[np.append(0, gaps + 1)], pages[np.append(gaps, len(pages) - 1)]
+            for first, last in zip(firsts.tolist(), lasts.tolist(), strict=True):
+                self._ahead((first - 1) * self.size, last * self.size)
 
     def _children(self, page: int) -> tuple[Ints, bool]:
         """The pages that an inner page names, and whether it is in order."""
@@ -129,6 +152,8 @@ class Pages:
         at = spill - start
         data[:at] = self.content[start:spill]
         word = spill
+        begin = int.from_bytes(self.content[word : word + 4].tobytes(), "big")
+        self._ahead((begin - 1) * self.size, (begin - 1) * self.size + len(data))  # as a rule they lie side by side
         while at < len(data):
             page = int.from_bytes(self.content[word : word + 4].tobytes(), "big")
             if not 2 <= page <= self.count or used[page]:
@@ -168,9 +193,12 @@ def find_rows(pages: Pages, root: int, expected: int | None) -> Table:
 def _of_leaves(pages: Pages, leaves: Ints) -> tuple[Rows, int]:
     """The rows on these pages, and how many are none."""
     some = max(1, BATCH // pages.size)
-    parts = [
-        _rows(pages, (leaves[first : first + some] - 1) * pages.size) for first in range(0, len(leaves) or 1, some)
-    ]
+    parts = []
+    for first in range(0, len(leaves) or 1, some):
+        here = leaves[first : first + some]
+        if len(leaves) > _STILL_THERE // pages.size:
+            pages.fetch(here)
+        parts.append(_rows(pages, (here - 1) * pages.size))
     return _joined([rows for rows, _ in parts]), sum(unsound for _, unsound in parts)
 
 

@@ -1,0 +1,398 @@
+"""Files of chunks, each with an index of the messages in it: what is asked for is read, and next to nothing besides."""
+
+from __future__ import annotations
+
+import os
+from abc import abstractmethod
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from functools import partial
+from itertools import zip_longest
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robophm.transports.recordings.columns.checksum import crc32
+from robophm.transports.recordings.columns.field_extraction import Bytes, Ints
+from robophm.transports.recordings.columns.mapped import PAGE, MappedFile
+from robophm.transports.recordings.columns.pieces import (
+    BATCH,
+    MOST_TIME,
+    DamageError,
+    Messages,
+    Piece,
+    TopicExtent,
+    joined,
+    tell,
+)
+from robophm.transports.recordings.columns.unpacking import unpack, unpack_begun
+
+SPARSE = 4
+"""Of a chunk that is not compressed single messages are read where they touch at most one of so many of its pages."""
+
+_AT_ONCE = min(4, os.cpu_count() or 1)
+"""Chunks that are unpacked at once."""
+
+_NOWHERE = np.empty(0, np.uint8)
+
+
+class Chunk(NamedTuple):
+    """A chunk of messages in a file, and what the file's index knows of it."""
+
+    first: int
+    last: int
+    """Earliest and latest receipt time [ns]."""
+    offset: int
+    """Of its record."""
+    start: int
+    end: int
+    """Of its content."""
+    compression: str
+    size: int
+    """Of its content unpacked."""
+    checksum: int
+    """0 where it has none."""
+    indices: dict[int, int] | None
+    """By connection: where in the file the index of its messages lies; None where there is none."""
+    behind: int = 0
+    """The end of those; 0 where that is not known."""
+    cut: bool = False
+    """Whether the end of its content is missing."""
+
+    @property
+    def packed(self) -> bool:
+        """Whether its content has to be unpacked."""
+        return self.compression not in ("", "none")
+
+
+class UnknownError(DamageError):
+    """What is not as it was known to be may be right nevertheless: it is not believed, nor called damaged."""
+
+
+class _Asked(NamedTuple):
+    """What is asked of a chunk."""
+
+    chunk: Chunk
+    content: bool
+    """Whether anything but its index."""
+    sparse: bool
+    """Whether no more of it than single messages."""
+    size: int
+    """Bytes that this takes, about."""
+
+    @property
+    def unpacks(self) -> bool:
+        return self.content and self.chunk.packed
+
+
+class ChunkedFile(MappedFile):
+    """A file of chunks, each with an index of the messages in it; a subclass knows the records."""
+
+    chunks: list[Chunk]
+
+    def begin(self) -> int:
+        """When the first message in a chunk was received [ns]."""
+        return min((chunk.first for chunk in self.chunks), default=MOST_TIME)
+
+    def pieces(self, wanted: Collection[int], start: int, end: int, timed: Collection[int] = ()) -> Iterator[Piece]:
+        """Chunks in order of time, some at once; the next ones are unpacked beside."""
+        wanted = frozenset(wanted)
+        timed = frozenset(timed) - wanted
+        asked = [self._asked(chunk, wanted) for chunk in self._within(wanted, timed, start, end)]
+        with ThreadPoolExecutor(_AT_ONCE, "unpacking") as beside:
+
+            def begun(batch: Sequence[_Asked]) -> list[Callable[[], Bytes | str]]:
+                return [
+                    beside.submit(self._held, one).result if one.unpacks else partial(self._held, one)
+                    for one in batch
+                    if one.content
+                ]
+
+            contents: list[Callable[[], Bytes | str]] | None = None
+
+            def load(batch: list[_Asked], following: list[_Asked] | None) -> list[Messages]:
+                nonlocal contents
+                if contents is None:
+                    self._fetch(batch)
+                here = begun(batch) if contents is None else contents
+                contents = None
+                if following and sum(one.size for one in following) <= 4 * BATCH:  # large ones come alone
+                    self._fetch(following)
+                    contents = begun(following)
+                buffer, places = self._together(batch, [content() for content in here])
+                del here  # before more of the next ones comes
+                return self._load(batch, buffer, places, wanted, timed)
+
+            batches = [*_batches(asked)]
+            for batch, following in zip_longest(batches, batches[1:]):
+                yield Piece(batch[0].chunk.first, partial(load, batch, following))
+
+    def _within(self, wanted: frozenset[int], timed: frozenset[int], start: int, end: int) -> list[Chunk]:
+        """The chunks that hold messages of these connections in this time, in order of it."""
+        asked = wanted | timed
+        while True:
+            some = [
+                chunk
+                for chunk in self.chunks
+                if chunk.last >= start
+                and chunk.first < end
+                and (chunk.indices is None or not chunk.indices.keys().isdisjoint(asked))
+            ]
+            try:
+                return sorted(self.placed(some, wanted), key=lambda chunk: (chunk.first, chunk.offset))
+            except DamageError as error:
+                notes, self.notes = self.notes, self.late
+                self.look_through(str(error))
+                self.notes = notes
+                self.notes.update(self.late)
+
+    @abstractmethod
+    def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:
+        """The chunks with what their own records say, as far as that is needed to read these connections or an index.
+
+        Raises DamageError where a chunk's record is not where and as the file's index says.
+        """
+
+    @abstractmethod
+    def look_through(self, why: str) -> None:
+        """Find the chunks from record to record, whatever an index says; those that are found are placed."""
+
+    def _asked(self, chunk: Chunk, wanted: frozenset[int]) -> _Asked:
+        if chunk.indices is None:
+            return _Asked(chunk, True, False, chunk.size)
+        if chunk.indices.keys().isdisjoint(wanted):
+            return _Asked(chunk, False, False, PAGE)
+        if not chunk.packed and not chunk.cut:
+            touched = self.counted(chunk, wanted) * PAGE
+            if touched * SPARSE <= chunk.size:
+                return _Asked(chunk, True, True, touched)
+        return _Asked(chunk, True, False, chunk.size)
+
+    @abstractmethod
+    def counted(self, chunk: Chunk, wanted: Collection[int]) -> int:
+        """How many messages of these connections are in a chunk, by its index; more where that does not say it."""
+
+    def _fetch(self, batch: Iterable[_Asked]) -> None:
+        """Have what is asked for come from the disk."""
+        for one in batch:
+            chunk = one.chunk
+            if one.content and not one.sparse:
+                self.ahead(chunk.offset, max(chunk.end, chunk.behind))
+            else:
+                self._fetch_index(chunk)
+
+    def _fetch_index(self, chunk: Chunk) -> None:
+        if chunk.indices:
+            begin = min(chunk.indices.values())
+            self.ahead(begin, max(begin + 1, chunk.behind))
+
+    def told(self) -> dict[int, TopicExtent]:
+        """The extent of each connection: by the index of each chunk, or by its messages where a chunk has none."""
+        told: dict[int, TopicExtent] = {}
+        chunks = self._within(frozenset(), frozenset(self.known()), -MOST_TIME, MOST_TIME)
+        for chunk in chunks:
+            self._fetch_index(chunk)
+        for chunk in chunks:
+            try:
+                for connection, times in self.indexed_times(chunk).items():
+                    tell(told, connection, times)
+            except DamageError:
+                with suppress(DamageError):
+                    for messages in self.scanned(chunk, self.unpacked(chunk), self.known()):
+                        tell(told, messages.connection, messages.times)
+        return told
+
+    def known(self) -> set[int]:
+        """The numbers of the file's connections."""
+        return {connection.id for connection in self.connections}
+
+    @abstractmethod
+    def indexed_times(self, chunk: Chunk) -> Mapping[int, Ints]:
+        """When the messages of a chunk were received, by connection, as its index says; raises DamageError."""
+
+    def _held(self, one: _Asked) -> Bytes | str:
+        """What a chunk holds, or what is wrong with it."""
+        try:
+            return self.unpacked(one.chunk, sparse=one.sparse)
+        except DamageError as error:
+            return str(error)
+
+    def _together(
+        self, batch: Sequence[_Asked], contents: Sequence[Bytes | str]
+    ) -> tuple[Bytes, list[tuple[Chunk, int, int]]]:
+        """One buffer, and where in it each chunk begins and ends: what was unpacked, or else the file itself."""
+        sound: list[Bytes] = []
+        places, end = [], 0
+        some = [one.chunk for one in batch if one.content]
+        for chunk, content in zip(some, contents, strict=True):
+            if isinstance(content, str):
+                self.lost(content, chunk.offset)
+                continue
+            sound.append(content)
+            begin = end if chunk.packed else chunk.start
+            places.append((chunk, begin, end := begin + len(content)))
+        if not sound or not some[0].packed:
+            return self.content, places
+        return (np.concatenate(sound) if len(sound) > 1 else sound[0]), places
+
+    def _load(
+        self,
+        batch: Iterable[_Asked],
+        buffer: Bytes,
+        places: Sequence[tuple[Chunk, int, int]],
+        wanted: frozenset[int],
+        timed: frozenset[int],
+    ) -> list[Messages]:
+        found: dict[int, list[Messages]] = {}
+        for messages in self._at_once(buffer, places, wanted) or self._one_by_one(buffer, places, wanted, timed):
+            found.setdefault(messages.connection, []).append(messages)
+        for chunk in (one.chunk for one in batch if timed and one.chunk.indices is not None):
+            for messages in self._times(chunk, timed):
+                found.setdefault(messages.connection, []).append(messages)
+        return [joined(parts) for parts in found.values()]
+
+    def _at_once(
+        self, buffer: Bytes, places: Sequence[tuple[Chunk, int, int]], wanted: frozenset[int]
+    ) -> list[Messages]:
+        """The messages of all chunks by their indices; none where one of those is not sound."""
+        parts: dict[int, list[tuple[NDArray[Any], int, int]]] = {}
+        try:
+            for chunk, begin, end in places:
+                if chunk.indices is None:
+                    return []
+                for connection in wanted.intersection(chunk.indices):
+                    index = self.index(chunk.indices[connection], connection)
+                    parts.setdefault(connection, []).append((index, begin, end))
+            found = []
+            for connection, some in parts.items():
+                indices, begins, ends = zip(*some, strict=True)
+                lengths = [len(index) for index in indices]
+                together = np.concatenate(indices) if len(indices) > 1 else indices[0]
+                limits = np.repeat(ends, lengths)
+                found.append(self.located(buffer, connection, together, np.repeat(begins, lengths), limits))
+        except DamageError:
+            return []
+        return found
+
+    def _one_by_one(
+        self,
+        buffer: Bytes,
+        places: Iterable[tuple[Chunk, int, int]],
+        wanted: frozenset[int],
+        timed: frozenset[int],
+    ) -> Iterator[Messages]:
+        """The messages of each chunk, by its index where that is sound."""
+        for chunk, begin, end in places:
+            for messages in self._indexed(chunk, buffer[begin:end], wanted if chunk.indices else wanted | timed):
+                yield messages._replace(buffer=buffer, starts=messages.starts + begin, ends=messages.ends + begin)
+
+    def _times(self, chunk: Chunk, timed: frozenset[int]) -> list[Messages]:
+        """The messages of these connections in a chunk, of which nothing but their times is told, by its index."""
+        if chunk.indices is None or chunk.indices.keys().isdisjoint(timed):
+            return []
+        try:
+            times = self.indexed_times(chunk)
+        except DamageError:
+            try:
+                return self._indexed(chunk, self.unpacked(chunk), timed)
+            except DamageError as error:
+                self.lost(str(error), chunk.offset)
+                return []
+        return [
+            Messages(connection, _NOWHERE, heard, np.zeros_like(heard), np.zeros_like(heard))
+            for connection, heard in times.items()
+            if connection in timed
+        ]
+
+    def unpacked(self, chunk: Chunk, *, sparse: bool = False) -> Bytes:
+        """The chunk's content; raises DamageError where it is not what was written.
+
+        Where it is read ``sparse``ly that is not looked at: a checksum is one of all of it.
+        """
+        stored = self.content[chunk.start : chunk.end]
+        if chunk.cut:
+            return unpack_begun(stored, chunk.compression, chunk.size)
+        content = unpack(stored, chunk.compression, chunk.size)
+        if not sparse and chunk.checksum and crc32(content.data) != chunk.checksum:
+            raise DamageError("chunk does not have its checksum")
+        return content
+
+    def next_chunk(self, behind: int, places: Iterator[int]) -> int:
+        """The next of these places, which rise, where a chunk lies; what is between is lost.
+
+        Raises DamageError where none does.
+        """
+        for place in places:
+            with suppress(DamageError):
+                if place > behind:
+                    self.chunk_at(place)
+                    self.lost(f"{place - behind} bytes of a damaged file", behind)
+                    return place
+        raise DamageError("no chunk")
+
+    @abstractmethod
+    def chunk_at(self, offset: int) -> Chunk:
+        """The chunk record at this place; raises DamageError."""
+
+    def chunk_lies_at(self, offset: int) -> bool:
+        """Whether there is a chunk record at this place."""
+        with suppress(DamageError):
+            self.chunk_at(offset)
+            return True
+        return False
+
+    def _indexed(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
+        """The messages of the chunk, by its index; one by one where that does not point at messages."""
+        if chunk.indices is not None:
+            try:
+                return [
+                    self.located(content, connection, self.index(offset, connection), 0, len(content))
+                    for connection, offset in chunk.indices.items()
+                    if connection in wanted
+                ]
+            except UnknownError:
+                pass
+            except DamageError as error:
+                self.notes[f"{self.path.name}: {error} in the index of the chunk at byte {chunk.offset}"] += 1
+        return self.scanned(chunk, content, wanted)
+
+    @abstractmethod
+    def index(self, offset: int, connection: int) -> NDArray[Any]:
+        """The index of a connection's messages in a chunk, from its place in the file; raises DamageError."""
+
+    @abstractmethod
+    def located(
+        self, content: Bytes, connection: int, index: NDArray[Any], begins: Ints | int, limits: Ints | int
+    ) -> Messages:
+        """The messages that the index points at, in chunks that begin and end at these places of the content.
+
+        Raises DamageError where there are none.
+        """
+
+    @abstractmethod
+    def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
+        """The messages in a chunk, found by going from record to record; notes what is lost."""
+
+
+def _batches(asked: Iterable[_Asked]) -> Iterator[list[_Asked]]:
+    """What is read at once: some that are packed, or some that are not."""
+    batch: list[_Asked] = []
+    size, packed = 0, None
+    for one in asked:
+        size += one.size
+        if batch and (size > BATCH or (one.content and packed not in (None, one.chunk.packed))):
+            yield batch
+            batch, size, packed = [], one.size, None
+        batch.append(one)
+        packed = one.chunk.packed if one.content else packed
+    if batch:
+        yield batch
+
+
+def distinct(offsets: NDArray[Any], most: int) -> bool:
+    """Whether no two are the same and there are no more than can be; as a rule they rise."""
+    if len(offsets) > most:
+        return False
+    return bool((offsets[1:] > offsets[:-1]).all()) or len(np.unique(offsets)) == len(offsets)

@@ -1,0 +1,109 @@
+"""A file that is read where it lies in memory, few of them at once, and of each no more than is asked for.
+
+What is touched comes from the disk page by page; what will be needed of it in one run is said before.
+"""
+
+from __future__ import annotations
+
+import mmap
+from collections import Counter
+from pathlib import Path
+from threading import Lock
+
+import numpy as np
+
+from robophm.core.errors import SourceError
+from robophm.transports.recordings.columns.field_extraction import Bytes
+from robophm.transports.recordings.columns.pieces import DamageError, PiecedFile
+
+PAGE = mmap.PAGESIZE
+"""Bytes that come from the disk at least."""
+
+MOST_MAPPED = 24
+"""Files that are mapped at once; each takes a handle, of which a process may have but 256."""
+
+_READ_AT_ONCE = 1 << 17
+"""Bytes that a system reads ahead where it is told to, in one call."""
+
+_RANDOM, _WHOLE, _AHEAD = (
+    getattr(mmap, f"MADV_{name}", None) for name in ("RANDOM", "SEQUENTIAL", "WILLNEED")
+)  # where a system has no such advice it reads as it likes
+
+_mapped: dict[int, MappedFile] = {}
+"""Those that are, in the order in which they were."""
+
+_lock = Lock()
+
+
+class MappedFile(PiecedFile):
+    """A file that is mapped into memory when it is looked at, and may be let go of whenever it is not.
+
+    Raises SourceError where it is empty.
+    """
+
+    def __init__(self, path: Path, notes: Counter[str]) -> None:
+        super().__init__(path, notes)
+        self._memory: mmap.mmap | None = None
+        self._content: Bytes | None = None
+        self._advice = _RANDOM
+        self.source = path
+        self.size = path.stat().st_size
+        if not self.size:
+            raise SourceError(f"{path}: is empty; expected a recording")
+
+    @property
+    def content(self) -> Bytes:
+        """All bytes of the file."""
+        content = self._content
+        return self._map() if content is None else content
+
+    def _map(self) -> Bytes:
+        with _lock:
+            if self._content is not None:
+                return self._content
+            with self.source.open("rb") as file:
+                memory = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+            if len(memory) != self.size:
+                raise SourceError(f"{self.path}: was changed while it was read")
+            if self._advice is not None:
+                memory.madvise(self._advice)
+            self._memory, self._content = memory, np.frombuffer(memory, np.uint8)
+            while len(_mapped) >= MOST_MAPPED:
+                _mapped.pop(next(iter(_mapped)))._let_go()
+            _mapped[id(self)] = self
+            return self._content
+
+    def _let_go(self) -> None:
+        """The file is closed as soon as no array needs it."""
+        self._memory = self._content = None
+
+    def close(self) -> None:
+        """Let go of the file."""
+        with _lock:
+            _mapped.pop(id(self), None)
+            self._let_go()
+
+    def read_whole(self) -> None:
+        """Say that the file is gone through from here to there."""
+        self._advice = _WHOLE
+        memory = self.content is not None and self._memory
+        if memory and _WHOLE is not None:
+            memory.madvise(_WHOLE)
+
+    def ahead(self, start: int, end: int) -> None:
+        """Have these bytes come from the disk while other things are done."""
+        memory = self.content is not None and self._memory
+        if memory and _AHEAD is not None and self._advice == _RANDOM:
+            start = max(0, start)
+            for at in range(start - start % PAGE, min(end, self.size), _READ_AT_ONCE):
+                memory.madvise(_AHEAD, at, min(_READ_AT_ONCE, end - at))
+
+    def between(self, start: int, end: int) -> bytes:
+        """Bytes of the file; raises DamageError where they do not exist."""
+        return bytes(self.view(start, end))
+
+    def view(self, start: int, end: int) -> memoryview:
+        """Bytes of the file where they lie; raises DamageError where they do not exist."""
+        if not 0 <= start <= end <= self.size:
+            raise DamageError(f"bytes {start} to {end} of {self.size}")
+        return self.content.data[start:end]
