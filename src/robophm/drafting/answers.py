@@ -12,7 +12,7 @@ from robophm.design.importers.urdf import Description
 from robophm.design.importers.urdf.drives import DRIVES, LIGHT, moved
 from robophm.drafting.heard import BATTERY
 from robophm.drafting.seen import Seen
-from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS
+from robophm.hazard.environments import ENVIRONMENTS
 from robophm.parts import Entry, library, search
 
 WHERE = {
