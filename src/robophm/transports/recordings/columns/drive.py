@@ -13,7 +13,6 @@ from robophm.transports.recordings.columns.pieces import MOST_TIME, PiecedFile
 from robophm.transports.recordings.files import (
     METADATA,
     existing,
-    fingerprint_of,
     log_of,
     parts_of,
     reading,
@@ -112,7 +111,7 @@ def _renamed(temporary: Path, path: Path, notes: Counter[str]) -> PiecedFile:
         raise type(error)(str(error).replace(str(temporary), str(path))) from None
     for what, count in said.items():
         notes[what.replace(str(temporary), str(path)).replace(f"{temporary.name}: ", f"{path.name}: ")] += count
-    file.path, file.notes, file.fingerprint = path, notes, fingerprint_of(path)
+    file.path, file.notes = path, notes
     return file
 
 

@@ -63,10 +63,7 @@ _FOOTER_SIZE = 9 + 20 + len(MAGIC)
 
 
 class McapFile(ChunkedFile):
-    """An MCAP file of any profile, whole or cut.
-
-    Raises SourceError where it is none.
-    """
+    """An MCAP file of any profile, whole or cut. Raises SourceError where it is none."""
 
     def __init__(self, path: Path, notes: Counter[str]) -> None:
         super().__init__(path, notes)
