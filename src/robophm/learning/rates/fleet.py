@@ -47,7 +47,7 @@ _LEAST = 0.01
 """Share of all that nodes of a grid have at least before each robot is asked; smaller ones are put together."""
 
 
-class Promise(Protocol):
+class ExpectedFailures(Protocol):
     """Failures that a rate promises in what was seen."""
 
     @property
@@ -85,19 +85,19 @@ class Powers:
         return 600.0 / self.beta
 
     def to_each(self, log_times: Array) -> Array:
-        """See ``Promise``."""
+        """See ``ExpectedFailures``."""
         return np.asarray(self.expected[:, None] * np.exp(self.beta * log_times))
 
     def to_some(self, robots: Indices, log_times: Array) -> Array:
-        """See ``Promise``."""
+        """See ``ExpectedFailures``."""
         return np.asarray(self.expected[robots] * np.exp(self.beta * log_times))
 
     def where(self, robots: Indices, rate: Array, wanted: Array) -> Array:
-        """See ``Promise``."""
+        """See ``ExpectedFailures``."""
         return np.asarray(wanted / (rate + self.expected[robots, None]))
 
     def to_all(self, log_times: float) -> float:
-        """See ``Promise``."""
+        """See ``ExpectedFailures``."""
         return math.fsum(self.expected) * math.exp(self.beta * log_times)
 
 
@@ -131,7 +131,7 @@ class Fleet:
     where nothing was expected of any."""
 
 
-def fleet(failures: Sequence[float], promise: Promise, found: Posterior) -> Fleet:
+def fleet(failures: Sequence[float], promise: ExpectedFailures, found: Posterior) -> Fleet:
     """What the failures of each robot, at least one, say of it and of its fleet.
 
     ``found``: the posterior of the rate that all have together; the fleet's mean is what it says on average.
@@ -154,7 +154,7 @@ def fleet(failures: Sequence[float], promise: Promise, found: Posterior) -> Flee
     return Fleet(mean, another, own, _quantiles(1 / np.sqrt(nodes.s), nodes.weight))
 
 
-def _pooled(promise: Promise, found: Posterior) -> Ratio:
+def _pooled(promise: ExpectedFailures, found: Posterior) -> Ratio:
     """Of one rate for all: with a·θ^β + E(θ), failures that the stated rate and the field promise."""
     beta, reach = promise.beta, promise.reach
     s, r, p = found.gammas
@@ -185,7 +185,7 @@ class _Nodes(NamedTuple):
     weight: Array
 
 
-def _nodes(n: Array, promise: Promise, found: Posterior) -> _Nodes:
+def _nodes(n: Array, promise: ExpectedFailures, found: Posterior) -> _Nodes:
     """The posterior of ln μ and s; spreads are looked at again where they are likely."""
     centre = _about(promise, found)
     log_mean = np.unique(np.concatenate([_APART, centre + _APART]))
@@ -207,7 +207,7 @@ def _nodes(n: Array, promise: Promise, found: Posterior) -> _Nodes:
     return _Nodes(log_mean[column], 1 / last[row] ** 2, weight[row, column] / weight[row, column].sum())
 
 
-def _about(promise: Promise, found: Posterior) -> float:
+def _about(promise: ExpectedFailures, found: Posterior) -> float:
     """ln μ by the failures alone, with half a one."""
 
     def short(g: float) -> float:
@@ -241,7 +241,7 @@ def _log_likelihood(n: Array, promised: Array, spread: float) -> Array:
     return found
 
 
-def _each(n: Array, promise: Promise, few: _Nodes, times: float) -> tuple[Ratio, ...]:
+def _each(n: Array, promise: ExpectedFailures, few: _Nodes, times: float) -> tuple[Ratio, ...]:
     """Each robot's own. The estimate is its mean, drawn towards that of all failures together."""
     beta = promise.beta
     s, mean = few.s, np.exp(few.log_mean)
@@ -259,7 +259,9 @@ def _each(n: Array, promise: Promise, few: _Nodes, times: float) -> tuple[Ratio,
     return tuple(found)
 
 
-def _where_below(level: float, shape: Array, rate: Array, weight: Array, promise: Promise, some: Indices) -> Array:
+def _where_below(
+    level: float, shape: Array, rate: Array, weight: Array, promise: ExpectedFailures, some: Indices
+) -> Array:
     """θ below which robots are with that probability: halving what it may lie in, then between its ends; shape
     (robots,).
     """
