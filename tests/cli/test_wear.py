@@ -168,13 +168,15 @@ def test_what_cannot_be_said_is_no_number(inside, robot, tmp_path):
         words = ("wear", robot, readings(tmp_path / "y.csv", range(60), y), "--part", "battery", "--threshold", 4)
         done = inside(*words)
         assert done.returncode == 0, done.stderr
-        assert "When it reaches 4 cannot be said: in " in done.stdout
+        assert "No trend shows yet that leads to 4: when it is reached cannot be said; its hazard rate" in done.stdout
         assert ("its trend leads away from there, or it was past 4 when readings began" in done.stdout) == leads
-        assert "cannot be said; it may never come" in done.stdout
         assert "∞" not in done.stdout
         found = json.loads(inside(*words, "--json").stdout)
+        lives = found["remaining_life"]["battery"]
+        assert lives["fused"]["median"] == pytest.approx(lives["hazard"]["median"], rel=1e-9)
         assert "Infinity" not in json.dumps(found)
-        assert (found["signals"][0]["said"], found["signals"][0]["remaining"]["median"]) == (False, None)
+        assert (found["signals"][0]["said"], found["signals"][0]["trend_shows"]) == (False, False)
+        assert set(found["signals"][0]["remaining"].values()) == {None}
 
 
 def test_mistakes_are_one_line(inside, robot, tmp_path):
@@ -260,7 +262,8 @@ def test_from_recordings_all_wear_counts_for_the_robot(inside, listening, tmp_pa
     assert found["bearing"]["remaining"]["low"] < 7 / 3 * HOURS < found["bearing"]["remaining"]["high"]
     lives = said["remaining_life"]
     assert lives["bearing"]["fused"]["median"] == pytest.approx(2 * found["bearing"]["remaining"]["median"], rel=0.02)
-    assert lives["motor"]["fused"]["late"] is None  # it may never come
+    assert not found["motor"]["said"]  # it may never come, and its hazard stands
+    assert lives["motor"]["fused"]["late"] == pytest.approx(lives["motor"]["hazard"]["late"], rel=1e-9)
     assert lives["cart"]["fused"]["late"] <= lives["bearing"]["fused"]["late"]
     text = inside("wear", "robot.yaml", "run.journal", "--baseline", 40, "--part", "bearing").stdout
     assert "bearing, mean of /t.bearing above /t.air: 120 readings over 0.33" in text
@@ -360,3 +363,72 @@ def test_what_is_no_fleet(inside, robot, tmp_path):
         told = inside(*words, "fleet.csv")
         assert told.returncode == 3
         assert expected in " ".join(told.stderr.split())
+
+
+def test_a_fleet_beside_recordings(inside, listening, tmp_path):
+    """Bearings whose rise above the air came to 40 K after 1.5 h; of several parts one must be chosen."""
+    rows = [f"b{k},{t:.3f},{30 + 10 * t / life:.4f}" for k, life in enumerate((1.4, 1.5, 1.6)) for t in
+            np.arange(0.0, life * 1.02, 0.02)]  # fmt: skip
+    (tmp_path / "bearings.csv").write_text("unit,time [h],value\n" + "\n".join(rows) + "\n")
+    words = ("wear", "robot.yaml", listening, "--baseline", 40, "--fleet", "bearings.csv")
+    refused = inside(*words)
+    assert refused.returncode == 3
+    assert "of which part are these others? expected --part" in refused.stderr
+    (found,) = json.loads(inside(*words, "--part", "bearing", "--json").stdout)["signals"]
+    assert found["others"] == 3
+    assert found["remaining"]["low"] < 7 / 3 * HOURS < found["remaining"]["high"]
+
+
+def test_conditions_of_readings_and_to_come(inside, robot, tmp_path):
+    """The part's own clock runs exp(0.7/k·(1/313 − 1/333)) = 4.7 times as fast at 60 °C as it did at 40 °C, as far as
+    is known without others."""
+    hours = np.arange(60) * 10.0
+    rows = [f"{t},{1 - 2e-4 * t},40" for t in hours]
+    (tmp_path / "warm.csv").write_text("time [h],value,temperature [degC]\n" + "\n".join(rows) + "\n")
+    words = ("wear", robot, "warm.csv", "--part", "battery", "--threshold", 0.7)
+    same, hotter = (
+        json.loads(inside(*words, *more, "--json").stdout)["signals"][0] for more in ((), ("--at", "temperature=60"))
+    )
+    assert same["conditions_to_come"] == {"temperature": 40}
+    factor = np.exp(0.7 / 8.617333e-5 * (1 / 313.15 - 1 / 333.15))
+    assert same["remaining"]["median"] / hotter["remaining"]["median"] == pytest.approx(factor, rel=0.1)
+    assert "As it would be at temperature 60" in inside(*words, "--at", "temperature=60").stdout
+    for at, said in (
+        ("heat=3", "'heat' is no condition that is known to speed wear up; expected temperature"),
+        ("temperature", "--at temperature: expected a condition and a number, e.g. temperature=40"),
+    ):
+        told = inside(*words, "--at", at)
+        assert told.returncode == 3
+        assert said in " ".join(told.stderr.split())
+
+
+def test_an_index_of_health_of_many_signals(inside, robot, tmp_path):
+    """Signals of which two show wear in the last sixty hours; from ten units that failed."""
+    rng = np.random.default_rng(1)
+
+    def rows(life, until, name=""):
+        t = np.arange(1.0, until)
+        worn = np.maximum(0.0, 1 - (life - t) / 60) ** 1.5
+        signals = (300 + 10 * worn, 5 - 2 * worn, 0 * t)
+        noisy = [one + scale * rng.standard_normal(len(t)) for one, scale in zip(signals, (1, 0.3, 1), strict=True)]
+        return [",".join([name, *(f"{x:.4f}" for x in row)][not name :]) for row in zip(t, *noisy, strict=True)]
+
+    lives = rng.integers(80, 200, 10).tolist()
+    failed = [row for k, life in enumerate(lives) for row in rows(life, life + 1, f"e{k}")]
+    (tmp_path / "failed.csv").write_text("unit,time [h],heat,flow,hum\n" + "\n".join(failed) + "\n")
+    (tmp_path / "mine.csv").write_text("time [h],heat,flow,hum\n" + "\n".join(rows(150, 126)) + "\n")
+    words = ("wear", robot, "mine.csv", "--part", "battery", "--index")
+    done = inside(*words, "--fleet", "failed.csv")
+    assert done.returncode == 0, done.stderr
+    assert "health index of 3 signals by 10 units that failed" in done.stdout
+    assert "Fails in " in done.stdout
+    (found,) = json.loads(inside(*words, "--fleet", "failed.csv", "--json").stdout)["signals"]
+    assert found["remaining"]["low"] <= 25 <= found["remaining"]["high"]
+    for more, code, said in (
+        ((), 3, "from whom is an index of health learned? expected --fleet"),
+        (("--fleet", "failed.csv", "--settings", "heat,hun"), 3, "has no column 'hun', did you mean 'hum'?"),
+        (("--fleet", "failed.csv", "--threshold", 3), 2, "--threshold: not used for an index of health"),
+    ):
+        told = inside(*words, *more)
+        assert told.returncode == code
+        assert said in " ".join(told.stderr.split())
