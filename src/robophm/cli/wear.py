@@ -21,9 +21,11 @@ from robophm.cli.shared.wear_words import backtest_json, lives_json, print_backt
 from robophm.core.errors import DataError
 from robophm.design.file import load
 from robophm.design.robot import Robot
+from robophm.health.worn import SeenWear
 from robophm.learning.wear.backtest import Backtest
 from robophm.learning.wear.worn_mode import WearOptions, WornMode, worn_mode_of_table
 from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.seen_wear import as_read, seen_of
 from robophm.monitoring.wear_history import wear_history, worn_in, worn_modes
 from robophm.monitoring.worn_life import WornLife, worn_lives
 
@@ -113,16 +115,16 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
     fitted = ("part", "baseline", "false_alarms", "shift", "store", "backtest", "predictions", "seed")
     if any(signal.suffix.lower() in TABLES for signal in signals):
         refuse_unused("a table", (*fitted, "threshold", "threshold_deviation", "load", "fleet"))
-        found, monitor = [_of_table(robot, signals, wishes)], Monitor(robot)
+        found, seen, monitor = [_of_table(robot, signals, wishes)], list[SeenWear](), Monitor(robot)
     else:
         refuse_unused(
             "recordings, whose threshold and load are in the design, at the part's `wear`", (*fitted, "skip_missing")
         )
-        found, monitor = _of_recordings(robot, signals, wishes)
+        found, seen, monitor = _of_recordings(robot, signals, wishes)
     if wishes.store:
-        monitor = Monitor(robot, kept(wishes.store, robot))
-    outlook = monitor.report(remaining_life=False).outlooks["sensor_based"]
-    lives = worn_lives(outlook, found)
+        monitor, seen = Monitor(robot, kept(wishes.store, robot)), []
+    outlook = monitor.report(remaining_life=False, wear=()).outlooks["sensor_based"]
+    lives = worn_lives(outlook, found, seen)
     done = _backtests(found, wishes) if wishes.backtest else {}
     if wishes.predictions:
         write(wishes.predictions, lives_text(list(done), lives_of(list(done.values()))))
@@ -170,7 +172,9 @@ def _of_table(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> WornMode
     )  # fmt: skip
 
 
-def _of_recordings(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> tuple[list[WornMode], Monitor]:
+def _of_recordings(
+    robot: Robot, signals: Sequence[Path], wishes: Wishes
+) -> tuple[list[WornMode], list[SeenWear], Monitor]:
     """What the signals say that the design names; where one of several says too little, the others are told."""
     modes = worn_modes(robot, wishes.part)
     with counted(progress_console(), "reading") as advance:
@@ -180,7 +184,12 @@ def _of_recordings(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> tup
     found, missed = worn_in(history, modes, wishes.options)
     for one in missed:
         warn(f"{one}; it is left out")
-    return found, history.monitor
+    seen = [
+        as_read(seen_of(one, robot.part_of(one.mode), one.mode.wear.share), one.mode, history.readings[one.mode.path])
+        for one in found
+        if one.mode.wear
+    ]
+    return found, seen, history.monitor
 
 
 def _print(robot: Robot, found: Sequence[WornMode], lives: Mapping[str, WornLife]) -> None:

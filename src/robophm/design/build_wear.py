@@ -44,6 +44,7 @@ def build_wear(place: Path, said: schema.Wear, quantity: int) -> WearSignal:
         _beside((*place, "load"), said.load),
         written((*place, "threshold"), said.threshold, in_reading),
         deviation,
+        said.share,
     )
 
 

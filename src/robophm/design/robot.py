@@ -163,6 +163,13 @@ class WearSignal:
     """In the unit of the reading: that of the signal, none of a kurtosis."""
     threshold_deviation: float = 0.0
     """How well the threshold is known, a standard deviation in that unit."""
+    share: float = 1.0
+    """Of the hazard of its failure mode, what the wear stands for; the rest comes by chance."""
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """All that it is made of, each once."""
+        return tuple(dict.fromkeys(one.signal for one in (self.gauge, self.ambient, self.load) if one))
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ import numpy as np
 from robophm.core.errors import StoreError
 from robophm.core.signal import HOUR, SECOND, Sample
 from robophm.design.robot import Robot
+from robophm.health.wear_readings import WearCourse
 from robophm.health.window import Array, Window
 
 RECENT = 600 * SECOND
@@ -167,6 +168,8 @@ class Ledger:
     """When the part of a mode was last known to work."""
     services: list[Service] = field(default_factory=list)
     """Every replacement and repair, in order of time: what was there before stays known."""
+    wear: dict[str, WearCourse] = field(default_factory=dict)
+    """What signals of wear have read of each mode since its part was put in or repaired."""
 
     @classmethod
     def new(cls, robot: Robot) -> Ledger:
@@ -203,7 +206,8 @@ class Ledger:
             "seen",
             "services",
         )
-        return replace(self, **totals, **{name: getattr(self, name).copy() for name in kept})
+        wear = {key: course.copy() for key, course in self.wear.items()}
+        return replace(self, **totals, **{name: getattr(self, name).copy() for name in kept}, wear=wear)
 
     def replace(self, modes: Iterable[str], failed: Collection[str] = ()) -> None:
         """The parts of these modes, by key, are new from now on; the modes among them that had ``failed``."""
@@ -226,6 +230,7 @@ class Ledger:
         for total, value in zip(totals, after, strict=True):
             total.high[i], total.low[i] = value, 0.0
         self.replaced[key] = now
+        self.wear.pop(key, None)
 
     def remember(self, new: Step) -> None:
         """Take a stretch of the past into what is kept of it, newest last."""
@@ -264,6 +269,7 @@ class Ledger:
             "replaced": self.replaced,
             "seen": {key: list(seen) for key, seen in self.seen.items()},
             "services": [list(service) for service in self.services],
+            **({"wear": {key: one.to_json() for key, one in self.wear.items()}} if self.wear else {}),
         }
 
     @classmethod
@@ -321,6 +327,7 @@ class Ledger:
                 Service(time, mode, kind, failed, tuple(before), tuple(after))
                 for time, mode, kind, failed, before, after in data.get("services", ())
             ],
+            wear={key: WearCourse.from_json(one) for key, one in data.get("wear", {}).items()},
         )
 
 

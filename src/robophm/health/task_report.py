@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -17,6 +17,7 @@ from robophm.health.prognosis import Outlook
 from robophm.health.report import VIEWS, plain, task_to_json
 from robophm.health.uncertainty import DRAWS, SCENARIOS, CompletionUncertainty, completion_uncertainty, draw_loads
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
+from robophm.health.worn import SeenWear
 
 SCHEMA_VERSION = 1
 """Of a task report as JSON."""
@@ -47,6 +48,8 @@ class TaskReport:
     """What the design wants."""
     unknown: PartsOfUnknownRate | None = None
     """What parts of unknown rate in the functions that are needed make of the probabilities."""
+    wear: tuple[SeenWear, ...] = ()
+    """What sensors see of the wear of failure modes."""
 
     @property
     def breached(self) -> bool:
@@ -66,17 +69,18 @@ class TaskReport:
             "uncertainty": plain(_uncertainty(self.uncertainty)) if self.uncertainty else None,
             "deciding": [asdict(one) for one in self.deciding],
             "threshold": self.threshold,
+            "wear": [one.to_json() for one in self.wear],
             **({"unknown": asdict(self.unknown)} if self.unknown else {}),
         }
 
 
 def task_report(
     plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, plan: Plan, *,
-    future: FutureName = "recent", draws: int = DRAWS, seed: int = 0,
+    future: FutureName = "recent", draws: int = DRAWS, seed: int = 0, wear: Sequence[SeenWear] = (),
 ) -> TaskReport:  # fmt: skip
     """What a list of tasks asks of a robot with this past. Raises RobophmError for ``draws`` that are too many."""
     draws = affordable(draws, plant.robot)
-    views = outlooks(plant, exposure, ledger, future=future, knowledge=plan.knowledge)
+    views = outlooks(plant, exposure, ledger, future=future, knowledge=plan.knowledge, wear=wear)
     each = {view: following(views[view], plan.tasks) for view in VIEWS}
     joined = plan.joined
     lived = views["sensor_based"]
@@ -90,6 +94,7 @@ def task_report(
         tuple(deciding(lived, joined)),
         plant.robot.thresholds.completion,
         unknown_in(lived, joined),
+        tuple(wear),
     )
 
 

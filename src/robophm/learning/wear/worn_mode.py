@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,8 @@ class WearOptions:
     """That shall be seen [deviations]."""
     seed: int = 0
     """Of what is drawn."""
+    changes: bool = True
+    """Whether changes are looked for, which takes seconds."""
 
 
 @dataclass(frozen=True)
@@ -116,20 +119,26 @@ def worn_mode(
         )
     except DataError as error:
         raise DataError(f"{source}: {error}") from None
-    detector, unlooked, alarms = _changes(values, options)
+    detector, unlooked, alarms = changes_in(values, options) if options.changes else (None, "not asked for", ())
     return WornMode(mode, source, readings, values, deviation, found, detector, unlooked, alarms, tuple(others))
 
 
-def _changes(values: Array, options: WearOptions) -> tuple[Cusum | None, str, tuple[int, ...]]:
+def changes_in(values: Array, options: WearOptions) -> tuple[Cusum | None, str, tuple[int, ...]]:
     """What looks for changes, or why none are looked for, and which readings alarm."""
     baseline = options.baseline
     if len(values) <= baseline:
         return None, f"{len(values)} readings, and a baseline needs {baseline} before the first one judged", ()
     try:
-        detector = design(values[:baseline], options.between_false_alarms, options.shift, options.seed)
+        detector = _designed(values[:baseline].tobytes(), options)
     except DataError as error:
         return None, str(error), ()
     return detector, "", tuple(baseline + i for i in detector.alarms(values[baseline:])[1])
+
+
+@lru_cache(maxsize=64)
+def _designed(baseline: bytes, options: WearOptions) -> Cusum:
+    """Which takes seconds, once for each baseline."""
+    return design(np.frombuffer(baseline), options.between_false_alarms, options.shift, options.seed)
 
 
 def worn_mode_of_table(

@@ -210,7 +210,8 @@ def predict(asked: Asked, service: Served) -> Answer:
     prepared = service.prepared()
     exposure, ledger = service.past(prepared)
     plan = _plan(asked, prepared.robot)
-    found = task_report(prepared.plant, exposure, ledger, plan, future=asked.future, draws=0)
+    found = task_report(prepared.plant, exposure, ledger, plan, future=asked.future, draws=0,
+                        wear=prepared.wear.renewed(ledger))  # fmt: skip
     return Answer(
         tasks=[
             TaskAnswer(
@@ -324,7 +325,8 @@ def prognosis(asked: PrognosisAsked, service: Served) -> JobState:
         raise DesignError("the tasks have no legs")
     future: FutureName = asked.future
     threshold = asked.threshold or prepared.robot.thresholds.completion
-    views = outlooks(prepared.plant, exposure, ledger, future=future, knowledge=plan.knowledge)
+    wear = prepared.wear.renewed(ledger)
+    views = outlooks(prepared.plant, exposure, ledger, future=future, knowledge=plan.knowledge, wear=wear)
 
     left_out = unknown_in(views["sensor_based"], plan.joined)
 
