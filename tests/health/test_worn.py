@@ -17,7 +17,6 @@ from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.replacement import replaced, replacements
 from robophm.health.uncertainty import completion_uncertainty, life_uncertainty
-from robophm.health.wear_to_come import WearToCome
 from robophm.health.worn import SeenWear, with_wear
 
 ROBOT = """

@@ -14,7 +14,7 @@ from rich.console import Console
 from robophm.cli import BREACHED
 from robophm.cli.shared import task_recording
 from robophm.cli.shared.options import Design, Draws, Failed, Future, Json, Legacy, SkipMissing, Store, Working
-from robophm.cli.shared.output import console, print_json, print_table, progress_console, table, warn
+from robophm.cli.shared.output import console, print_json, print_table, print_wear, progress_console, table, warn
 from robophm.cli.shared.progress import counted
 from robophm.cli.shared.stored_past import affordable, kept
 from robophm.cli.shared.task_words import stated_speed
@@ -174,6 +174,7 @@ def _of_list(robot: Robot, ledger: Ledger | None, question: Question, *, as_json
         print_json({**report.to_json(), **more})
     else:
         _print(report, again, threshold, question)
+        print_wear(report.wear, monitor.plant)
         if old:
             _print_legacy(report, old)
     return report.breached

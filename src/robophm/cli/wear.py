@@ -25,8 +25,7 @@ from robophm.health.worn import SeenWear
 from robophm.learning.wear.backtest import Backtest
 from robophm.learning.wear.worn_mode import WearOptions, WornMode, worn_mode_of_table
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.seen_wear import as_read, seen_of
-from robophm.monitoring.wear_history import wear_history, worn_in, worn_modes
+from robophm.monitoring.wear_history import seen_in, wear_history, worn_in, worn_modes
 from robophm.monitoring.worn_life import WornLife, worn_lives
 
 TABLES = (".csv", ".tsv", ".yaml", ".yml")
@@ -184,12 +183,7 @@ def _of_recordings(
     found, missed = worn_in(history, modes, wishes.options)
     for one in missed:
         warn(f"{one}; it is left out")
-    seen = [
-        as_read(seen_of(one, robot.part_of(one.mode), one.mode.wear.share), one.mode, history.readings[one.mode.path])
-        for one in found
-        if one.mode.wear
-    ]
-    return found, seen, history.monitor
+    return found, seen_in(history, found), history.monitor
 
 
 def _print(robot: Robot, found: Sequence[WornMode], lives: Mapping[str, WornLife]) -> None:

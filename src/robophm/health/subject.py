@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime, timedelta
 from typing import Literal, NamedTuple
 
 from robophm.blocks.diagram import Block
-from robophm.core.signal import SECOND
 from robophm.design.robot import Limits, Robot, Thresholds
 from robophm.design.task import Task
 from robophm.health.mission import Completion, completion
 from robophm.health.prognosis import Outlook, RemainingLife
 from robophm.health.unknown_rates import PartsOfUnknownRate
+from robophm.health.worn import WEAR, moment
 
 State = Literal["ok", "warn", "error", "stale"]
 
@@ -120,27 +119,22 @@ class Subject:
     @property
     def state(self) -> State:
         """In one word: stale is one that is not in error, as far as is known, and has a sensor that is silent; what
-        leaves parts of unknown rate out is never plainly ok."""
+        leaves parts of unknown rate out, or is worn, is never plainly ok."""
         if self.breaches:
             return "error"
         if self.stale:
             return "stale"
-        return "warn" if self.warnings or self.unknown else "ok"
+        worn = any(flag.startswith(WEAR) for flag in self.flags)
+        return "warn" if self.warnings or self.unknown or worn else "ok"
 
 
 def silence(last: Mapping[str, int | None]) -> str:
     """In words, that figures rest on silence: of each silent signal its last time [ns], None where it never spoke."""
     since: dict[str, list[str]] = {}
     for signal, time in sorted(last.items(), key=lambda item: (item[1] or 0, item[0])):
-        since.setdefault(_moment(time), []).append(signal)
+        since.setdefault("the beginning" if time is None else moment(time), []).append(signal)
     times = [f"since {when} of {_some(signals)}" for when, signals in since.items()]
     return f"rests on silence {_some(times)}" if times else ""
-
-
-def _moment(time: int | None) -> str:
-    if time is None:
-        return "the beginning"
-    return f"{datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=time // SECOND):%Y-%m-%d %H:%M:%S} UTC"
 
 
 def _some(words: Sequence[str]) -> str:

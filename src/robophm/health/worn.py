@@ -15,8 +15,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from datetime import UTC, datetime, timedelta
 from typing import Any, Literal
 
+from robophm.core.signal import SECOND
 from robophm.design.task import Knowledge
 from robophm.health.foretold_life import ForetoldLife
 from robophm.health.plant import Plant
@@ -24,6 +26,9 @@ from robophm.health.prognosis import Outlook
 from robophm.health.wear_to_come import WearToCome
 
 WearState = Literal["foretold", "no trend", "not followed", "reached", "too few readings"]
+
+WEAR = "wear: "
+"""How the flag of wear begins that is at its threshold or followed by no model."""
 
 MOSTLY = 0.5
 """Share of what is drawn that never comes to the threshold, up to which its wear says when a mode comes."""
@@ -46,6 +51,19 @@ class WearAlarm:
     """Mean of the readings in it."""
     usual: float
     """Mean of the first readings, against which it is one."""
+
+    @property
+    def words(self) -> str:
+        """When it was, and what changed."""
+        level = f"{self.level:.4g} in place of {self.usual:.4g}"
+        if self.end is None:
+            return f"changed since {moment(self.begin)}: {level}"
+        return f"had changed from {moment(self.begin)} to {moment(self.end)}: {level}"
+
+
+def moment(time: int) -> str:
+    """A time [ns since the epoch] in words."""
+    return f"{datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=time // SECOND):%Y-%m-%d %H:%M:%S} UTC"
 
 
 @dataclass(frozen=True)
@@ -95,6 +113,26 @@ class SeenWear:
     def critical(self) -> bool:
         """Whether its threshold is reached, or no model follows it."""
         return self.state in ("reached", "not followed")
+
+    @property
+    def says(self) -> str:
+        """What is known of it, in words, and what stands for the mode in the figures."""
+        goal, unit = f"{self.threshold:.4g}", self.unit + ("s" if self.unit in ("cycle", "start") else "")
+        when = f"reaches {goal} in {self.median:.3g} {unit}"
+        if math.isinf(self.late):
+            when += f", 5 % by {self.early:.3g}" if math.isfinite(self.early) else ""
+            when += f"; in {100 * self.never:.2g} % of what is drawn it never does, and goes by its hazard"
+        else:
+            when += f", 90 % between {self.early:.3g} and {self.late:.3g}"
+        return {
+            "foretold": when,
+            "no trend": f"no trend to {goal}: in {100 * self.never:.2g} % of what is drawn it does not come there, and "
+                        "goes by its hazard",
+            "not followed": f"no model follows it, so that its hazard counts beside it; that it {when} is not to be "
+                            "believed",
+            "reached": f"has reached {goal}: it counts as failed",
+            "too few readings": f"goes by its hazard: {self.why}",
+        }[self.state]  # fmt: skip
 
     @property
     def alarming(self) -> WearAlarm | None:
@@ -156,6 +194,4 @@ def wear_flags(seen: Sequence[SeenWear], modes: Iterable[str]) -> tuple[str, ...
 
 def flag_of(one: SeenWear) -> str:
     """In words, what of wear qualifies figures."""
-    if one.state == "reached":
-        return f"{one.mode} has worn to its threshold"
-    return f"no model follows the wear of {one.mode}"
+    return f"{WEAR}{one.mode} {'has reached its threshold' if one.state == 'reached' else 'is followed by no model'}"

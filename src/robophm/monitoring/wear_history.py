@@ -10,11 +10,12 @@ from robophm.core.errors import DataError, DesignError, nearest
 from robophm.core.signal import SECOND
 from robophm.design.robot import FailureMode, Robot
 from robophm.health.wear_readings import NO_READINGS, WearReadings
+from robophm.health.worn import SeenWear
 from robophm.learning.wear.worn_mode import WearOptions, WornMode
 from robophm.monitoring.by_block import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.recording_sessions import Recorded, living, sessions_of
-from robophm.monitoring.seen_wear import worn_of
+from robophm.monitoring.seen_wear import as_read, seen_of, worn_of
 
 STEP = 600 * SECOND
 """Nanoseconds of the robot's time that are gone through at once."""
@@ -73,6 +74,16 @@ def worn_in(
 
 def _worn(mode: FailureMode, history: WearHistory, options: WearOptions) -> WornMode:
     return worn_of(mode, history.readings.get(mode.path, NO_READINGS), options)
+
+
+def seen_in(history: WearHistory, found: Sequence[WornMode]) -> list[SeenWear]:
+    """The same wear as the engine takes it: from the last reading on, some time before the recordings' end."""
+    robot = history.monitor.robot
+    return [
+        as_read(seen_of(one, robot.part_of(one.mode), one.mode.wear.share), one.mode, history.readings[one.mode.path])
+        for one in found
+        if one.mode.wear
+    ]
 
 
 def wear_history(
