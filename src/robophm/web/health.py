@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
 from robophm.core.signal import SECOND
+from robophm.health.plant import Plant
 from robophm.health.prognosis import RemainingLife
 from robophm.health.report import HealthReport
 from robophm.health.reporting import beside
 from robophm.health.subject import Figures, Subject
+from robophm.health.worn import SeenWear
 from robophm.report.failures_to_come import FEW, notes, shown
+from robophm.report.wear import ranked, says
 from robophm.web.monitoring import Run
 from robophm.web.prepared import finite, unknown_of
 from robophm.web.shapes import Shape, UnknownRates
@@ -46,6 +50,29 @@ class SubjectHealth(Shape):
     sensor_based: ViewFigures
     flags: list[str]
     unknown: UnknownRates | None
+
+
+class WornPart(Shape):
+    """What a sensor sees of the wear of a failure mode; times on the clock of its readings, from the last one on."""
+
+    mode: str
+    part: str
+    signal: str
+    state: Literal["foretold", "no trend", "not followed", "reached", "too few readings"]
+    critical: bool
+    """Whether its threshold is reached, or no model follows it."""
+    says: str
+    """All that is to be said of it, in words."""
+    unit: str
+    readings: int
+    last: float | None
+    threshold: float
+    early: float | None
+    """Time to the threshold that 5 % of what is drawn reach it by; null where that may never come."""
+    median: float | None
+    late: float | None
+    alarm: bool
+    """Whether its signal has changed against its first readings."""
 
 
 class Contributor(Shape):
@@ -112,6 +139,8 @@ class Health(Shape):
     looks: int
     clocks: dict[str, float]
     subjects: list[SubjectHealth]
+    wear: list[WornPart]
+    """The parts that are seen to wear: what is critical first, then what comes first to its threshold."""
     to_come: ToCome | None
     """Null before remaining life, on which it rests, has been worked out."""
     limits_set: bool
@@ -144,12 +173,27 @@ def health_of(
         looks=run.looks if run else 0,
         clocks=dict(report.clocks),
         subjects=[_subject(one, latest.get(one.path)) for one in report.subjects],
+        wear=worn_parts(report.wear, report.outlooks["sensor_based"].plant),
         to_come=_to_come(lives, horizon) if lives else None,
         limits_set=report.design.limited,
         sensors=sensors,
         notes=list(report.notes),
         task=TaskWords(distance=report.task.distance, duration=report.task.duration) if report.task else None,
     )
+
+
+def worn_parts(seen: Sequence[SeenWear], plant: Plant) -> list[WornPart]:
+    """The wear that is seen, as a response."""
+    names = ("mode", "part", "signal", "state", "critical", "unit", "readings", "last", "threshold")
+    times = ("early", "median", "late")
+    return [
+        WornPart.model_validate(
+            {name: getattr(one, name) for name in names}
+            | {name: finite(getattr(one, name)) for name in times}
+            | {"says": says(one, plant), "alarm": one.alarming is not None}
+        )
+        for one in ranked(seen)
+    ]
 
 
 def _subject(one: Subject, latest: Subject | None) -> SubjectHealth:

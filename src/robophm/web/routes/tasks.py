@@ -23,6 +23,7 @@ from robophm.health.task_report import task_report, unknown_in
 from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.monitoring.task_history import TaskRecord
 from robophm.transports.signals.sink import JudgedTask
+from robophm.web.health import WornPart, worn_parts
 from robophm.web.jobs import Job
 from robophm.web.prepared import finite, unknown_of
 from robophm.web.routes.design import REFUSED
@@ -132,6 +133,8 @@ class Answer(Shape):
     breached: bool
     unknown: UnknownRates | None
     """In the functions that are needed."""
+    wear: list[WornPart]
+    """The parts that are seen to wear."""
 
 
 class JobState(Shape):
@@ -225,6 +228,7 @@ def predict(asked: Asked, service: Served) -> Answer:
         threshold=found.threshold,
         breached=found.breached,
         unknown=unknown_of(found.unknown, "of_tasks"),
+        wear=worn_parts(found.wear, prepared.plant),
     )  # fmt: skip
 
 
