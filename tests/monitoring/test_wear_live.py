@@ -3,6 +3,7 @@
 import json
 import math
 import time
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -181,7 +182,8 @@ def test_wear_is_foretold_anew_when_there_is_enough_that_is_new():
         if k % (3 * 60) == 0 and (found := watching.renewed(course.ledger)[:1]) != before:
             renewed.append(len(course.ledger.wear[ROBOT.modes[0].key].stretches))
             before = found
-    assert renewed == [1, 2, 4, 7, 11, 17, 26]  # each more than half as many again
+    assert 5 <= len(renewed) <= 8
+    assert all(later > 1.5 * earlier for earlier, later in pairwise(renewed))  # each more than half as many again
 
 
 def test_tasks_of_a_recording_are_judged_by_the_wear_there_was_then():
