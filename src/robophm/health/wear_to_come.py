@@ -65,7 +65,7 @@ class WearToCome:
                 little = -np.log1p(wears * np.expm1(-worn) + stays * np.expm1(-by_itself))
                 much = -np.logaddexp(np.log(wears) - worn, np.log(stays) - by_itself)
             worn = np.where(np.minimum(worn, by_itself) < 1.0, little, much)
-        result: Array = worn + self.stays * own
+        result: Array = worn + self.stays * own if self.stays else worn  # of which ``own`` may be infinite
         return result
 
     def hazard(self, own: Array, lived: Array, gone: Array, speed: Array) -> Array:
@@ -77,7 +77,7 @@ class WearToCome:
         if self._never > 0:
             wears, stays = self._shares(gone, self.share * lived)
             rate = wears * rate + stays * self.share * own
-        result: Array = rate + self.stays * own
+        result: Array = rate + self.stays * own if self.stays else rate
         return result
 
     def _shares(self, gone: Array, lived: Array) -> tuple[Array, Array]:

@@ -18,7 +18,7 @@ COSTS = Costs(300.0, 2000.0, 2.0, 30.0)
 
 
 def simulated(threshold: float, interval: float, inspection: float, lives: int, seed: int) -> tuple[float, float]:
-    """Cost rate, and its standard error, of lives drawn in steps of an interval; a failure is found within it by halves.
+    """Cost rate, and its standard error, of lives drawn interval by interval; within one a failure is found by halves.
 
     The gamma bridge: given what an interval gained, half of it is a Beta share.
     """

@@ -1,8 +1,8 @@
 """When to replace a part by the wear that inspections find: the best threshold, and the best time between inspections.
 
-Wear is a gamma process X, from 0 when new: increments over t are Gamma(a·t, θ), never negative. It has failed at L, which
-shows at once. Inspections come every δ; one that finds X ≥ M replaces the part. As X never turns back, a part is still
-there at inspection k exactly if X(kδ) < M, so that all that a cycle costs is a sum of integrals over one density
+Wear is a gamma process X, from 0 when new: increments over t are Gamma(a·t, θ), never negative. It has failed at L,
+which shows at once. Inspections come every δ; one that finds X ≥ M replaces the part. As X never turns back, a part is
+still there at inspection k exactly if X(kδ) < M, so that all that a cycle costs is a sum of integrals over one density
 (van Noortwijk, Reliab. Eng. Syst. Saf. 94, 2009, §5), and cost per time is that over its mean length (renewal reward).
 """
 
@@ -101,7 +101,7 @@ class ConditionPolicy:
 
 
 def condition_cost_rate(wear: GammaWear, costs: Costs, inspection: float, threshold: float, interval: float) -> float:
-    """Cost per unit of time of inspecting every ``interval``, each costing ``inspection``, and replacing at a threshold.
+    """Cost per time of inspecting every ``interval``, each costing ``inspection``, and replacing at a threshold.
 
     Where a reading is taken and the part has not failed meanwhile, it is paid for; a failure is replaced at once.
     """

@@ -97,6 +97,11 @@ class WornMode:
 _USUAL = WearOptions()
 
 
+def begins_at(values: Array) -> float:
+    """The level at which readings begin: the median of the first few."""
+    return float(np.median(values[: min(FIRST, max(len(values) // 4, 1))]))
+
+
 def worn_mode(
     mode: FailureMode, source: str, readings: Readings, threshold: float, *, deviation: float = 0.0,
     load: float | None = None, options: WearOptions = _USUAL, others: Sequence[Unit] = (),
@@ -111,7 +116,7 @@ def worn_mode(
     try:
         if readings.load is not None and load is not None:
             values = at_load(values, readings.load, options.baseline, load)
-        begun = float(np.median(values[: min(FIRST, max(len(values) // 4, 1))]))
+        begun = begins_at(values)
         if threshold == begun:
             raise DataError(f"the signal begins at its threshold, {threshold:g}; expected one that it has yet to reach")
         found = forecast_among(
