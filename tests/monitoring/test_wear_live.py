@@ -24,7 +24,9 @@ from robophm.monitoring.task_history import judge_on_the_way
 from robophm.monitoring.wear_history import seen_in, wear_history, worn_in, worn_modes
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.monitoring.worn_life import worn_lives
+from robophm.report.health_page import health_page
 from robophm.stores.sqlite import SqliteStore
+from robophm.transports.health_topics.report_fields import diagnostics
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.recordings.opening import open_source
 from robophm.transports.signals.source import SignalColumns
@@ -208,3 +210,43 @@ def test_a_reading_costs_little(lived):
     for sample in later:
         monitor.observe(sample)
     assert (time.process_time() - begun) / len(later) < 1e-3
+
+
+def test_every_face_says_which_parts_wear(lived, tmp_path):
+    """The motor's current has changed and comes to its threshold; with a lower one it has reached it."""
+    report = lived.report(alarms=True)
+    document = report.to_json()
+    assert {one["mode"]: one["state"] for one in document["wear"]} == {"motor/brushes": "foretold", "fan": "no trend"}
+    page = health_page(ROBOT, report)
+    assert "What is seen to wear" in page
+    assert "no trend to 4" in page
+    statuses = {one["name"]: one for one in diagnostics(report, "robophm")["status"]}
+    assert statuses["robophm: wear of motor/brushes"]["message"].startswith("reaches 6 in ")
+    worn = parse(DESIGN.replace("threshold: 6", "threshold: 4.5"))
+    ledger = Ledger.of(worn, json.loads(json.dumps(lived.ledger.to_json())))
+    reached = Monitor(worn, ledger).report()
+    assert reached.system.sensor_based.remaining_life.median == 0.0
+    assert reached.completion(Task((Leg(0.1),))).probability == 0.0
+    assert reached.completion(Task((Leg(0.1),)), "nominal").probability > 0.999
+    assert reached.state == reached.system.state == "warn"
+    assert "wear: motor/brushes has reached its threshold" in reached.system.flags
+    (status,) = (one for one in diagnostics(reached, "n")["status"] if one["name"] == "n: wear of motor/brushes")
+    assert (status["level"], status["message"]) == (2, "has reached 4.5: it counts as failed")
+
+
+def test_a_change_has_a_begin_an_end_and_a_level():
+    """A fan that shakes for a quarter of an hour, among four hours of calm."""
+    robot = parse(DESIGN.replace("every: 60 s, threshold: 4", "every: 60 s, threshold: 40"))
+    monitor, rng = Monitor(robot), np.random.default_rng(7)
+    for i in range(240 * 60):
+        value = (3.0 if 150 * 60 <= i < 165 * 60 else 1.0) * float(rng.standard_normal())
+        monitor.observe(Sample(START + i * SECOND, "/imu.z", value))
+    report = monitor.report(alarms=True)
+    (fan,) = report.wear
+    alarm = max(fan.alarms, key=lambda one: one.level)
+    minutes = [(at - START) / SECOND / 60 for at in (alarm.begin, alarm.raised, alarm.end)]
+    assert minutes == pytest.approx([150.5, 150.5, 165.5], abs=15)  # as sharp as sums are
+    assert alarm.usual == pytest.approx(1.0, abs=0.05)
+    (status,) = (one for one in diagnostics(report, "n")["status"] if one["name"] == "n: wear of fan")
+    assert " to 2023-" in next(one["value"] for one in status["values"] if one["key"].startswith("change"))
+    assert "had changed from 2023-" in health_page(robot, report)
