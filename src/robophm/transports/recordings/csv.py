@@ -83,6 +83,7 @@ class CsvRecording(TextSource):
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
         """As of every text; what is made of an array is of the cells of one row whose columns are its elements."""
+        signals = [*signals]  # gone through twice
         arrays: dict[str, tuple[Reduction, list[str]]] = {}
         for signal in signals:
             if found := reduction_of(split_signal(signal)[1]):
