@@ -68,7 +68,8 @@ def _foretold(robot: Robot, mode: FailureMode, said: WearSignal, read: WearReadi
         worn = worn_of(mode, read, WearOptions(changes=False))
     except DataError as error:
         return replace(seen, why=str(error).partition(": ")[2] or str(error))
-    return as_read(seen_of(worn, robot.part_of(mode), said.share), mode, read)
+    found = replace(seen_of(worn, robot.part_of(mode), said.share), signal=words(said))
+    return as_read(found, mode, read)
 
 
 def words(said: WearSignal) -> str:

@@ -141,7 +141,7 @@ def curves(service: Service, prepared: Prepared, path: str, horizon: float | Non
     """Survival, hazard and density ahead in both views."""
     diagram = _system(prepared, path)
     exposure, ledger = service.past(prepared)
-    views = outlooks(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(ledger))
+    views = outlooks(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(exposure.settled(ledger)))
     lives = {view: views[view].remaining_life(diagram) for view in VIEWS}
     if horizon is None:
         late = max((life.late for life in lives.values() if math.isfinite(life.late)), default=10_000.0)
@@ -220,7 +220,9 @@ def get_importance(
     """The importance of parts, sensor-based, given what is known now."""
     prepared = service.prepared()
     exposure, ledger = service.past(prepared)
-    lived = outlooks(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(ledger))["sensor_based"]
+    lived = outlooks(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(exposure.settled(ledger)))[
+        "sensor_based"
+    ]
     diagram = _system(prepared, path)
     drawn = Drawn(prepared.plant, diagram)
     ahead = hours or usual_hours(lived, lived.remaining_life(diagram).median)
@@ -243,7 +245,7 @@ def get_cut_sets(service: Served, most: Annotated[int, Query(ge=1, le=1000)] = 2
             f"{len(prepared.plant.units):,} parts; expected at most {MOST_PARTS:,}: `robophm cutsets` has the time"
         )
     exposure, ledger = service.past(prepared)
-    views = outlooks(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(ledger))
+    views = outlooks(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(exposure.settled(ledger)))
     system = fault_tree(views["sensor_based"], limit=STEPS)
     listed = system.cut_sets(most)
     found = [CutSet(parts=list(one.names), probability=finite(one.probability)) for one in listed.sets]

@@ -152,7 +152,7 @@ def get_health(
         return health_of(run.report, run.lives, run, design_changed=changed, sensors=sensors, horizon=horizon)
     prepared = service.prepared()
     exposure, ledger = service.past(prepared)
-    report = health_report(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(ledger))
+    report = health_report(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(exposure.settled(ledger)))
     sensors = freshness(prepared.robot, service)
     return health_of(report, report, run, design_changed=changed, sensors=sensors, horizon=horizon)
 
