@@ -37,4 +37,4 @@ def test_a_live_topic_is_picked_bound_and_watched(ros: System, tmp_path: Path, m
         within(20, lambda: served.get("/api/health")["samples"] > 20 and rate() == pytest.approx(0.02))  # 10 K warmer
         tested = served.post("/api/sensors/test", {"topic": "/motor", "field": "temperature"})
         assert tested["raw"] == 35.0
-        assert served.post("/api/monitoring/stop")["state"] == "ended"
+        assert served.post("/api/monitoring/stop")["state"] == "stopped"
