@@ -49,6 +49,7 @@ def test_can_i_do_this(shared_small):
     task = {"name": "round", "legs": [{"distance": "360 m", "speed": "0.1 m/s"}]}
     answer = shared_small.post("/api/tasks/predict", {"tasks": [task, task]})
     assert answer["tasks"][0]["duration"] == pytest.approx(1)
+    assert (answer["distance"], answer["duration"]) == (pytest.approx(720), pytest.approx(2))
     whole = answer["together"]["nominal"]
     assert whole["probability"] == pytest.approx(works(2), rel=1e-12)
     assert whole["failure"] == pytest.approx(1 - works(2), rel=1e-9)

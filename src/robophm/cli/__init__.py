@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import os
+import signal
 import sys
+from contextlib import suppress
 from pathlib import Path
 from traceback import extract_tb, print_exception
 from typing import TextIO
@@ -52,6 +54,8 @@ def _run() -> int | None:
         print(f"error: standard output: {error}", file=sys.stderr)
         return INVALID
     except KeyboardInterrupt:
+        with suppress(ValueError):  # of a thread, which is not interrupted
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # who asks again while it ends asks for what is being done
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
     except Exception as error:

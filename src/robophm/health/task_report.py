@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from math import fsum
 from typing import Any
 
 from robophm.design.task import Plan, Task
@@ -53,6 +54,16 @@ class TaskReport:
     """The least probability of completion that the design wants."""
     unknown: PartsOfUnknownRate | None = None
     """The effect of parts of unknown rate in the needed functions on the probabilities."""
+
+    @property
+    def distance(self) -> float:
+        """Of all tasks [m]."""
+        return fsum(one.task.distance for one in self.tasks)
+
+    @property
+    def duration(self) -> float:
+        """Of all tasks [h]."""
+        return fsum(one.task.duration for one in self.tasks)
 
     @property
     def breached(self) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
+from robophm.health.curve_span import curve_span
 from robophm.health.report import HealthReport
 from robophm.health.subject import Figures, Subject
 from robophm.health.unknown_rates import marked, marks, named
@@ -178,9 +179,8 @@ def _history_curves(robot: str, history: list[Mapping[str, Any]]) -> Iterable[Ht
 
 
 def _outlook_curves(robot: Robot, report: HealthReport) -> Iterable[Html]:
-    life = report.system.nominal.remaining_life
-    horizon = life.late if life and np.isfinite(life.late) else 10_000.0
-    hours = np.linspace(0, horizon * robot.usage.operating, 241)
+    lives = [getattr(report.system, view).remaining_life for view in VIEWS]
+    hours = np.linspace(0, curve_span(lives, robot.usage.operating), 241)
     states = {view: report.outlooks[view].survival_curve(robot.diagram, hours) for view in ("nominal", "sensor_based")}
     lines = [Line(VIEWS[v], hours, s.works, dashed=v == "sensor_based") for v, s in states.items()]
     yield figure(

@@ -7,6 +7,7 @@ import socket
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import FrameType
 
 import uvicorn
 
@@ -44,26 +45,40 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
 
     host = f"[{settings.host}]" if ":" in settings.host else settings.host
     query = f"?token={settings.token}" if settings.token else ""
-    ready(f"http://{host}:{listener.getsockname()[1]}/{query}", service, stop)
-    with listener:
-        server.run(sockets=[listener])
+    with listener, _heeding(server):  # before anybody is told that there is something to end
+        try:
+            ready(f"http://{host}:{listener.getsockname()[1]}/{query}", service, stop)
+            server.run(sockets=[listener])
+        finally:
+            service.close()
 
 
 class _Server(uvicorn.Server):
-    """A server that ends when it is interrupted, which is no failure: no signal is raised again."""
+    """A server that ends in order when it is interrupted, however often: no signal is raised again."""
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """Ask the server to stop in order, which takes seconds at most; a second signal changes nothing of that."""
+        self.should_exit = True
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
-        """Take SIGINT and SIGTERM as the wish to stop."""
-        if threading.current_thread() is not threading.main_thread():
-            yield
-            return
-        before = {number: signal.signal(number, self.handle_exit) for number in (signal.SIGINT, signal.SIGTERM)}
-        try:
-            yield
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)
+        """Nothing: they are taken before it runs, and until all is let go of."""
+        yield
+
+
+@contextmanager
+def _heeding(server: _Server) -> Iterator[None]:
+    """Take SIGINT and SIGTERM as the wish to stop; then as nothing, for what is left to end is the process."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, server.handle_exit)
+    try:
+        yield
+    finally:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
 
 
 def _listen(host: str, port: int) -> socket.socket:

@@ -180,8 +180,8 @@ function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
         {answer.tasks.length > 1 && (
           <tr>
             <th scope="row">all of them</th>
-            <td className="number">{numberText(answer.tasks.reduce((sum, one) => sum + one.distance, 0))} m</td>
-            <td className="number">{durationText(answer.tasks.reduce((sum, one) => sum + one.duration, 0))}</td>
+            <td className="number">{numberText(answer.distance)} m</td>
+            <td className="number">{durationText(answer.duration)}</td>
             <td className="number"><Chance of={answer.together.nominal} unknown={answer.unknown} /></td>
             <td className="number"><Chance of={answer.together.sensor_based} unknown={answer.unknown} /></td>
           </tr>

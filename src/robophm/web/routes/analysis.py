@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -11,6 +10,7 @@ from pydantic import Field
 
 from robophm.blocks.diagram import Block
 from robophm.core.errors import DesignError, nearest
+from robophm.health.curve_span import curve_span
 from robophm.health.fault_tree import fault_tree
 from robophm.health.importance import LIFELONG, LONGEST, Drawn, importances, usual_hours
 from robophm.health.outlooks import outlooks
@@ -149,8 +149,7 @@ def curves(
     views = outlooks(prepared.plant, exposure, ledger)
     lives = {view: views[view].remaining_life(diagram) for view in VIEWS}
     if horizon is None:
-        late = max((life.late for life in lives.values() if math.isfinite(life.late)), default=10_000.0)
-        horizon = max(late * prepared.robot.usage.operating, 1e-6)
+        horizon = curve_span(lives.values(), prepared.robot.usage.operating)
     hours = np.linspace(0.0, horizon, points)
     return Curves(
         path=path,

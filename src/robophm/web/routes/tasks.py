@@ -127,6 +127,10 @@ class Answer(Shape):
 
     tasks: list[TaskAnswer]
     together: BothChances
+    distance: float
+    """Of all of them [m]."""
+    duration: float
+    """Of all of them [h]."""
     deciding: list[Decides]
     threshold: float | None
     breached: bool
@@ -220,6 +224,8 @@ def predict(asked: Asked, service: Served) -> Answer:
             for one in found.tasks
         ],
         together=_both(found.together),
+        distance=found.distance,
+        duration=found.duration,
         deciding=[Decides(path=one.path, share=finite(one.share)) for one in found.deciding[:20]],
         threshold=found.threshold,
         breached=found.breached,

@@ -1,0 +1,42 @@
+"""``robophm serve`` ends in order however often it is asked to: Ctrl+C again and again, while it ends too."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+
+import pytest
+
+from .conftest import OTA
+
+EVERY = (0.001, 0.005, 0.02, 0.1)
+"""Seconds between two times that it is asked."""
+
+
+def interrupted(design, after, every):
+    """How a service that watches ends, asked from so many seconds after it began."""
+    words = ["serve", str(design), "--port", "0", "--synthetic", "--start", "synthetic", "--speed", "1000",
+             "--store", str(design.with_suffix(".db"))]  # fmt: skip
+    with subprocess.Popen(
+        [sys.executable, "-m", "robophm", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as child:
+        assert "is served at" in child.stdout.readline()
+        time.sleep(after)
+        until = time.monotonic() + 60
+        while child.poll() is None and time.monotonic() < until:
+            with suppress(ProcessLookupError):
+                child.send_signal(signal.SIGINT)
+            time.sleep(every)
+        child.kill()
+        return child.returncode, child.stderr.read()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs signals")
+@pytest.mark.parametrize("times", [1, pytest.param(20, marks=pytest.mark.full)])
+def test_ctrl_c_again_and_again_is_no_failure(tmp_path, times):
+    design = tmp_path / "robot.yaml"
+    design.write_bytes(OTA.read_bytes())
+    for number in range(4 * times):
+        assert interrupted(design, 0.1 * (number % 7), EVERY[number % 4]) == (0, "")
