@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, replace
 
 from robophm.core.errors import RobophmError, nearest
-from robophm.core.given import shown
+from robophm.core.argument_checks import shown
 from robophm.core.units import quantity
 from robophm.design.importers.urdf import Description
 from robophm.design.importers.urdf.drives import DRIVES, LIGHT, moved

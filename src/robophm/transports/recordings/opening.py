@@ -6,7 +6,6 @@ from pathlib import Path
 
 from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import SourceError
-from robophm.core.given import path as given_path
 from robophm.transports.recordings.files import existing, recognised
 from robophm.transports.recordings.format import SampleFormat
 from robophm.transports.recordings.packed import is_packed

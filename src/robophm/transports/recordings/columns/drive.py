@@ -6,15 +6,22 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.pieces import MOST_TIME, PiecedFile
-from robophm.transports.recordings.files import METADATA, PACKED, existing, fingerprint_of, log_of, parts_of, reading
-
-if TYPE_CHECKING:
-    from robophm.transports.recordings.columns.folder import Unpacked
-    from robophm.transports.recordings.columns.unclosed import Settled
+from robophm.transports.recordings.columns.unclosed import Settled
+from robophm.transports.recordings.files import (
+    METADATA,
+    existing,
+    fingerprint_of,
+    log_of,
+    parts_of,
+    reading,
+    recognised,
+)
+from robophm.transports.recordings.format import MessageFormat
+from robophm.transports.recordings.packed import Unpacked, is_packed
+from robophm.transports.recordings.recognising import formats
 
 
 def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -> list[PiecedFile]:
@@ -77,13 +84,9 @@ def _open(path: Path, packs: bool, notes: Counter[str], stack: ExitStack) -> Pie
 def _copied(path: Path, notes: Counter[str], stack: ExitStack) -> PiecedFile | None:
     """A file of which a copy has to be read: one that is packed as a whole, or a database that was not closed."""
     copy: Unpacked | Settled
-    if path.suffix == PACKED:
-        from robophm.transports.recordings.columns.folder import Unpacked
-
+    if is_packed(path):
         copy = Unpacked(path, notes)
     elif log_of(path):
-        from robophm.transports.recordings.columns.unclosed import Settled
-
         try:
             copy = Settled(path, notes)
         except SourceError as error:  # what lies in the file itself is there all the same
