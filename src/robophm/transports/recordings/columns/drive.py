@@ -107,7 +107,7 @@ def _renamed(temporary: Path, path: Path, notes: Counter[str]) -> PiecedFile:
         raise type(error)(str(error).replace(str(temporary), str(path))) from None
     for what, count in said.items():
         notes[what.replace(str(temporary), str(path)).replace(f"{temporary.name}: ", f"{path.name}: ")] += count
-    file.path, file.notes, file.fingerprint = path, notes, fingerprint_of(path)
+    file.path, file.notes = path, notes
     return file
 
 
