@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, replace
 
-from robophm.core.errors import RobophmError, nearest
 from robophm.core.argument_checks import shown
+from robophm.core.errors import RobophmError, nearest
 from robophm.core.units import quantity
 from robophm.design.importers.urdf import Description
 from robophm.design.importers.urdf.drives import DRIVES, LIGHT, moved
 from robophm.drafting.heard import BATTERY
 from robophm.drafting.seen import Seen
-from robophm.hazard.handbooks.mil_hdbk_217f import ENVIRONMENTS
+from robophm.hazard.environments import ENVIRONMENTS
 from robophm.parts import Entry, library, search
 
 WHERE = {

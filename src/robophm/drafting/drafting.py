@@ -10,9 +10,9 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from robophm.core.errors import RobophmError, nearest
 from robophm.core.argument_checks import instance, shown
 from robophm.core.argument_checks import path as given_path
+from robophm.core.errors import RobophmError, nearest
 from robophm.design.draft import DraftPart, assumed_usage, design_text
 from robophm.design.file import parse
 from robophm.design.importers.bom import import_bom

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import os
 
-from robophm.core.errors import RobophmError, StoreError
 from robophm.core.argument_checks import shown
+from robophm.core.errors import RobophmError, StoreError
 from robophm.core.registry import load_class, plugs
 from robophm.stores.store import Store
 

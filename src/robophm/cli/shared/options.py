@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from robophm.core.errors import StoreError, UnitError
 from robophm.core.argument_checks import number
+from robophm.core.errors import StoreError, UnitError
 from robophm.core.units import quantity
 from robophm.health.failures_to_come import LONGEST
 from robophm.report.words import rate_text

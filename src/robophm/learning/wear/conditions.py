@@ -2,9 +2,9 @@
 
 A clock of effective time runs exp(γ·(φ(x) − φ(x₀))) times as fast as the part's own: x is what a reading was taken
 at, x₀ what is to come, and γ what the units' own paces say of it, with what is known of such mechanisms as a prior.
-Time to a level is regressed on φ across units, each level with a mean of its own (scale-accelerated failure time: Meeker and
-Escobar, Statistical Methods for Reliability Data, 1998, §18 and §21). What is not known of γ widens what is said, the
-more the farther x₀ lies from where the units were.
+Time to a level is regressed on φ across units, each level with a mean of its own (scale-accelerated failure time:
+Meeker and Escobar, Statistical Methods for Reliability Data, 1998, §18 and §21). What is not known of γ widens what is
+said, the more the farther x₀ lies from where the units were.
 """
 
 from __future__ import annotations

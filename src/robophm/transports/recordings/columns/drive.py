@@ -6,14 +6,13 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.pieces import MOST_TIME, PiecedFile
-from robophm.transports.recordings.columns.unclosed import Settled
 from robophm.transports.recordings.files import (
     METADATA,
     existing,
-    fingerprint_of,
     log_of,
     parts_of,
     reading,
@@ -22,6 +21,9 @@ from robophm.transports.recordings.files import (
 from robophm.transports.recordings.format import MessageFormat
 from robophm.transports.recordings.packed import Unpacked, is_packed
 from robophm.transports.recordings.recognising import formats
+
+if TYPE_CHECKING:
+    from robophm.transports.recordings.columns.unclosed import Settled
 
 
 def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -> list[PiecedFile]:
@@ -87,6 +89,8 @@ def _copied(path: Path, notes: Counter[str], stack: ExitStack) -> PiecedFile | N
     if is_packed(path):
         copy = Unpacked(path, notes)
     elif log_of(path):
+        from robophm.transports.recordings.columns.unclosed import Settled
+
         try:
             copy = Settled(path, notes)
         except SourceError as error:  # what lies in the file itself is there all the same
