@@ -88,7 +88,7 @@ def pages_of(path: Path) -> tuple[int, int]:
 def log_of(path: Path) -> Path | None:
     """The write-ahead log beside an SQLite file whose recorder did not close it; None where there is none."""
     log = path.with_name(path.name + "-wal")
-    return log if path.suffix == ".db3" and log.is_file() and log.stat().st_size else None
+    return log if log.is_file() and log.stat().st_size else None
 
 
 def fingerprint_of(path: Path) -> str:
