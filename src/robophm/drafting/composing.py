@@ -1,4 +1,4 @@
-"""From evidence and answers to the parts of a draft, and changes that somebody makes to them."""
+"""The parts of a draft, from evidence and answers, with the changes that somebody asks for."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class Change:
     """A part that somebody wants to be another entry of the library, to be added, or to be left out."""
 
     part: str
-    """Its path or name; where there is none of it, a new part."""
+    """The path or name of the part; a part is added where the draft has none of that name."""
     words: str
-    """What it is, as ``robophm parts`` takes it; "none" leaves it out."""
+    """The words by which its entry is searched in the library; "none" leaves the part out."""
 
 
 def change_of(text: str) -> Change:

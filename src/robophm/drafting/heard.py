@@ -29,7 +29,8 @@ OF_TYPE = {
     "px4_msgs/VehicleAirData": ("barometer", ""),
     "px4_msgs/DistanceSensor": ("time_of_flight_sensor", "a range sensor, taken for one of time of flight"),
 }
-"""By type of message, the entry that most likely sends it, and what of that is assumed."""
+"""The entry of the library that most likely publishes each type of message, and what is assumed in taking it; "" where
+nothing is."""
 
 BATTERY = ("sensor_msgs/BatteryState", "px4_msgs/BatteryStatus")
 """Types that tell of a battery."""

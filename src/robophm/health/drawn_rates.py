@@ -31,7 +31,7 @@ def draw_rates(plant: Plant, count: int, seed: int) -> Array:
 
 
 def ignorance(mode: FailureMode) -> str:
-    """What it is that is not known of a rate: equal for modes whose rates are one unknown.
+    """A key of the uncertainty of a rate: failure modes with equal keys share one unknown, and so one draw.
 
     An entry of the library says of a kind of part how often it fails. Where that is three times off, it is so for all
     parts of that entry, until the field has said something of one.

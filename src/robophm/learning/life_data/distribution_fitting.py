@@ -100,7 +100,7 @@ class Fit:
 
     @property
     def known_until(self) -> float:
-        """Beyond which a figure is not known."""
+        """The age beyond which the data tell nothing of a figure."""
         return UNKNOWN * seen_long(self.data, self.name)
 
     @property
@@ -275,7 +275,7 @@ def seen_long(data: LifeData, name: str) -> float:
 
 
 def far_out(value: float, data: LifeData, name: str) -> str:
-    """What is to be said of a figure that lies far outside the data; "" where it does not."""
+    """A warning about a figure that is extrapolated far beyond the longest time seen; "" where it is not."""
     times = value / seen_long(data, name)
     if times <= FAR:
         return ""
