@@ -12,7 +12,7 @@ from robophm.core.errors import RobophmError, nearest
 from robophm.core.units import quantity
 from robophm.design.importers.urdf import Description
 from robophm.design.importers.urdf.drives import DRIVES, LIGHT, moved
-from robophm.drafting.heard import BATTERY
+from robophm.drafting.parts_by_topic import BATTERY
 from robophm.drafting.seen import Seen
 from robophm.hazard.environments import ENVIRONMENTS
 from robophm.parts import Entry, library, search
@@ -85,7 +85,7 @@ class Known:
 
     @property
     def uses(self) -> frozenset[str]:
-        """The uses of its joints, by their names and limits: wheel, arm, rotor …"""
+        """The uses of its joints, by their names and types: wheel, arm, rotor …"""
         return frozenset(one.use for one in moved(self.description)) if self.description else frozenset()
 
     @property

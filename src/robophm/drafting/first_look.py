@@ -12,9 +12,9 @@ from robophm.design.robot import FailureMode, Robot
 from robophm.design.task import Leg, Task
 from robophm.drafting.bindings import inputs_of
 from robophm.health.drawn_rates import draw_rates
-from robophm.health.knowing import LargestUnknown, Ranges, largest_unknowns, ranges
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
+from robophm.health.rate_sensitivity import LargestUnknown, Ranges, largest_unknowns, ranges
 from robophm.health.report import HealthReport
 from robophm.health.uncertainty import DRAWS, Interval, weighted_interval
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown

@@ -21,7 +21,7 @@ from scipy.sparse import csr_array
 from robophm.blocks.diagram import Block
 from robophm.core.waiting_time import Curve, time_at
 from robophm.design.task import Task
-from robophm.health.drawn_rates import draw_rates, ignorance
+from robophm.health.drawn_rates import draw_rates, state_of_knowledge
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger, Step
 from robophm.health.mission import Completion, needed_now, needs, planned
@@ -335,7 +335,7 @@ class DrawnRates:
         if _effective(alone) < _FEWEST_EFFECTIVE * len(alone):  # together they leave few draws: draw by each instead
             same_rate: dict[str, list[int]] = defaultdict(list)
             for i in np.flatnonzero(np.ptp(ratios, axis=1) > 0).tolist():
-                same_rate[ignorance(outlook.plant.robot.modes[m[i]])].append(i)
+                same_rate[state_of_knowledge(outlook.plant.robot.modes[m[i]])].append(i)
             for modes in same_rate.values():
                 chosen = _resampled(evidence[modes].sum(axis=0))
                 for rows in (ratios, lived, unseen):

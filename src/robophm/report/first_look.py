@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from robophm.drafting.first_look import FirstLook, PartFigures
-from robophm.health.knowing import LargestUnknown
+from robophm.health.rate_sensitivity import LargestUnknown
 from robophm.health.uncertainty import Interval
 from robophm.parts import library
 from robophm.report.words import duration_text, number_text, percent_text, rate_text

@@ -43,7 +43,7 @@ FUSED = {"imu": ("magnetometer",), "flight_controller": ("imu", "magnetometer", 
 """Parts that are mostly inside another: an inertial unit of nine axes, an autopilot."""
 
 
-def heard_parts(seen: Seen, described: Sequence[DraftPart]) -> list[DraftPart]:
+def parts_by_topic(seen: Seen, described: Sequence[DraftPart]) -> list[DraftPart]:
     """Sensors as described, with the topics that they are heard on, and those that only topics tell of."""
     waiting = [(topic, *found) for topic in seen.topics if (found := _entry(topic))]
     parts: list[DraftPart] = []
