@@ -10,7 +10,7 @@ import pytest
 from robophm.cli.shared.option_hints import OPTIONS, with_options
 
 ROOT = Path(__file__).resolve().parents[2] / "src" / "robophm"
-NAME_OPTIONS_STILL = ("learning/life_data", "learning/wear", "design/importers/bom", "drafting")
+NAME_OPTIONS_STILL = ("learning/wear",)
 OPTION = re.compile(r"(?<![\w-])(?<!var\()--[a-z]")
 
 

@@ -154,7 +154,7 @@ def test_what_is_no_address_is_refused(address: Any) -> None:
 
 def test_a_store_that_is_not_there(tmp_path: Path) -> None:
     for address in (tmp_path / "robots.db", f"sqlite:{tmp_path / 'robots.db'}", "memory:"):
-        with pytest.raises(StoreError, match="no such store; `robophm replay --store` makes it"):
+        with pytest.raises(StoreError, match=r"no such store$"):
             existing_store(address)
     assert not (tmp_path / "robots.db").exists()
 
