@@ -11,15 +11,9 @@ import pytest
 from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
 from robophm.blocks.merging import merge_series, single_points_of_failure
 
+from ..structures import works
+
 A, B, C, D = Unit("a"), Unit("b"), Unit("c"), Unit("d")
-
-
-def works(block: Block, state: dict[str, bool]) -> bool:
-    if isinstance(block, Unit):
-        return state[block.name]
-    inner = [works(each, state) for each in block.blocks]
-    k = block.k if isinstance(block, KOutOfN) else 1 if isinstance(block, Parallel) else len(inner)
-    return sum(inner) >= k
 
 
 def draw(rng: random.Random, names: Sequence[str], leaves: int) -> Block:
