@@ -57,12 +57,12 @@ class TaskReport:
 
     @property
     def distance(self) -> float:
-        """Of all tasks [m]."""
+        """The distance of all tasks together [m]."""
         return fsum(one.task.distance for one in self.tasks)
 
     @property
     def duration(self) -> float:
-        """Of all tasks [h]."""
+        """The duration of all tasks together [h]."""
         return fsum(one.task.duration for one in self.tasks)
 
     @property

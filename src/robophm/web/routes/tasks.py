@@ -128,9 +128,9 @@ class Answer(Shape):
     tasks: list[TaskAnswer]
     together: BothChances
     distance: float
-    """Of all of them [m]."""
+    """The distance of all tasks together [m]."""
     duration: float
-    """Of all of them [h]."""
+    """The duration of all tasks together [h]."""
     deciding: list[Decides]
     threshold: float | None
     breached: bool
