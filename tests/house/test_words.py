@@ -21,6 +21,8 @@ OURS = {  # what it is called instead (docs/reference/glossary.md)
     "lacking": "missing_signals", "Ear": "TopicReader", "Greeting": "PendingSubscriber", "Callee": "CalledNode",
     "told_in": "tasks_in", "Prepared": "PreparedRobot", "Shelf": "PreparedRobots", "speakable": "json_values",
     "paper_says": "paper_prediction", "found_out": "likelihood_ratio_p_value",
+    "knowing": "rate_sensitivity", "ignorance": "state_of_knowledge", "far_out": "extrapolation_note",
+    "heard_parts": "parts_by_topic",
 }  # fmt: skip
 
 

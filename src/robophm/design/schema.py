@@ -243,7 +243,8 @@ Environment = Annotated[
         {"type": "string", "description": "where it works, a symbol or word", "examples": [*ENVIRONMENTS, *WORDS]}
     ),
 ]
-"""Where parts work, the handbook's symbol; also where no model asks for it, a word that nobody knows is refused."""
+"""The symbol of MIL-HDBK-217F Table 3-2 for the environment of parts; unknown words are refused even where no model of
+these parts asks for an environment."""
 
 
 def _of_a_board(said: str) -> str:
@@ -365,7 +366,10 @@ def _or_operating_alone(schema: dict[str, Any]) -> None:
 
 
 class Usage(Strict):
-    """What an hour brings: the nominal future, on every clock; or only how much of the day it works, `8 h/day`."""
+    """Nominal use: the share of calendar time in operation, and the progress of other clocks in an hour of operation.
+
+    A text alone, `8 h/day`, is that share.
+    """
 
     model_config = ConfigDict(json_schema_extra=_or_operating_alone)
 

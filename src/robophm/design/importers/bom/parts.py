@@ -55,7 +55,7 @@ class Recognised:
     concluded: Mapping[str, str] = field(default_factory=dict)
     """Facts, and 'kind', that something only suggests: by what."""
     contradictions: tuple[str, ...] = ()
-    """What the cells of a row say against each other, and what is taken."""
+    """Sentences on cells of the row that contradict each other, each with which of them was believed."""
 
 
 def recognise(references: tuple[str, ...], row: Described, decimal: Decimal = ".") -> Recognised:
