@@ -69,7 +69,7 @@ class PowerBinding(Strict):
     field: str = Field(min_length=1)
 
 
-class Variable(Strict):
+class FormulaVariable(Strict):
     """A number in a formula: its value by design, and the unit in which the formula takes it."""
 
     value: Written
@@ -78,7 +78,7 @@ class Variable(Strict):
     description: str = ""
 
     @model_validator(mode="after")
-    def _range_ascends(self) -> Variable:
+    def _range_ascends(self) -> FormulaVariable:
         if self.range and not self.range[0] < self.range[1]:
             raise ValueError(f"range {list(self.range)} does not ascend; expected the lower end first")
         return self
@@ -97,7 +97,9 @@ class Hazard(Strict):
         None, description="e.g. base * exp(0.05 * (temperature - 25)), of numbers, variables and exp log sqrt …"
     )
     unit: str | None = Field(None, description="of the formula's result, e.g. 1/h or FPMH")
-    variables: dict[str, Variable] = Field(default_factory=dict, description="of the formula; each may be measured")
+    variables: dict[str, FormulaVariable] = Field(
+        default_factory=dict, description="of the formula; each may be measured"
+    )
     source: str | None = Field(None, min_length=1, max_length=500, description="where the formula is from")
 
     @model_validator(mode="after")
