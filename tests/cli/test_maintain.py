@@ -138,4 +138,4 @@ def test_a_part_that_is_inspected(inside, tmp_path):
     assert "Replaced by the wear that is found" in text
     assert "pump: when to replace it by inspection cannot be said" in text
     without = json.loads(inside("maintain", "robot.yaml", "costs.csv", "--repetitions", 20, "--json").stdout)
-    assert without["inspected"]["belt"] == {"why": "no readings of its wear; expected a --store that has some"}
+    assert without["inspected"]["belt"] == {"why": "no readings of its wear; expected a store that has some"}

@@ -48,7 +48,7 @@ def _of_part(one: PartPlan, ledger: Ledger | None, inspection: float) -> ByCondi
         raise DataError("the design says no signal of its wear")
     course = ledger.wear.get(one.mode.key) if ledger else None
     if course is None:
-        raise DataError("no readings of its wear; expected a --store that has some")
+        raise DataError("no readings of its wear; expected a store that has some")
     read = course.readings(said)
     begun = begins_at(read.values) if len(read.values) else 0.0
     sign = 1.0 if said.threshold > begun else -1.0

@@ -21,7 +21,7 @@ def wear_lines(seen: Sequence[SeenWear], plant: Plant) -> list[tuple[str, bool]]
     """A line for each failure mode that is seen to wear, the first to reach its threshold first; whether it is bad."""
     lines = [(f"{one.mode}: {says(one, plant)}", one.critical) for one in ranked(seen)[:LINES]]
     if more := len(seen) - LINES:
-        lines += [(f"{more} more are seen to wear; --json has all of them", False)] if more > 0 else []
+        lines += [(f"{more} more are seen to wear", False)] if more > 0 else []
     return lines
 
 
