@@ -24,6 +24,9 @@ OPTIONS = {
     "expected another distribution": "expected another --distribution",
     "a fit with parts that never fail says": "--some-never-fail says",
     "expected a stress of use": "expected --use STRESS=VALUE",
+    "expected its threshold": "expected --threshold",
+    "and the load at which readings are compared": "and --load, the load at which readings are compared",
+    "expected one for each setting": "expected one for each of --settings",
     "no such store": "no such store; `robophm replay --store` makes it",
 }
 """Words of the rooms below, each with the same words that name the option which a command has for it."""
