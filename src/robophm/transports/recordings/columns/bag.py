@@ -11,8 +11,9 @@ from array import array
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
+from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,11 +96,20 @@ class BagFile(ChunkedFile):
             raise SourceError(f"{path}: cannot be read: is encrypted")
         try:
             self._read_index(self._header)
+            self.joins = bool(self.chunks)
         except DamageError as error:
             self._defined.clear()
             self._counts.clear()
             self.look_through(str(error))
-        self.connections = self._connections()
+        self.counts = self._counts
+        self.connections = _connections(tuple(sorted(self._defined.items())))
+
+    def moved(self, other: Self, by: int) -> list[Chunk]:
+        """Return the chunks of another file, as they are when that lies so many bytes further on in this."""
+        if not by:
+            self._told, self._ends = {}, {}
+        self._told |= {offset + by: counts for offset, counts in other._told.items()}
+        return [chunk._replace(offset=chunk.offset + by) for chunk in other.chunks]
 
     def index(self, offset: int, connection: int) -> NDArray[Any]:
         """Return the index record of this connection, among those that begin at this place."""
@@ -283,6 +293,7 @@ class BagFile(ChunkedFile):
     def look_through(self, why: str) -> None:
         """Find the chunks from record to record, as the index is damaged; what it says of connections holds."""
         self.notes[f"{self.path.name}: looked through for want of an index: {why}"] += 1
+        self.joins = False
         self.chunks.clear()
         self._told.clear()
         self._ends.clear()
@@ -371,21 +382,24 @@ class BagFile(ChunkedFile):
         rest = Chunk(0, MOST_TIME, position, record.start, end, compression, size, 0, None, cut=True)
         self.chunks.append(self._timed(rest)._replace(indices=None))
 
-    def _connections(self) -> list[Connection]:
-        from rosbags.interfaces import Connection, ConnectionExtRosbag1, MessageDefinition
-        from rosbags.interfaces import MessageDefinitionFormat as Format
-        from rosbags.typesys.msg import normalize_msgtype
 
-        connections = []
-        for id_, (topic, name, definition) in sorted(self._defined.items()):
-            try:
-                name = normalize_msgtype(name)
-            except Exception:  # said when the topic is asked for
-                definition = ""
-            extension = ConnectionExtRosbag1(None, None)
-            text = MessageDefinition(Format.MSG, definition)
-            connections.append(Connection(id_, topic, name, text, "", self._counts[id_], extension, self))
-        return connections
+@lru_cache(maxsize=64)
+def _connections(defined: tuple[tuple[int, tuple[str, str, str]], ...]) -> list[Connection]:
+    """The connections by number, topic, type and definition; the files of one drive have the same."""
+    from rosbags.interfaces import Connection, ConnectionExtRosbag1, MessageDefinition
+    from rosbags.interfaces import MessageDefinitionFormat as Format
+    from rosbags.typesys.msg import normalize_msgtype
+
+    connections = []
+    for id_, (topic, name, definition) in defined:
+        try:
+            name = normalize_msgtype(name)
+        except Exception:  # said when the topic is asked for
+            definition = ""
+        extension = ConnectionExtRosbag1(None, None)
+        text = MessageDefinition(Format.MSG, definition)
+        connections.append(Connection(id_, topic, name, text, "", 0, extension, None))
+    return connections
 
 
 def _record(content: Bytes, position: int, size: int) -> _Record:

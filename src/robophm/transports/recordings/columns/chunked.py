@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 from abc import abstractmethod
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from copy import copy
 from functools import partial
 from itertools import zip_longest
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +28,7 @@ from robophm.transports.recordings.columns.pieces import (
     TopicExtent,
     joined,
     tell,
+    tell_all,
 )
 from robophm.transports.recordings.columns.unpacking import unpack, unpack_begun
 
@@ -91,6 +94,29 @@ class ChunkedFile(MappedFile):
     """A file of chunks, each with an index of the messages in it; a subclass knows the records."""
 
     chunks: list[Chunk]
+    joins = False
+    """Whether the file's own index is believed, and there is nothing in it besides chunks."""
+    _of_many = False
+    """Whether it stands for several files."""
+
+    def joined(self, files: Sequence[Self], content: Bytes, places: Sequence[int]) -> Self:
+        """Files that define the same as this one, as one: their content, and where in it that of each begins.
+
+        What of it is not as a file says is a DamageError.
+        """
+        one = copy(self)
+        one.hold(content)
+        one.notes, one.late, one._of_many = Counter(), Counter(), True
+        one.chunks = [chunk for file, place in zip(files, places, strict=False) for chunk in one.moved(file, place)]
+        counts: Counter[int] = Counter()
+        for file in files:
+            counts.update(file.counts)
+        one.counts = counts
+        return one
+
+    @abstractmethod
+    def moved(self, other: Self, by: int) -> list[Chunk]:
+        """The chunks of another file, as they are when that lies so many bytes further on in this."""
 
     def begin(self) -> int:
         """When the first message in a chunk was received [ns]."""
@@ -143,6 +169,8 @@ class ChunkedFile(MappedFile):
             try:
                 return sorted(self.placed(some, wanted), key=lambda chunk: (chunk.first, chunk.offset))
             except DamageError as error:
+                if self._of_many:
+                    raise
                 notes, self.notes = self.notes, self.late
                 self.look_through(str(error))
                 self.notes = notes
@@ -188,7 +216,7 @@ class ChunkedFile(MappedFile):
             begin = min(chunk.indices.values())
             self.ahead(begin, max(begin + 1, chunk.behind))
 
-    def told(self) -> dict[int, TopicExtent]:
+    def extents(self) -> dict[int, TopicExtent]:
         """The extent of each connection: by the index of each chunk, or by its messages where a chunk has none."""
         told: dict[int, TopicExtent] = {}
         chunks = self._within(frozenset(), frozenset(self.known()), -MOST_TIME, MOST_TIME)
@@ -196,8 +224,7 @@ class ChunkedFile(MappedFile):
             self._fetch_index(chunk)
         for chunk in chunks:
             try:
-                for connection, times in self.indexed_times(chunk).items():
-                    tell(told, connection, times)
+                tell_all(told, self.indexed_times(chunk))
             except DamageError:
                 with suppress(DamageError):
                     for messages in self.scanned(chunk, self.unpacked(chunk), self.known()):

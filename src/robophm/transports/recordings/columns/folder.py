@@ -81,6 +81,7 @@ class PackedMessages(RowsFile):
 
     def __init__(self, inside: PiecedFile) -> None:
         self.path, self.fingerprint, self.late = inside.path, inside.fingerprint, inside.late
+        self.counts = inside.counts
         self._inside = inside
         self._notes = inside.notes
         self.connections: list[Connection] = inside.connections
