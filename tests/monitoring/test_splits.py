@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from tests.transports.recordings.columns.test_together import split
+from tests.transports.recordings.columns.test_splits import split
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND

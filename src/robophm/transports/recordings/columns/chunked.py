@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import os
 from abc import abstractmethod
-from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from copy import copy
 from functools import partial
 from itertools import zip_longest
 from typing import Any, NamedTuple, Self
@@ -96,23 +94,8 @@ class ChunkedFile(MappedFile):
     chunks: list[Chunk]
     joins = False
     """Whether the file's own index is believed, and there is nothing in it besides chunks."""
-    _of_many = False
+    of_many = False
     """Whether it stands for several files."""
-
-    def joined(self, files: Sequence[Self], content: Bytes, places: Sequence[int]) -> Self:
-        """Files that define the same as this one, as one: their content, and where in it that of each begins.
-
-        What of it is not as a file says is a DamageError.
-        """
-        one = copy(self)
-        one.hold(content)
-        one.notes, one.late, one._of_many = Counter(), Counter(), True
-        one.chunks = [chunk for file, place in zip(files, places, strict=False) for chunk in one.moved(file, place)]
-        counts: Counter[int] = Counter()
-        for file in files:
-            counts.update(file.counts)
-        one.counts = counts
-        return one
 
     @abstractmethod
     def moved(self, other: Self, by: int) -> list[Chunk]:
@@ -169,7 +152,7 @@ class ChunkedFile(MappedFile):
             try:
                 return sorted(self.placed(some, wanted), key=lambda chunk: (chunk.first, chunk.offset))
             except DamageError as error:
-                if self._of_many:
+                if self.of_many:
                     raise
                 notes, self.notes = self.notes, self.late
                 self.look_through(str(error))
@@ -219,7 +202,7 @@ class ChunkedFile(MappedFile):
     def extents(self) -> dict[int, TopicExtent]:
         """The extent of each connection: by the index of each chunk, or by its messages where a chunk has none."""
         told: dict[int, TopicExtent] = {}
-        chunks = self._within(frozenset(), frozenset(self.known()), -MOST_TIME, MOST_TIME)
+        chunks = self._within(frozenset(), frozenset(self._known()), -MOST_TIME, MOST_TIME)
         for chunk in chunks:
             self._fetch_index(chunk)
         for chunk in chunks:
@@ -227,11 +210,11 @@ class ChunkedFile(MappedFile):
                 tell_all(told, self.indexed_times(chunk))
             except DamageError:
                 with suppress(DamageError):
-                    for messages in self.scanned(chunk, self.unpacked(chunk), self.known()):
+                    for messages in self.scanned(chunk, self.unpacked(chunk), self._known()):
                         tell(told, messages.connection, messages.times)
         return told
 
-    def known(self) -> set[int]:
+    def _known(self) -> set[int]:
         """The numbers of the file's connections."""
         return {connection.id for connection in self.connections}
 

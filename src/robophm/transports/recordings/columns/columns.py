@@ -17,7 +17,7 @@ from robophm.core.signal import split_signal
 from robophm.transports.recordings.columns.decoding import Reading, Receipts
 from robophm.transports.recordings.columns.drive import opened
 from robophm.transports.recordings.columns.pieces import MOST_TIME, Messages, Piece, PiecedFile
-from robophm.transports.recordings.columns.together import together
+from robophm.transports.recordings.columns.splits import splits_joined
 from robophm.transports.recordings.columns.topic_columns import Block, TopicColumns, joined_columns, rows_of
 from robophm.transports.recordings.files import reading
 from robophm.transports.signals.element_names import Names
@@ -96,7 +96,7 @@ def blocks_of(
         if topic not in known:
             raise SourceError(f"{name}: no topic '{topic}'{nearest(topic, known)}")
     names = Names(notes)
-    return _blocks([_Source(file, wanted, notes, names, start, end) for file in together(files)], notes)
+    return _blocks([_Source(file, wanted, notes, names, start, end) for file in splits_joined(files)], notes)
 
 
 def recorded_topics(path: str | Path) -> dict[str, tuple[str, tuple[str, ...]]]:

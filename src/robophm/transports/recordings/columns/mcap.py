@@ -70,6 +70,10 @@ _FOUND = np.dtype([("channel", "<u2"), ("time", "<u8"), ("start", "<i8"), ("end"
 _FOOTER_SIZE = 9 + 20 + len(MAGIC)
 
 
+class _NotInSummaryError(DamageError):
+    """What a summary need not have is not there."""
+
+
 class McapFile(ChunkedFile):
     """An MCAP file of any profile, whole or cut. Raises SourceError where it is none."""
 
@@ -376,11 +380,11 @@ class McapFile(ChunkedFile):
             found, behind = self._scan(self.content, place, places)
             parts.append(found)
         if self.chunks:  # of its index maybe not all is there
-            self.chunks[-1] = _unindexed(self.chunks[-1])
+            self.chunks[-1] = self.chunks[-1]._replace(indices=None)
         self._loose = np.concatenate(parts)
         for number, chunk in enumerate(self.chunks):
             if not chunk.indices:
-                self.chunks[number] = _unindexed(chunk)
+                self.chunks[number] = chunk._replace(indices=None)
             if not chunk.indices or chunk.indices.keys() - self._defined():
                 with suppress(DamageError):  # said when its messages are read
                     self._scan(self.unpacked(chunk), 0)
@@ -426,14 +430,6 @@ class McapFile(ChunkedFile):
     def _defined(self) -> set[int]:
         """The channels whose schema is known, or that have none."""
         return {id_ for id_, (schema, _, _) in self._channels.items() if not schema or schema in self._schemas}
-
-
-def _unindexed(chunk: Chunk) -> Chunk:
-    return chunk._replace(indices=None)
-
-
-class _NotInSummaryError(DamageError):
-    """What a summary need not have is not there."""
 
 
 def _table(columns: list[array[int]]) -> NDArray[Any]:

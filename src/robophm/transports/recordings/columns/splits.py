@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
+from copy import copy
 from functools import partial
 from itertools import groupby
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.chunked import ChunkedFile
+from robophm.transports.recordings.columns.field_extraction import Bytes
 from robophm.transports.recordings.columns.pieces import BATCH, DamageError, Messages, Piece, PiecedFile
 from robophm.transports.recordings.files import reading
 
@@ -18,13 +20,13 @@ SMALL = 1 << 20
 """Bytes of a file, beyond which it is read by itself."""
 
 
-def together(files: Sequence[PiecedFile]) -> list[PiecedFile]:
+def splits_joined(files: Sequence[PiecedFile]) -> list[PiecedFile]:
     """Files in order of time, those as one that follow each other, are small and whole, and define the same."""
     found: list[PiecedFile] = []
     for number, group in groupby(enumerate(files), _alike):
         some = [file for _, file in group]
         if number >= 0 and len(some) > 1:
-            found.append(Together([file for file in some if isinstance(file, ChunkedFile)]))
+            found.append(Splits([file for file in some if isinstance(file, ChunkedFile)]))
         else:
             found += some
     return found
@@ -40,7 +42,7 @@ def _size(file: ChunkedFile) -> int:
     return max(file.size, sum(chunk.size for chunk in file.chunks))
 
 
-class Together(PiecedFile):
+class Splits(PiecedFile):
     """Several files as one. Where anything is wrong with one of some that were read at once, each is read alone."""
 
     def __init__(self, files: Sequence[ChunkedFile]) -> None:
@@ -108,7 +110,7 @@ def _at_once(
         with file.source.open("rb", buffering=0) as content:
             if content.readinto(room[begin:behind]) != file.size or content.read(1):
                 raise DamageError("changed")
-    one = batch[0].joined(batch, buffer, places)
+    one = _joined(batch, buffer, places)
     found = [messages for piece in one.pieces(wanted, start, end, timed) for messages in piece.load()]
     told: Counter[int] = Counter()
     for messages in found:
@@ -117,3 +119,19 @@ def _at_once(
     if one.notes or one.late or (whole and any(one.counts[id_] > told[id_] for id_ in {*wanted, *timed})):
         raise DamageError("something is lost")
     return found
+
+
+def _joined(files: Sequence[ChunkedFile], content: Bytes, places: Sequence[int]) -> ChunkedFile:
+    """Files that define the same as one, which raises DamageError where one of them is not as it says.
+
+    ``content`` is that of all of them, which begins at these places.
+    """
+    one = copy(files[0])
+    one.hold(content)
+    one.notes, one.late, one.of_many = Counter(), Counter(), True
+    one.chunks = [chunk for file, place in zip(files, places, strict=False) for chunk in one.moved(file, place)]
+    counts: Counter[int] = Counter()
+    for file in files:
+        counts.update(file.counts)
+    one.counts = counts
+    return one
