@@ -47,7 +47,7 @@ class RecordingSession:
     last: int | None
     open: Opening
     files: tuple[Path, ...] = ()
-    """Its files, where those of several sessions can be opened as one."""
+    """The files of the session, where those of several sessions can be opened as one."""
     lost: tuple[str, ...] = ()
     """Files beside it of which nothing can be read, and why."""
 

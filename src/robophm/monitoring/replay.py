@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from robophm.core.argument_checks import instance, number
+from robophm.core.counted_notes import said
 from robophm.core.errors import SourceError, StoreError
 from robophm.core.signal import REORDERED, SECOND
 from robophm.design.robot import Robot
@@ -120,7 +121,7 @@ def replay_sessions(
         ledger = monitor.ledger
         decided.update(notes)
     report = (monitor or Monitor(robot, ledger, period=period)).report()
-    return replace(report, notes=report.notes + tuple(f"{what} ({n} times)" for what, n in sorted(decided.items())))
+    return replace(report, notes=report.notes + tuple(said(decided)))
 
 
 class _Session(NamedTuple):

@@ -148,6 +148,16 @@ class Recording(SignalSource):
                         found[connection.topic] = names
         return found
 
+    def undecoded(self) -> dict[str, str]:
+        """Return topics whose messages cannot be decoded, and why."""
+        found = {}
+        for connection in {id(one): one for file in self._files for one in file.connections}.values():
+            try:
+                message_type(connection)
+            except SourceError as error:
+                found[connection.topic] = str(error).removeprefix(f"topic '{connection.topic}'").lstrip(": ")
+        return found
+
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
         """Yield the samples of these signals, in receipt order; raises SourceError as the interface says."""
         wanted: dict[str, list[tuple[str, str]]] = {}

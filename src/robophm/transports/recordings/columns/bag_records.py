@@ -68,7 +68,7 @@ def record_at(content: Bytes, position: int, size: int) -> Record:
 
 
 def chunk_info(infos: memoryview, at: int) -> tuple[int, int, int, dict[int, int], int]:
-    """Where a chunk lies, when it begins and ends, its messages by connection, and where the next info lies.
+    """Return where a chunk lies, when it begins and ends, its messages by connection, and where the next info lies.
 
     Raises DamageError.
     """

@@ -22,7 +22,7 @@ Channels = dict[int, tuple[int, str, str]]
 
 
 class Definitions(NamedTuple):
-    """What a run of schemas and channels defines."""
+    """The schemas, channels and connections that a run of records defines."""
 
     schemas: Schemas
     channels: Channels
@@ -60,7 +60,7 @@ def run_of_definitions(records: memoryview) -> memoryview:
 
 @lru_cache(maxsize=64)
 def definitions_of(run: bytes) -> Definitions:
-    """What a run of schemas and channels defines: the files of one drive have the same. Raises DamageError."""
+    """Return what a run of schemas and channels defines: the files of one drive have the same. Raises DamageError."""
     schemas: Schemas = {}
     channels: Channels = {}
     position = 0
