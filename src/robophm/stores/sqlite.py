@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
@@ -81,7 +81,7 @@ class SqliteStore(Store):
         self,
         robot: str,
         ledger: Mapping[str, Any],
-        progress: Progress | None = None,
+        progress: Iterable[Progress] = (),
         reports: Sequence[Mapping[str, Any]] = (),
     ) -> None:
         """Keep all of it, or none. Raises StoreError, as on a full disk or after somebody else's save."""
@@ -89,7 +89,7 @@ class SqliteStore(Store):
 
     def bring_back(self, robot: str, ledger: Mapping[str, Any], time: int) -> None:
         """Keep a ledger that was brought back to a time [ns], and no report of a later one. Raises StoreError."""
-        self._save(robot, ledger, None, (), time)
+        self._save(robot, ledger, (), (), time)
 
     def copy_to(self, path: Path) -> None:
         """Copy all of it into a new file. Raises StoreError where that is there, or cannot be written."""
@@ -99,10 +99,11 @@ class SqliteStore(Store):
             self._base.backup(copy)
 
     def _save(
-        self, robot: str, ledger: Mapping[str, Any], progress: Progress | None, reports: Sequence[Mapping[str, Any]],
+        self, robot: str, ledger: Mapping[str, Any], progress: Iterable[Progress], reports: Sequence[Mapping[str, Any]],
         last: int | None,
     ) -> None:  # fmt: skip
         rows = [(robot, report["time"], json.dumps(report)) for report in reports]
+        done = [(robot, *one[:3], json.dumps(one.notes)) for one in progress]
         with self._errors():
             self._base.execute("BEGIN IMMEDIATE")
             try:
@@ -114,9 +115,7 @@ class SqliteStore(Store):
                     )
                 values = robot, revision + 1, json.dumps(ledger)
                 self._base.execute("INSERT OR REPLACE INTO ledger VALUES (?, ?, ?)", values)
-                if progress:
-                    done = (robot, *progress[:3], json.dumps(progress.notes))
-                    self._base.execute("INSERT OR REPLACE INTO progress VALUES (?, ?, ?, ?, ?)", done)
+                self._base.executemany("INSERT OR REPLACE INTO progress VALUES (?, ?, ?, ?, ?)", done)
                 if last is not None:
                     self._base.execute("DELETE FROM report WHERE robot = ? AND time > ?", (robot, last))
                 self._base.executemany("INSERT OR REPLACE INTO report VALUES (?, ?, ?)", rows)
