@@ -97,6 +97,7 @@ class Service:
             name=name if isinstance(name, str) else self.settings.design.stem,
             file=self.settings.design.name,
             document=json_values(checked.document),
+            history=self.workspace.history,
             saved=draft.saved,
             undo=(draft.what or "the last change") if draft.undo else None,
             redo=draft.redo,

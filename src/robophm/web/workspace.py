@@ -22,6 +22,7 @@ from typing import Any
 
 from robophm.core.errors import DesignError, StoreError
 from robophm.core.yaml_values import MAX_BYTES
+from robophm.design.carried_edits import carry
 from robophm.design.file import read, write_text
 from robophm.design.located_error import LocatedError
 from robophm.design.naming import design_name, quoted
@@ -193,19 +194,42 @@ class Workspace:
                 raise LocatedError((), check(text).problems[0].message)
             return self._move(text, what)
 
-    def undo(self, revision: int) -> Draft:
-        """Go back to the state before; where there is none, nothing happens. Raises StaleError."""
+    def undo(self, revision: int, edit: int | None = None) -> Draft:
+        """Take back the latest edit, or the one that made the state ``edit``; where there is none, nothing happens.
+
+        What came after that edit stays. Raises StaleError, and LocatedError where a later edit touches the same place.
+        """
         with self._lock:
             self._current(revision)
-            return self._go(self._origin(self._here()[0])[0])
+            state = self._here()[0]
+            if edit is None or edit == state:
+                return self._go(self._origin(state)[0])
+            before, what = self._known(edit)
+            return self._carry(edit, before, f"undo: {what}") if before is not None else self.draft()
 
-    def redo(self, revision: int) -> Draft:
-        """Go forward to what was undone last; where there is nothing, nothing happens. Raises StaleError."""
+    def redo(self, revision: int, edit: int | None = None) -> Draft:
+        """Do again what was undone last, or the edit that made the state ``edit``; where there is none, nothing happens.
+
+        Raises StaleError, and LocatedError where another edit since touches the same place.
+        """
         with self._lock:
             self._current(revision)
             query = "SELECT id FROM state WHERE parent = ? ORDER BY id DESC LIMIT 1"
             row = self._base.execute(query, (self._here()[0],)).fetchone()
-            return self._go(row[0] if row else None)
+            if edit is None or (row and row[0] == edit):
+                return self._go(row[0] if row else None)
+            before, what = self._known(edit)
+            return self._carry(before, edit, what) if before is not None else self.draft()
+
+    def _known(self, edit: int) -> tuple[int | None, str]:
+        """The state before an edit, and what it was. Raises DesignError where there is no such edit."""
+        self.text(edit)
+        return self._origin(edit)
+
+    def _carry(self, before: int, after: int, what: str) -> Draft:
+        """Change the design now as one state was changed into another."""
+        states = load(self._text(before)), load(self._text(after))
+        return self._move(self.edited(lambda document: carry(document, *states), keep=True), what)
 
     def save(self, revision: int, over: str | None = None) -> Draft:
         """Write the file, what was there kept beside it.
