@@ -43,7 +43,7 @@ class Watched:
     """The options of a watch."""
 
     ros: str
-    """Which: auto, 1 or 2."""
+    """The ROS that is listened to: auto, 1 or 2."""
     store: str | None
     journal: Path | None
     period: float

@@ -56,7 +56,7 @@ def store_exists(address: Address) -> bool:
 
 
 def place_of(address: Address) -> str:
-    """Where a store is: its address without its name."""
+    """The place of a store, such as its path: the address without the kind of store before it."""
     return _split(address)[1]
 
 

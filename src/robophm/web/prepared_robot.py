@@ -10,7 +10,7 @@ from dataclasses import asdict
 from functools import cached_property
 from typing import Literal
 
-from robophm.blocks.merging import single_points_of_failure
+from robophm.blocks.single_points import single_points_of_failure
 from robophm.design.robot import Module, Robot
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant

@@ -1,4 +1,4 @@
-"""What ``robophm fit`` finds of failure modes and of parts of which some never fail, as tables and as JSON."""
+"""Results of ``robophm fit`` as tables and as JSON: competing failure modes, and parts some of which never fail."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def modes_json(found: ModesFit) -> dict[str, Any]:
 
 
 def show_modes(found: ModesFit) -> None:
-    """As a table: the modes, then the part."""
+    """Print a table of the fitted failure modes, one in each row, and of the part as a whole in the last."""
     limit, unit = found.known_until, f" [{found.data.unit}]" if found.data.unit else ""
     rows = [
         [name, str(one.data.failures), f"{one.name}: {parameters_text(one.parameters, one.life, one.known_until)}",
@@ -86,7 +86,7 @@ def limited_json(found: LimitedFit) -> dict[str, Any]:
 
 
 def show_limited(found: LimitedFit) -> None:
-    """As a table."""
+    """Print a table of the share of parts that ever fails, and of the life of those that do."""
     out, limit, unit = console(), found.known_until, f" [{found.data.unit}]" if found.data.unit else ""
     share = Bounded(*(100 * one for one in found.share))
     rows = [["share that ever fails [%]", span_text(share)]]

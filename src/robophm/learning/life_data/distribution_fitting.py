@@ -100,7 +100,7 @@ class Fit:
 
     @property
     def known_until(self) -> float:
-        """Beyond which a figure is not known."""
+        """The age beyond which the data tell nothing of a figure."""
         return UNKNOWN * seen_long(self.data, self.name)
 
     @property
@@ -257,7 +257,7 @@ def _fit(data: LifeData, name: str, how: How, level: float, model: Any) -> dict[
         notes.append("the location has run into the first failure: a third parameter is more than these data tell")
     if name == "weibull" and (shape := parameters["shape"]).low < 1 < shape.high:
         notes.append("the shape's interval holds 1: that parts wear, or fail early, is not shown")
-    if far := far_out(life.mean(), data, name):
+    if far := extrapolation_note(life.mean(), data, name):
         never = "; --some-never-fail says whether some never will" if data.failures < data.parts / 2 else ""
         notes.append(f"its mean {far}{never}")
     covariance = np.asarray(model.covariance()) if sure else np.empty((0, 0))
@@ -274,8 +274,8 @@ def seen_long(data: LifeData, name: str) -> float:
     return float((data.count * (data.low - data.began)).sum()) if name == "exponential" else data.longest
 
 
-def far_out(value: float, data: LifeData, name: str) -> str:
-    """What is to be said of a figure that lies far outside the data; "" where it does not."""
+def extrapolation_note(value: float, data: LifeData, name: str) -> str:
+    """A warning about a figure that is extrapolated far beyond the longest time seen; "" where it is not."""
     times = value / seen_long(data, name)
     if times <= FAR:
         return ""

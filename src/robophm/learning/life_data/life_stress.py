@@ -102,7 +102,7 @@ class LifeStressFit:
 
     @property
     def known_until(self) -> float:
-        """Of life at the reference stress, beyond which a figure is not known."""
+        """The life at the reference stress beyond which the data tell nothing of a figure."""
         table = np.unique(np.stack(list(self.data.stresses.values()), axis=1), axis=0)
         fastest = max(self.acceleration(dict(zip(self.data.stresses, one, strict=True))) for one in table.tolist())
         return UNKNOWN * self.data.longest * max(fastest, 1.0)

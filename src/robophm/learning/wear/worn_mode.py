@@ -168,10 +168,10 @@ def worn_mode_of_table(
     load: float | None = None, options: WearOptions = _USUAL, fleet: Path | None = None,
     to_come: Mapping[str, float] | None = None,
 ) -> WornMode:  # fmt: skip
-    """Of a table of readings of one part, or failure mode, by its path; the threshold is the design's unless given.
+    """The wear of a failure mode, or of a part with one, from a table of readings.
 
-    ``fleet``: a table of the same signal of other units, with a column ``unit``. Raises DataError where a table is
-    none, the part is several, or what would be needed is not said.
+    The threshold is the design's unless given. ``fleet``: a table of the same signal of other units, with a column
+    ``unit``. Raises DataError where a table is none, the part is several, or what would be needed is not said.
     """
     mode = one_mode(robot, part)
     if threshold is None and mode.wear:

@@ -113,7 +113,7 @@ class ColumnMapping:
     columns: Mapping[str, str]
     decimal: Decimal | None = None
     sheet: str | None = None
-    """Of a workbook; None for the one that is best understood."""
+    """The name of the sheet to read from a workbook; None for the sheet whose header is understood best."""
 
 
 def read_table(path: Path, said: ColumnMapping | None = None) -> PartsTable:

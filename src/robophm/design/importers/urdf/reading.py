@@ -35,12 +35,12 @@ class Link:
     mass: float
     """[kg]; 0 where it is not stated."""
     looks: tuple[str, ...]
-    """What it is drawn with: names of its meshes and materials, which often name the part."""
+    """Names of the meshes and materials that it is drawn with, which often name the part."""
 
 
 @dataclass(frozen=True)
 class Joint:
-    """What joins two links, and how far and hard it may move."""
+    """A joint between two links, with the limits of its movement."""
 
     name: str
     type: str
@@ -70,10 +70,10 @@ class Sensor:
 
     name: str
     type: str
-    """As the tag has it: gpu_lidar, camera, imu …; "" of ros2_control."""
+    """The type that a tag of Gazebo states: gpu_lidar, camera, imu …; "" for a sensor of ros2_control."""
     link: str
     topic: str
-    """As the tag has it, or ""."""
+    """The topic that the tag states; "" where it states none."""
     rings: int
     """Vertical samples of a lidar; 1 where none are stated."""
 
@@ -91,12 +91,15 @@ class Description:
 
     @property
     def mass(self) -> float:
-        """Of all links [kg]."""
+        """The mass of all links together [kg]; links that state none count as 0."""
         return math.fsum(link.mass for link in self.links)
 
 
 def read_urdf(path: Path) -> Description:
-    """What a URDF describes. Raises DesignError, one line, for what is none, or a xacro file that is not expanded."""
+    """Read the robot that a URDF file describes.
+
+    Raises DesignError, one line, where it cannot be read, is no URDF, or is a xacro file that was not expanded.
+    """
     markup = Markup(path)
     root = markup.root()
     if root.tag != "robot":

@@ -30,7 +30,7 @@ from robophm.transports.recordings.columns.pieces import (
 from robophm.transports.recordings.columns.unpacking import unpack, unpack_begun
 
 SPARSE = 4
-"""Of a chunk that is not compressed single messages are read where they touch at most one of so many of its pages."""
+"""Single messages of a chunk that is not compressed are read where they touch at most one in so many of its pages."""
 
 _AT_ONCE = min(4, os.cpu_count() or 1)
 """Chunks that are unpacked at once."""
@@ -45,17 +45,17 @@ class Chunk(NamedTuple):
     last: int
     """Earliest and latest receipt time [ns]."""
     offset: int
-    """Of its record."""
+    """The offset of its record in the file."""
     start: int
     end: int
-    """Of its content."""
+    """The offsets at which its content begins and ends in the file."""
     compression: str
     size: int
-    """Of its content unpacked."""
+    """The size of its content when unpacked [bytes]."""
     checksum: int
-    """0 where it has none."""
+    """The checksum of its content; 0 where it has none."""
     indices: dict[int, int] | None
-    """By connection: where in the file the index of its messages lies; None where there is none."""
+    """The offset of the index of each connection's messages in the file; None where the chunk has no index."""
     behind: int = 0
     """The end of those; 0 where that is not known."""
     cut: bool = False
@@ -68,7 +68,10 @@ class Chunk(NamedTuple):
 
 
 class UnknownError(DamageError):
-    """What is not as it was known to be may be right nevertheless: it is not believed, nor called damaged."""
+    """Raised where an index has a form that this reader does not know, which a newer writer may use.
+
+    Such an index is not used, and nothing is noted as damaged.
+    """
 
 
 class _Asked(NamedTuple):

@@ -23,7 +23,7 @@ from robophm.transports.signals.element_names import Names
 from robophm.transports.signals.message_type import fields_of, message_type
 
 Load = Callable[[], list[tuple[str, TopicColumns]]]
-"""What gives the columns of a piece, by topic."""
+"""A function that reads the columns of one piece of a file, by topic."""
 
 
 class Columns(Iterator[Block]):

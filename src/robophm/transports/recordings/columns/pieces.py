@@ -67,7 +67,7 @@ class PiecedFile(ABC):
         self.path = path
         self.notes = notes
         self.late: Counter[str] = Counter()
-        """What was noted of the file as a whole behind its opening."""
+        """Notes on the file as a whole that were made after it was opened."""
         self.fingerprint = fingerprint_of(path)
 
     @abstractmethod

@@ -119,6 +119,6 @@ def parse_time(text: str) -> int:
 
 
 _HEADING = re.compile(rb'(\xef\xbb\xbf)?time,"?/')
-"""What a table begins with, as others and ``robophm data export`` write it; one that does not is told by its suffix."""
+"""The beginning of a table as ``robophm data export`` and others write it; any other table is told by its suffix."""
 
 FORMAT = SampleFormat((".csv",), lambda head: _HEADING.match(head) is not None, CsvRecording, in_folders=False)
