@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
+FOLLOWED_EVERY = 1.0
+"""Seconds between two looks at the design's file."""
+
+
 @dataclass(frozen=True)
 class Settings:
     """The settings that the service was started with."""
@@ -52,12 +56,21 @@ class Service:
         self.jobs = Jobs()
         self.sources: Mapping[str, Choice] = choices(settings.recordings, seed=settings.seed)
         self._shelf = PreparedRobots()
+        self.changed_outside = False
+        """Whether the file holds what somebody else has made of it, and taking it would lose edits or is impossible."""
+        self._ended = threading.Event()
+        threading.Thread(target=self._follow_file, name="follow the file", daemon=True).start()
         # A design of thousands of parts takes seconds to be read: they are over when a browser asks.
         threading.Thread(target=self._read_ahead, name="read ahead", daemon=True).start()
 
     def _read_ahead(self) -> None:
         with suppress(RobophmError, sqlite3.Error):
             self.design_state()
+
+    def _follow_file(self) -> None:
+        while not self._ended.wait(FOLLOWED_EVERY):
+            with suppress(RobophmError, sqlite3.Error):
+                self.changed_outside = self.workspace.follow_file()
 
     def prepared(self, state: int | None = None) -> PreparedRobot:
         """Return the robot of the design now, or of an earlier state. Raises DesignError where that is no design."""
@@ -109,6 +122,7 @@ class Service:
 
     def close(self) -> None:
         """End monitoring and jobs; let go of files."""
+        self._ended.set()
         self.monitoring.stop()
         self.jobs.close()
         self.workspace.close()

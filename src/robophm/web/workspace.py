@@ -10,6 +10,7 @@ import difflib
 import hashlib
 import io
 import itertools
+import secrets
 import sqlite3
 import threading
 import time
@@ -87,6 +88,7 @@ class Workspace:
         """The checked texts, such as that of the design now."""
         self._document: tuple[int, Any] | None = None  # of which state, as ruamel keeps it
         self._revision = 0
+        self._seen: str | None = None  # in the file at the last call of follow_file
         self._stamp: tuple[tuple[int, ...], bool] | None = None  # of the file when it was last looked at
         if not path.parent.is_dir():
             raise DesignError(f"{path}: no such folder")
@@ -109,6 +111,9 @@ class Workspace:
         if not tables:
             self._base.execute("PRAGMA journal_mode = WAL")
             self._base.executescript(f"BEGIN IMMEDIATE; {_TABLES} PRAGMA user_version = {VERSION}; COMMIT;")
+            self._base.execute(f"PRAGMA application_id = {secrets.randbelow(2**31)}")
+        self.history: int = self._base.execute("PRAGMA application_id").fetchone()[0]
+        """Number of these edits among all others of the same file's name, kept with them."""
         self._base.execute("PRAGMA synchronous = NORMAL")
         if self._base.execute("SELECT count(*) FROM here").fetchone()[0] == 0:
             with self._base:
@@ -296,6 +301,32 @@ class Workspace:
         settled = time.time_ns() - stat.st_mtime_ns > _SETTLED  # else another write may leave the same stamp
         self._stamp = (stamp, touched) if settled else None
         return touched
+
+    def follow_file(self) -> bool:
+        """Take in what somebody has made of the file, where nothing here is lost by it; return whether it is left.
+
+        It is left to whoever edits here where there are edits that are not saved, or where the file is no design. A
+        file is taken once it is as it was at the call before: to be called again and again.
+        """
+        with self._lock:
+            state, revision, saved = self._here()
+            before, self._seen = self._seen, None
+            if saved is None or not self._touched(saved):
+                return False
+            try:
+                text = self._seen = read(self.path)
+            except DesignError:
+                return True
+            mine = self._text(state)
+            if text == mine:  # the same was made of it here and there
+                with self._base:
+                    self._base.execute("UPDATE here SET saved = ?, revision = ?", (state, revision + 1))
+            elif mine != self._text(saved) or self.checked.of(text).robot is None:
+                return True
+            elif text == before:
+                self._take_in(text)
+            self._here()  # which takes note of the revision
+            return False
 
     def close(self) -> None:
         """Let go of the file of edits."""
