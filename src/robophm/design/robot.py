@@ -163,6 +163,13 @@ class WearSignal:
     """The threshold in the unit of the reading: the signal's; a kurtosis has none."""
     threshold_deviation: float = 0.0
     """Standard deviation of the threshold, in the same unit; 0: it is exactly known."""
+    share: float = 1.0
+    """Share of the hazard of its failure mode that the wear stands for; the rest comes by chance."""
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """Return all signals that it is made of, each once."""
+        return tuple(dict.fromkeys(one.signal for one in (self.gauge, self.ambient, self.load) if one))
 
 
 @dataclass(frozen=True)

@@ -174,7 +174,7 @@ class WearGauge(Strict):
 
 
 class Wear(Strict):
-    """A signal that shows how worn a part is, and how worn is too much; `robophm wear` reads it from recordings."""
+    """A signal that shows how worn a part is, and how worn is too much; whatever lives through its samples reads it."""
 
     topic: str = Field(min_length=1, description="e.g. /joint_states")
     field: str = Field(min_length=1, description="path of the number in the message, e.g. effort[elbow]")
@@ -189,6 +189,9 @@ class Wear(Strict):
     threshold: Written = Field(description="at which the part is worn out, e.g. 6 A; a signal that falls falls to it")
     threshold_deviation: Written | None = Field(
         None, description="how well that is known, a standard deviation, e.g. 0.3 A; default exactly"
+    )
+    share: float = Field(
+        1.0, gt=0, le=1, description="of the mode's hazard, what wear stands for; the rest comes by chance"
     )
 
     @model_validator(mode="after")

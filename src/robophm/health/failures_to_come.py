@@ -15,6 +15,7 @@ from robophm.core.argument_checks import number
 from robophm.health.outlooks import View
 from robophm.health.prognosis import Outlook
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
+from robophm.health.worn import believed
 
 Array = npt.NDArray[np.float64]
 
@@ -77,7 +78,9 @@ def failures_to_come(
     parts = [*((part.quantity, False) for part in plant.components), *((1, True) for _ in plant.groups)]
     shares = {view: caused / fails if fails > 0 else np.full(len(caused), math.nan)
               for view, (caused, fails) in each.items()}  # fmt: skip
-    rated = [not all(mode.unknown for mode in part.modes) for part in plant.components] + [True] * len(plant.groups)
+    seen = believed(lived)
+    rated = [not all(mode.unknown and mode.path not in seen for mode in part.modes) for part in plant.components]
+    rated += [True] * len(plant.groups)
     drawn = [i for i in np.unique(plant.component_of[plant.system(diagram).units]).tolist() if rated[i]]
     order = sorted(drawn, key=lambda i: -np.nan_to_num(shares["sensor_based"][i]))
     return FailuresToCome(

@@ -101,7 +101,8 @@ class Outlook(Ageing):
         system = self.plant.system(diagram)
         m = system.modes
         going = self.future.usage[m], self.future.factor[m]
-        structure, modes, sums = system.by_kind(self.age[m], self.cumulative_hazard[m], *going)
+        wears = np.where(np.isin(m, list(self.worn)), m + 1.0, 0.0)  # each by itself
+        structure, modes, sums = system.by_kind(self.age[m], self.cumulative_hazard[m], *going, wears)
         pace, hour = self.future.usage[:, None], np.array([0.0, 1.0])
         operating = Future("operating", hour, hour, pace * hour, self.future.factor[:, None] * pace * hour)
         added, groups = self.along(modes, operating), self.groups_along(system, operating)

@@ -309,7 +309,8 @@ class DrawnRates:
         log_works: Callable[[Array], Array],
     ) -> None:  # fmt: skip
         m, ratios = parts.modes, ratios[parts.modes]
-        degrees = [outlook.plant.robot.modes[i].life.degree for i in m]
+        # What wear adds no rate scales: its modes are not among those whose hazard is a factor times that as stated.
+        degrees = [None if i in outlook.worn else outlook.plant.robot.modes[i].life.degree for i in m.tolist()]
         self._is_power = np.array([degree is not None for degree in degrees])
         weights = parts.weights
         self._weights, self._of_groups = weights[:, : len(m)], weights[:, len(m) :]
@@ -324,6 +325,8 @@ class DrawnRates:
             unseen[self._is_power] = scale * outlook.unseen_hazard[self.scaling.modes, None]
         if not self._is_power.all():
             lived[~self._is_power], unseen[~self._is_power] = _past(outlook, self.others, ratios[~self._is_power])
+        worn = np.isin(m, list(outlook.worn))
+        unseen[worn] = outlook.unseen_hazard[m[worn], None]
         # What each unit tells of its own modes alone.
         first = outlook.known(parts, needed, parts.of_units(np.vstack((unseen, exact))[:, :1]))[:, 0]
         failed = np.isinf(first)

@@ -17,6 +17,7 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 from robophm.health.when_new import hazard_rates
+from robophm.monitoring.wear_watch import WearWatch
 from robophm.web.shapes import LevelFigures, UnknownRates
 
 _KEPT = 4
@@ -28,6 +29,8 @@ class PreparedRobot:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.plant = Plant(robot)
+        self.wear = WearWatch(robot)
+        """Forecasts of its wear."""
 
     @cached_property
     def new(self) -> Outlook:
