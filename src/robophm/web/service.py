@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
+LONGEST_END = 10.0
+"""The most seconds to wait for a thread that is reading the design."""
+
 FOLLOWED_EVERY = 1.0
 """Seconds between two looks at the design's file."""
 
@@ -59,9 +62,13 @@ class Service:
         self.changed_outside = False
         """Whether the file holds what somebody else has made of it, and taking it would lose edits or is impossible."""
         self._ended = threading.Event()
-        threading.Thread(target=self._follow_file, name="follow the file", daemon=True).start()
         # A design of thousands of parts takes seconds to be read: they are over when a browser asks.
-        threading.Thread(target=self._read_ahead, name="read ahead", daemon=True).start()
+        self._threads = [
+            threading.Thread(target=work, name=name, daemon=True)
+            for work, name in ((self._read_ahead, "read ahead"), (self._follow_file, "follow the file"))
+        ]
+        for thread in self._threads:
+            thread.start()
 
     def _read_ahead(self) -> None:
         with suppress(RobophmError, sqlite3.Error):
@@ -123,6 +130,8 @@ class Service:
     def close(self) -> None:
         """End monitoring and jobs; let go of files."""
         self._ended.set()
+        for thread in self._threads:  # a thread that still computes when the process ends may abort it
+            thread.join(timeout=LONGEST_END)
         self.monitoring.stop()
         self.jobs.close()
         self.workspace.close()
