@@ -1,4 +1,4 @@
-"""One edit of a design taken to another state of it: so that it is undone, or done again, though others came after it."""
+"""One edit of a design taken to another state of it: so that it is undone, or done again, though others came later."""
 
 from __future__ import annotations
 

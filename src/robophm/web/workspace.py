@@ -213,7 +213,7 @@ class Workspace:
             return self._carry(edit, before, f"undo: {what}") if before is not None else self.draft()
 
     def redo(self, revision: int, edit: int | None = None) -> Draft:
-        """Do again what was undone last, or the edit that made the state ``edit``; where there is none, nothing happens.
+        """Do again what was undone last, or the edit that made the state ``edit``; where there is none, do nothing.
 
         Raises StaleError, and LocatedError where another edit since touches the same place.
         """
