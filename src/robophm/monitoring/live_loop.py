@@ -162,7 +162,7 @@ class _Watch:
         if self.store:
             if self.journal:
                 self.journal.sync()
-            progress = Progress(self._key, self.journal.position) if self.journal else None
+            progress = [Progress(self._key, self.journal.position)] if self.journal else []
             self.store.save(self.robot.name, self._monitor.ledger.to_json(), progress, self._course.reports)
             self._course.reports.clear()
             self._saved = time.monotonic()
