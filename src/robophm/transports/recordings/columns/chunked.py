@@ -207,7 +207,7 @@ class ChunkedFile(MappedFile):
             self._fetch_index(chunk)
         for chunk in chunks:
             try:
-                tell_all(told, self.indexed_times(chunk))
+                tell_all(told, self.indexed_times(chunk), chunk.first, chunk.last)
             except DamageError:
                 with suppress(DamageError):
                     for messages in self.scanned(chunk, self.unpacked(chunk), self._known()):
