@@ -150,6 +150,10 @@ class BagFile(ChunkedFile):
             raise DamageError("an offset that is no message's")
         return Messages(connection, content, times, begin, ends)
 
+    def record_end(self, content: Bytes, offset: int) -> int:
+        """Return where the record ends that begins at this place of a chunk; raises DamageError."""
+        return record_at(content, offset, MOST_TIME).end
+
     def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
         """Return the messages found from record to record."""
         found, behind = self._scan(content)
