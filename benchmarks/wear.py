@@ -22,7 +22,7 @@ DESIGN = "schema_version: 1\nname: worn\ncomponents:\n" + "".join(
 
 
 def course() -> tuple[np.ndarray, list[Sample]]:
-    """Ten minutes of samples that rise to half of their thresholds, each part's every second; as a table and in order."""
+    """Ten minutes of samples that rise to half of their thresholds, each part's every second; as a table, in order."""
     rng = np.random.default_rng(1)
     seconds = np.arange(60 * MINUTES)
     values = 4.5 * seconds[:, None] / len(seconds) + 0.1 * rng.standard_normal((len(seconds), PARTS))
