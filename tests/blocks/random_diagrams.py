@@ -1,4 +1,4 @@
-"""Small random diagrams with many parts in series, and whether they work in a state, by their definition."""
+"""Small random diagrams with many parts in series, and all states of their units."""
 
 from __future__ import annotations
 
@@ -7,14 +7,6 @@ from collections.abc import Sequence
 from itertools import product
 
 from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
-
-
-def works(block: Block, state: dict[str, bool]) -> bool:
-    if isinstance(block, Unit):
-        return state[block.name]
-    inner = [works(each, state) for each in block.blocks]
-    k = block.k if isinstance(block, KOutOfN) else 1 if isinstance(block, Parallel) else len(inner)
-    return sum(inner) >= k
 
 
 def draw(rng: random.Random, names: Sequence[str], leaves: int) -> Block:

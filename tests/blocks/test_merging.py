@@ -7,7 +7,8 @@ import pytest
 from robophm.blocks.diagram import Block, Parallel, Series, Unit
 from robophm.blocks.merging import merge_series
 
-from .random_diagrams import drawn, random_diagrams, states, works
+from ..structures import works
+from .random_diagrams import drawn, random_diagrams, states
 
 A, B, C, D = Unit("a"), Unit("b"), Unit("c"), Unit("d")
 

@@ -6,7 +6,8 @@ import pytest
 
 from robophm.blocks.single_points import single_points_of_failure
 
-from .random_diagrams import drawn, random_diagrams, works
+from ..structures import works
+from .random_diagrams import drawn, random_diagrams
 
 
 @pytest.mark.parametrize("seed", range(150))

@@ -62,10 +62,11 @@ def docstrings(node: ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunc
 
 
 def is_fragment(text: str) -> bool:
-    """Whether the first sentence of a docstring has too few words, or begins with a word that no sentence has there."""
+    """Whether the first sentence of a docstring has too few words, or begins with a unit or a word that no sentence has
+    there."""
     paragraph = " ".join(text.split("\n\n")[0].split())
     words = re.findall(r"\w+", re.split(r"(?<=[.!?])\s", paragraph)[0])
-    return len(words) < FEWEST_WORDS or words[0] in FRAGMENTS
+    return len(words) < FEWEST_WORDS or words[0] in FRAGMENTS or paragraph.startswith("[")
 
 
 def fragments(module: Path) -> list[str]:
@@ -92,6 +93,8 @@ def test_docstrings_say_in_a_sentence_what_a_thing_is() -> None:
         "What of it is in the ledger: so many samples, or all that was received before this time [ns].",
         "Of the system, hazard and wear together.",
         "[1/h]",
+        "[s] before the newest sample; null where it never spoke.",
+        "Beyond which a figure is not known.",
         "For people.",
     ],
 )

@@ -20,7 +20,7 @@ from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
 from robophm.monitoring.seen_wear import seen_wear
 from robophm.monitoring.task_history import judge_on_the_way
-from robophm.monitoring.wear_history import seen_in, wear_history, worn_in, worn_modes
+from robophm.monitoring.wear_from_recordings import seen_in, wear_history, worn_in, worn_modes
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.monitoring.worn_life import worn_lives
 from robophm.report.health_page import health_page

@@ -35,7 +35,7 @@ from robophm.stores import open_store
 from robophm.transports.health_topics import HealthTopics, Outlet
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.running_ros import open_live
-from robophm.transports.signals.sink import JudgedTask, ReportSink
+from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 from robophm.transports.tasks.listener import topics_to_hear
 
 

@@ -26,7 +26,7 @@ from robophm.learning.wear.backtest import Backtest
 from robophm.learning.wear.indexed_mode import indexed_mode_of_tables
 from robophm.learning.wear.worn_mode import WearOptions, WornMode, one_mode, others_of_table, worn_mode_of_table
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.wear_history import seen_in, wear_history, worn_in, worn_modes
+from robophm.monitoring.wear_from_recordings import seen_in, wear_history, worn_in, worn_modes
 from robophm.monitoring.worn_life import WornLife, worn_lives
 
 TABLES = (".csv", ".tsv", ".yaml", ".yml")

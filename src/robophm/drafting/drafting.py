@@ -133,8 +133,8 @@ def _head(answers: Answers, changes: Sequence[Change]) -> list[str]:
     given = {key: text for key, text in asdict(answers).items() if text is not None}
     given |= {"changes": [f"{one.part}={one.words}" for one in changes]} if changes else {}
     return [
-        "Drafted by robophm new. What of it is assumed stands in assumptions.md; correct what is not so: a part",
-        "that you edited is yours, and robophm new --update leaves it as it is.",
+        "Drafted by `robophm new`. What of it is assumed stands in assumptions.md; correct what is not so: a part",
+        "that you edited is yours, and `robophm new --update` leaves it as it is.",
         ANSWERED + json.dumps(given, ensure_ascii=False),
     ]
 

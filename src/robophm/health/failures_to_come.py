@@ -45,7 +45,7 @@ class FailuresToCome:
     """The failures to come of a robot, given what is known now; the shares of each view add up to 1."""
 
     horizon: float
-    """[h of calendar time] from now on."""
+    """The time from now on in which failures are looked for [h of calendar time]."""
     stated: bool
     """Whether the horizon was asked for; else it is the robot's sensor-based median remaining life."""
     operating: float

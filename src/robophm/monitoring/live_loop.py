@@ -20,7 +20,7 @@ from robophm.monitoring.replay import REPAIR, REPORT_STEP, ReportHistory, kept_l
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores.store import Progress, Store
 from robophm.transports.recordings.journal import Journal
-from robophm.transports.signals.sink import JudgedTask, ReportSink
+from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 from robophm.transports.signals.source import Gap, LiveItem, LiveSource, SignalSource, WholeMessage
 
 SAVE_EVERY = 5.0
@@ -162,7 +162,7 @@ class _Watch:
         if self.store:
             if self.journal:
                 self.journal.sync()
-            progress = Progress(self._key, self.journal.position) if self.journal else None
+            progress = [Progress(self._key, self.journal.position)] if self.journal else []
             self.store.save(self.robot.name, self._monitor.ledger.to_json(), progress, self._course.reports)
             self._course.reports.clear()
             self._saved = time.monotonic()

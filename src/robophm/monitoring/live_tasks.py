@@ -16,7 +16,7 @@ from robophm.health.worn import SeenWear
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.task_evaluation import completion_as_done, task_as_done, task_as_planned
 from robophm.monitoring.wear_watch import WearWatch
-from robophm.transports.signals.sink import JudgedTask
+from robophm.transports.signals.report_sink import JudgedTask
 from robophm.transports.signals.source import WholeMessage
 from robophm.transports.tasks import DoneTask, PlannedTask, TaskTopics
 

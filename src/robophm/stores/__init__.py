@@ -45,7 +45,7 @@ def open_store(address: Address) -> Store:
 def existing_store(address: Address) -> Store:
     """A store that is there, opened. Raises StoreError where it is not, or is none."""
     if not store_exists(address):
-        raise StoreError(f"{place_of(address)}: no such store; `robophm replay --store` makes it")
+        raise StoreError(f"{place_of(address)}: no such store")
     return open_store(address)
 
 

@@ -93,7 +93,7 @@ class ToCome(Shape):
     """Which parts the failures within a horizon will come from, given what is known now."""
 
     horizon: float
-    """[h of calendar time]"""
+    """The time from now on in which failures are looked for [h of calendar time]."""
     stated: bool
     """Whether it was asked for; else it is the robot's median remaining life."""
     nominal_failure: float | None
@@ -112,7 +112,7 @@ class Freshness(Shape):
     unit: str | None
     value: float | None
     age: float | None
-    """[s] before the newest sample; null where it never spoke."""
+    """The time from its last sample to the newest of all [s]; null where it never spoke."""
     max_age: float | None
     stale: bool
 
@@ -140,7 +140,7 @@ class Health(Shape):
     design_changed: bool
     """Whether the design has been changed since monitoring began."""
     time: float | None
-    """[s since the epoch], of the samples."""
+    """The time of the samples that it is made of [s since the epoch]."""
     samples: int
     looks: int
     clocks: dict[str, float]

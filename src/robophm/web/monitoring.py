@@ -26,7 +26,7 @@ from robophm.monitoring.task_history import TaskRecord, judge_on_the_way
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores import Address, open_store, store_exists
 from robophm.transports.recordings.journal import Journal
-from robophm.transports.signals.sink import JudgedTask
+from robophm.transports.signals.report_sink import JudgedTask
 from robophm.transports.signals.source import LiveItem, LiveSource, SignalSource, TopicInfo
 from robophm.transports.tasks.listener import known_topics
 from robophm.web.series import Board

@@ -14,7 +14,7 @@ from rosbags.typesys import Stores, get_typestore
 from robophm.core.errors import DesignError, SourceError
 from robophm.core.signal import SECOND, Reduction, reduction_of, signal_name, steps_of
 from robophm.design.file import parse
-from robophm.monitoring.wear_history import wear_history, worn_modes
+from robophm.monitoring.wear_from_recordings import wear_history, worn_modes
 from robophm.transports.recordings.formats.csv import CsvRecording
 from robophm.transports.recordings.opening import open_source
 from robophm.transports.signals.array_reduction import reduced

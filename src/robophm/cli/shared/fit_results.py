@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
+from rich.console import Console
+
+from robophm.cli.shared.option_hints import with_options
 from robophm.cli.shared.output import console, print_table, table
 from robophm.learning.life_data.distribution_fitting import Bounded, Fit
 from robophm.learning.life_data.failure_modes import ModesFit
@@ -69,8 +73,13 @@ def show_modes(found: ModesFit) -> None:
     out = console()
     out.print("Each mode with the others' failures as censored; together as if none depended on another, which such "
               "data cannot tell", markup=False, soft_wrap=True)  # fmt: skip
-    for note in found.notes:
-        out.print(note, style="yellow", markup=False, soft_wrap=True)
+    show_notes(out, found.notes)
+
+
+def show_notes(out: Console, notes: Iterable[str]) -> None:
+    """Print notes on a fit, a line each, with the options of the command that give what they ask for."""
+    for note in notes:
+        out.print(with_options(note), style="yellow", markup=False, soft_wrap=True)
 
 
 def limited_json(found: LimitedFit) -> dict[str, Any]:

@@ -128,7 +128,9 @@ def fit(data: LifeData, name: str = "weibull", *, how: How = "likelihood", level
         raise DataError(f"no distribution '{name}'{nearest(name, FAMILIES)}")
     supports(data, name)
     if how == "ranks" and len(data.since):
-        raise DataError(f"{data.source}: ranks know nothing of parts not watched from new; expected --by likelihood")
+        raise DataError(
+            f"{data.source}: ranks know nothing of parts not watched from new; expected a fit by likelihood"
+        )
     family, sp = FAMILIES[name], library()
     with asked(f"{data.source}: {name}") as said:
         options: dict[str, Any] = (
@@ -178,7 +180,7 @@ def supports(data: LifeData, name: str) -> None:
     """Raise DataError, and say what would be needed, where data cannot tell a distribution's parameters."""
     if data.items_repeat:
         raise DataError(
-            f"{data.source}: items have several rows; expected --repairable for repaired systems, or one life each"
+            f"{data.source}: items have several rows; expected one life each, or repaired systems with their power law"
         )
     needed = FEWEST.get(name, 2)
     if data.failures == 0:
@@ -192,7 +194,7 @@ def supports(data: LifeData, name: str) -> None:
         raise DataError(
             f"{data.source}: {data.failures} failure{'s' * (data.failures > 1)}: too few for {name}, which has "
             f"{len(FAMILIES[name].parameters) + FAMILIES[name].offset} parameters; expected at least {needed}"
-            + (", or --distribution exponential" if data.failures == 1 else "")
+            + (", or an exponential distribution" if data.failures == 1 else "")
         )
     exact = data.low == data.high
     times = np.unique(data.low[exact])
@@ -258,7 +260,9 @@ def _fit(data: LifeData, name: str, how: How, level: float, model: Any) -> dict[
     if name == "weibull" and (shape := parameters["shape"]).low < 1 < shape.high:
         notes.append("the shape's interval holds 1: that parts wear, or fail early, is not shown")
     if far := extrapolation_note(life.mean(), data, name):
-        never = "; --some-never-fail says whether some never will" if data.failures < data.parts / 2 else ""
+        never = (
+            "; a fit with parts that never fail says whether some never will" if data.failures < data.parts / 2 else ""
+        )
         notes.append(f"its mean {far}{never}")
     covariance = np.asarray(model.covariance()) if sure else np.empty((0, 0))
     return {

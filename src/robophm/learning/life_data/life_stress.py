@@ -165,7 +165,7 @@ def _laws(data: LifeData, name: str, reference: Mapping[str, float], laws: Mappi
     chosen = {}
     for stress, values in data.stresses.items():
         if stress not in reference:
-            raise DataError(f"{data.source}: at which {stress} will parts be used? expected --use '{stress}=…'")
+            raise DataError(f"{data.source}: at which {stress} will parts be used? expected a stress of use")
         law = laws.get(stress, "arrhenius" if stress == "temperature" else "inverse_power")
         if law not in LAWS:
             raise DataError(f"no law '{law}'{nearest(law, LAWS)}")

@@ -143,7 +143,7 @@ def read_life_data(path: Path, stresses: Collection[str] = ()) -> LifeData:
             continue
         raise DataError(
             f"{path}: column '{name}' is not known{nearest(name, [*COLUMNS, *STRESS_UNITS])}. If it is a stress, at "
-            f"which {name} will parts be used? expected --use '{name}=…', or no such column"
+            f"which {name} will parts be used? expected a stress of use, or no such column"
         )
     column = fate_column(str(path), rows)
     bounds = [_bounds(row, unit, column) for row in rows]

@@ -192,10 +192,10 @@ def worn_mode_of_table(
         threshold = mode.wear.threshold
         deviation = mode.wear.threshold_deviation if deviation is None else deviation
     if threshold is None:
-        raise DataError(f"{path}: at which value is '{mode.path}' worn out? expected --threshold")
+        raise DataError(f"{path}: at which value is '{mode.path}' worn out? expected its threshold")
     readings = read_readings(path, CLOCK_UNITS[mode.clock])
     if (readings.load is None) != (load is None):
-        raise DataError(f"{path}: a column 'load' and --load, the load at which readings are compared: expected both")
+        raise DataError(f"{path}: a column 'load', and the load at which readings are compared: expected both")
     others = others_of_table(fleet, mode, dated=readings.dated, load=load) if fleet else ()
     return worn_mode(
         mode, str(path), readings, threshold, deviation=deviation or 0.0, load=load, options=options, others=others,

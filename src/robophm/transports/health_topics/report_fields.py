@@ -14,7 +14,7 @@ from robophm.health.report import VIEWS, ComponentHealth, HealthReport
 from robophm.health.subject import STALE, State, Subject
 from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks
 from robophm.health.worn import WEAR, SeenWear, moment
-from robophm.transports.signals.sink import JudgedTask
+from robophm.transports.signals.report_sink import JudgedTask
 
 Fields = Mapping[str, Any]
 

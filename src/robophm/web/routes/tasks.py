@@ -22,7 +22,7 @@ from robophm.health.report import VIEWS
 from robophm.health.task_report import task_report, unknown_in
 from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.monitoring.task_history import TaskRecord
-from robophm.transports.signals.sink import JudgedTask
+from robophm.transports.signals.report_sink import JudgedTask
 from robophm.web.health import WornPart, worn_parts
 from robophm.web.jobs import Job
 from robophm.web.prepared_robot import finite, unknown_of

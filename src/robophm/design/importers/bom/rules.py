@@ -39,7 +39,7 @@ MOST_BITS = 268435456
 
 USUAL_BITS = 1048576
 LARGE = 1.0
-"""µF, from which on a capacitor of which nothing else is known is taken for an electrolytic one."""
+"""The capacitance [µF] from which on a capacitor of which nothing else is known is taken for an electrolytic one."""
 
 
 def _capacitor_style(part: Recognised, assumed: Assumptions) -> tuple[str, str]:

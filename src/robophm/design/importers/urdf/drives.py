@@ -48,7 +48,7 @@ class Moved:
 
     joint: Joint
     use: str
-    """wheel, caster, rotor, gripper, slide or arm"""
+    """The use of the joint: wheel, caster, rotor, gripper, slide or arm."""
 
 
 def moved(description: Description) -> list[Moved]:

@@ -33,7 +33,7 @@ class Link:
 
     name: str
     mass: float
-    """[kg]; 0 where it is not stated."""
+    """The mass of the body [kg]; 0 where it is not stated."""
     looks: tuple[str, ...]
     """Names of the meshes and materials that it is drawn with, which often name the part."""
 
@@ -48,11 +48,11 @@ class Joint:
     child: str
     lower: float
     upper: float
-    """[rad], or of a prismatic one [m]; not a number where it is not stated, as of a continuous one."""
+    """The ends of its travel [rad, or m of a prismatic joint]; not a number where they are not stated."""
     effort: float
     """The most that it may be driven with [N·m or N]; not a number where it is not stated, or 0."""
     velocity: float
-    """[rad/s or m/s]; as effort."""
+    """The largest speed [rad/s or m/s]; not a number where it is not stated, or 0."""
     mimics: str
     """The joint that it follows, which is driven in its place; "" where there is none."""
     driven: bool

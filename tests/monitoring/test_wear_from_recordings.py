@@ -11,7 +11,7 @@ from rosbags.typesys import Stores, get_typestore
 from robophm.core.errors import DataError, DesignError, SourceError
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
-from robophm.monitoring.wear_history import wear_history, worn_modes
+from robophm.monitoring.wear_from_recordings import wear_history, worn_modes
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.recordings.recording import Recording
 
