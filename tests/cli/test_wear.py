@@ -430,7 +430,7 @@ def test_an_index_of_health_of_many_signals(inside, robot, tmp_path):
         (
             ("--fleet", "failed.csv", "--settings", "heat,humidty"),
             3,
-            "mine.csv: settings are columns, and there is none 'humidty'; did you mean 'humidity'?",
+            "mine.csv: has no column 'humidty', expected one for each of --settings; did you mean 'humidity'?",
         ),
         (("--fleet", "failed.csv", "--threshold", 3), 2, "--threshold: not used for an index of health"),
     ):

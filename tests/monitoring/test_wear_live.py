@@ -13,6 +13,7 @@ from robophm.design.file import parse
 from robophm.design.task import Leg, Plan, Task
 from robophm.health.ledger import Ledger
 from robophm.health.task_report import task_report
+from robophm.health.why import explain
 from robophm.learning.wear.worn_mode import WearOptions
 from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.live_loop import watch
@@ -24,6 +25,7 @@ from robophm.monitoring.wear_from_recordings import seen_in, wear_history, worn_
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.monitoring.worn_life import worn_lives
 from robophm.report.health_page import health_page
+from robophm.report.why import reasons, sentence
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.health_topics.report_fields import diagnostics
 from robophm.transports.recordings.journal import Journal
@@ -146,6 +148,9 @@ def test_what_wear_finds_is_what_every_figure_has(lived, journal, tmp_path):
     assert soon == pytest.approx(brushes * math.exp(-(10 + 5 + 2) * 1e-6 * 0.2), rel=1e-9)
     assert [one["mode"] for one in kept[-1]["wear"]] == ["motor/brushes", "fan"]
     rate = kept[-1]["subjects"][0]["sensor_based"]["hazard_rate"]  # of all but the brushes, far from their end
+    why = explain(report)
+    assert "motor decides it (100 % of the failures to come): it is seen to wear." in sentence(report, why)
+    assert any(line.startswith("  motor/brushes reaches 6 in 0.3") for line in reasons(why))
     assert rate == pytest.approx((10 + 5 + 2) * 1e-6, rel=1e-3)
 
 
