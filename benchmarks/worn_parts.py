@@ -13,13 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.worn_honesty import taught
 from robophm.cli.shared.output import console
 from robophm.learning.wear.among_others import Unit, forecast_among
 from robophm.learning.wear.averaging import Forecast
-from robophm.simulation.worn_robots import LIMITS, WornRobot, worn_out, worn_robots
-
-EVERY = 3
-"""Of the hourly readings of a teacher, each of which is one."""
+from robophm.simulation.worn_robots import LIMITS, WornRobot, worn_robots
 
 NORMAL_90 = 3.29
 """Deviations of a normal distribution between its 5 % and its 95 % quantile."""
@@ -60,8 +58,7 @@ def main() -> None:
     out.print("part      teachers   said   promised   failed   deviation of ln(life)   median of ln(median / truth)")
     for name in LIMITS:
         for count in dict.fromkeys((0, arguments.teachers)):
-            units = worn_out(name, count, arguments.seed + 1)
-            others = [Unit(np.arange(0, len(wear), EVERY), wear[::EVERY]) for wear in units]
+            others = taught(count, arguments.seed + 1)[name]
             parts = [one for robot in robots if (one := told(robot, name, others)).said]
             out.print(
                 f"{name:9} {count:8} {len(parts):6} {sum(one.promised for one in parts):10.1f} "
