@@ -22,7 +22,8 @@ OURS = {  # what it is called instead (docs/reference/glossary.md)
     "told_in": "tasks_in", "Prepared": "PreparedRobot", "Shelf": "PreparedRobots", "speakable": "json_values",
     "paper_says": "paper_prediction", "found_out": "likelihood_ratio_p_value",
     "knowing": "rate_sensitivity", "ignorance": "state_of_knowledge", "far_out": "extrapolation_note",
-    "heard_parts": "parts_by_topic",
+    "heard_parts": "parts_by_topic", "ServiceInterval": "ExposureBetweenServices", "by_chance": "monte_carlo",
+    "DrivenTask": "TaskFigures", "standstill": "downtime_by_repairs", "Reading": "TopicDecoder, or ColumnDecoder",
 }  # fmt: skip
 
 

@@ -28,8 +28,8 @@ from robophm.core.errors import UnitError
 from robophm.design.file import load
 from robophm.design.importers.legacy.figures import legacy_rate, legacy_reliability
 from robophm.design.robot import Robot
-from robophm.health.by_chance import survival_by_chance
 from robophm.health.failures_to_come import failures_to_come
+from robophm.health.monte_carlo import survival_by_monte_carlo
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
@@ -110,7 +110,7 @@ def estimated(design: Path, hours: float, robots: int, seed: int, *, as_json: bo
     """Say what so many simulated robots did in place of what the diagram gives. Raises RobophmError."""
     refuse_unused("simulated robots (--monte-carlo)", ("hours", "monte_carlo", "seed"))
     robot = _asked(design, hours, None)
-    by_chance = survival_by_chance(robot, hours, robots, seed=seed)
+    by_chance = survival_by_monte_carlo(robot, hours, robots, seed=seed)
     if as_json:
         print_json({"robot": robot.name, "hours": hours, "seed": seed, **asdict(by_chance)})
         return

@@ -109,6 +109,7 @@ def test_two_people_edit_for_long_and_each_finds_their_own(courier, visit):
         if len(courses[part]) > 1 and rng.random() < 0.4:
             undo(pages[part])
             courses[part].pop()
+            expect(pages[part].get_by_label(f"Quantity of {part}")).to_have_value(str(courses[part][-1]))
         else:
             number = rng.choice([n for n in range(1, 99) if n != courses[part][-1]])
             set_quantity(pages[part], part, number)

@@ -158,12 +158,17 @@ function made(before: DesignState, now: DesignState, what: string): void {
 
 type Then = (before: DesignState, now: DesignState) => void;
 
-function write(ask: (revision: number) => Promise<DesignState>, retry: () => void, then?: Then): Promise<boolean> {
-  return inTurn(() => attempt(ask, retry, then));
+type Alike = (before: DesignState, now: DesignState) => boolean;
+
+function write(ask: (revision: number) => Promise<DesignState>, retry: () => void, then?: Then, alike?: Alike): Promise<boolean> {
+  return inTurn(() => attempt(ask, retry, then, alike));
 }
 
-/** ``again``: how often to ask of what others have made of the design meanwhile, where that makes no difference. */
-async function attempt(ask: (revision: number) => Promise<DesignState>, retry: () => void, then?: Then, again = 0): Promise<boolean> {
+/** How often to ask again while others keep editing. */
+const TIMES = 20;
+
+/** ``alike``: whether what others have made of the design meanwhile makes no difference to what is asked for. */
+async function attempt(ask: (revision: number) => Promise<DesignState>, retry: () => void, then?: Then, alike?: Alike, left = TIMES): Promise<boolean> {
   const now = design.get();
   if (!now) return false;
   try {
@@ -174,7 +179,7 @@ async function attempt(ask: (revision: number) => Promise<DesignState>, retry: (
   } catch (error) {
     if (error instanceof Refused && error.status === 409 && error.current) {
       design.set(error.current);
-      if (again) return attempt(ask, retry, then, again - 1);
+      if (left > 0 && alike?.(now, error.current)) return attempt(ask, retry, then, alike, left - 1);
       say("Somebody else changed the design meanwhile. Theirs is shown; yours was not made.", "error", {
         label: "Make mine too",
         run: retry,
@@ -190,7 +195,15 @@ export function edit(operations: Operation[], what: string): Promise<boolean> {
     (revision) => post("/api/design/edits", { revision, operations, what: what.slice(0, 200) }),
     () => void edit(operations, what),
     (before, now) => made(before, now, what),
+    (before, now) => untouched(operations, before, now),
   );
+}
+
+/** Whether the places that values are put to, or deleted at, are as they were; of other edits nothing is assumed. */
+function untouched(operations: Operation[], before: DesignState, now: DesignState): boolean {
+  const at = (state: DesignState, path: string[]): string =>
+    JSON.stringify(path.reduce<unknown>((value, key) => (value as Record<string, unknown> | undefined)?.[key], state.document)) ?? "";
+  return operations.every((one) => (one.op === "put" || one.op === "delete") && at(before, one.path) === at(now, one.path));
 }
 
 export async function editWithUndo(operations: Operation[], what: string): Promise<boolean> {
@@ -216,15 +229,12 @@ export function replaceText(text: string, what: string): Promise<boolean> {
 type One = Own["done"][number];
 const without = (all: One[], one: One): One[] => all.filter((other) => other.edit !== one.edit);
 
-/** How often an edit of one's own is taken back, or done again, of what others have made of the design meanwhile. */
-const TIMES = 20;
-
 /** Take back an edit of one's own, the latest unless another is said; what others have edited since stays. */
 export function undo(one?: One): Promise<boolean> {
   return inTurn(async () => {
     const mine = one ?? own.get().done.at(-1);
     if (!mine) return undoOthers();
-    const done = await attempt((revision) => post("/api/design/undo", { revision, edit: mine.edit }), () => void undo(mine), undefined, TIMES);
+    const done = await attempt((revision) => post("/api/design/undo", { revision, edit: mine.edit }), () => void undo(mine), undefined, () => true);
     const { done: left, undone } = own.get();
     if (done) remember({ done: without(left, mine), undone: [...undone, mine] });
     return done;
@@ -248,7 +258,7 @@ export function redo(): Promise<boolean> {
     const ask = (revision: number): Promise<DesignState> => post("/api/design/redo", { revision, edit: mine?.edit ?? null });
     let again = mine;
     const then: Then = (_, now) => (again = mine && { edit: now.state, what: mine.what });
-    const done = await attempt(ask, () => void redo(), then, mine ? TIMES : 0);
+    const done = await attempt(ask, () => void redo(), then, () => mine !== undefined);
     const { done: before, undone } = own.get();
     if (done && mine && again) remember({ done: [...before, again], undone: without(undone, mine) });
     return done;

@@ -201,7 +201,7 @@ function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
 }
 
 function ArrivedTable({ tasks, add }: { tasks: Shapes["ArrivedTask"][]; add: (task: Task) => void }): ReactNode {
-  const both = (driven: Shapes["DrivenTask"] | null): ReactNode =>
+  const both = (driven: Shapes["TaskFigures"] | null): ReactNode =>
     driven?.chance ? (
       <>
         {chanceWords(driven.chance.sensor_based, driven.unknown)}

@@ -1,4 +1,4 @@
-import { type InputHTMLAttributes, type ReactNode, useId, useState } from "react";
+import { type InputHTMLAttributes, type ReactNode, useEffect, useId, useState } from "react";
 
 interface Common {
   label: string;
@@ -49,8 +49,8 @@ export interface Typing {
 /** What is typed counts when it is finished: on Enter, or when the field is left. It stays whatever others edit. */
 export function useTyping(value: string, set: (value: string) => void): Typing {
   /** What is typed, the value that it was begun at, and whether it is finished: then the next value takes its place. */
-  const [found, setTyped] = useState<{ text: string; at: string; finished: boolean } | null>(null);
-  const typed = found?.finished && found.at !== value ? null : found;
+  const [typed, setTyped] = useState<{ text: string; at: string; finished: boolean } | null>(null);
+  useEffect(() => setTyped((now) => (now?.finished ? null : now)), [value]);
   return {
     text: typed?.text ?? value,
     type: (text) => setTyped({ text, at: typed && !typed.finished ? typed.at : value, finished: false }),

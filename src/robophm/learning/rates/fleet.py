@@ -101,7 +101,7 @@ class Powers:
         return math.fsum(self.expected) * math.exp(self.beta * log_times)
 
 
-class Ratio(NamedTuple):
+class StatedRateRatio(NamedTuple):
     """The posterior of θ, the ratio of a true rate to the stated one."""
 
     times: float
@@ -121,11 +121,11 @@ class Ratio(NamedTuple):
 class Fleet:
     """Posteriors of the ratios of true rates to the stated one, in a fleet whose robots may differ."""
 
-    mean: Ratio
+    mean: StatedRateRatio
     """The ratio for the mean of the fleet."""
-    next: Ratio
+    next: StatedRateRatio
     """The ratio for a further robot of this fleet, of which nothing is known yet."""
-    robots: tuple[Ratio, ...]
+    robots: tuple[StatedRateRatio, ...]
     """The ratio for each robot, in order; the less was seen of one, the more it is drawn towards the others."""
     spread: tuple[float, float, float] | None = None
     """Coefficient of variation of the hazard from robot to robot: 5 %, 50 % and 95 % quantile; None of one robot, or
@@ -144,18 +144,18 @@ def fleet(failures: Sequence[float], promise: ExpectedFailures, found: Posterior
     nodes = _nodes(n, promise, found)
     beta, reach = promise.beta, promise.reach * promise.beta
     low, _, high = (math.exp(one / beta) for one in _quantiles(nodes.log_mean, nodes.weight))
-    mean = Ratio(pooled.times, min(low, pooled.times), max(high, pooled.times))
+    mean = StatedRateRatio(pooled.times, min(low, pooled.times), max(high, pooled.times))
     few = _fewer(nodes)
     rate = few.s * np.exp(-few.log_mean)
     ends = interval(
         lambda u: float(few.weight @ gammainc(few.s, np.minimum(rate * math.exp(u), 1e300))), pooled.times**beta, reach
     )
-    another = Ratio(pooled.times, *(one ** (1 / beta) for one in ends))
+    another = StatedRateRatio(pooled.times, *(one ** (1 / beta) for one in ends))
     own = _each(n, promise, few, pooled.times)
     return Fleet(mean, another, own, _quantiles(1 / np.sqrt(nodes.s), nodes.weight))
 
 
-def _pooled(promise: ExpectedFailures, found: Posterior) -> Ratio:
+def _pooled(promise: ExpectedFailures, found: Posterior) -> StatedRateRatio:
     """Of one rate for all: with a·θ^β + E(θ), failures that the stated rate and the field promise."""
     beta, reach = promise.beta, promise.reach
     s, r, p = found.gammas
@@ -175,7 +175,7 @@ def _pooled(promise: ExpectedFailures, found: Posterior) -> Ratio:
         promised = promise.to_all(g) if found.expected > 0 else 0.0
         return float(p @ gammainc(s, np.minimum(counts * math.exp(beta * g) + promised, 1e300)))
 
-    return Ratio(times, *interval(below, times, reach))
+    return StatedRateRatio(times, *interval(below, times, reach))
 
 
 class _Nodes(NamedTuple):
@@ -242,7 +242,7 @@ def _log_likelihood(n: Array, promised: Array, spread: float) -> Array:
     return found
 
 
-def _each(n: Array, promise: ExpectedFailures, few: _Nodes, times: float) -> tuple[Ratio, ...]:
+def _each(n: Array, promise: ExpectedFailures, few: _Nodes, times: float) -> tuple[StatedRateRatio, ...]:
     """Each robot's own. The estimate is its mean, drawn towards that of all failures together."""
     beta = promise.beta
     s, mean = few.s, np.exp(few.log_mean)
@@ -254,7 +254,7 @@ def _each(n: Array, promise: ExpectedFailures, few: _Nodes, times: float) -> tup
         estimate = promise.where(some, np.broadcast_to(drawn, (len(some), len(s))), s + failed) @ few.weight
         ends = [_where_below(level, s + failed, s / mean, few.weight, promise, some) for level in LEVELS]
         found += [
-            Ratio(one, min(low, one), max(high, one))
+            StatedRateRatio(one, min(low, one), max(high, one))
             for one, low, high in zip((estimate ** (1 / beta)).tolist(), *(end.tolist() for end in ends), strict=True)
         ]
     return tuple(found)

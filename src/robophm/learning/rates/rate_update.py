@@ -14,7 +14,7 @@ from robophm.core.errors import DataError, UnitError
 from robophm.core.units import quantity
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot, Uncertainty
 from robophm.learning.rates.failure_log import Seen, merged
-from robophm.learning.rates.fleet import Fleet, Powers, Ratio, fleet
+from robophm.learning.rates.fleet import Fleet, Powers, StatedRateRatio, fleet
 from robophm.learning.rates.gamma_poisson import VAGUEST, Posterior, update
 from robophm.learning.rates.life_scale import at_rate, fit_scale, information
 
@@ -45,7 +45,7 @@ class LearnedRate:
     """The robot that was asked for; None: the next one of this fleet, of which nothing else is known."""
 
     @property
-    def ratio(self) -> Ratio:
+    def ratio(self) -> StatedRateRatio:
         """The posterior of the ratio of the true rate to the stated one, for the robot that was asked for."""
         return self.fleet.robots[self.robots.index(self.of)] if self.of in self.robots else self.fleet.next
 

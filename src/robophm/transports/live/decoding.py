@@ -44,7 +44,7 @@ class Numbers(NamedTuple):
     """The message as rosbags decodes it, where it is wanted whole; None for one that is large."""
 
 
-class Reading:
+class TopicDecoder:
     """Reads the messages of one type on one topic. Raises TypeRefusedError where it has no such field."""
 
     def __init__(self, topic: str, type_: MessageType, signals: Collection[str], identity: str) -> None:

@@ -174,7 +174,7 @@ class Prognosis(Shape):
     """The effect of parts of unknown rate on the completion of all."""
 
 
-class DrivenTask(Shape):
+class TaskFigures(Shape):
     """A task as it was planned, or as it was done."""
 
     distance: float
@@ -190,8 +190,8 @@ class ArrivedTask(Shape):
     arrived: float | None
     start: float | None
     end: float | None
-    predicted: DrivenTask | None
-    actual: DrivenTask | None
+    predicted: TaskFigures | None
+    actual: TaskFigures | None
 
 
 class Arrived(Shape):
@@ -282,7 +282,7 @@ def _told(judged: Sequence[JudgedTask]) -> list[ArrivedTask]:
     found: list[ArrivedTask] = []
     waiting: dict[str, ArrivedTask] = {}
     for one in judged:
-        robot, driven = one.topic.rpartition("/")[0], DrivenTask(
+        robot, driven = one.topic.rpartition("/")[0], TaskFigures(
             distance=one.distance, duration=one.duration, chance=_both(one.completion),
             unknown=unknown_of(one.unknown, "of_tasks"),
         )  # fmt: skip
@@ -315,8 +315,8 @@ def _arrived(record: TaskRecord, now: int) -> ArrivedTask:
     )
 
 
-def _driven(task: Task, chance: Mapping[View, Completion] | None, left_out: PartsOfUnknownRate | None) -> DrivenTask:
-    return DrivenTask(distance=task.distance, duration=task.duration, chance=_both(chance) if chance else None,
+def _driven(task: Task, chance: Mapping[View, Completion] | None, left_out: PartsOfUnknownRate | None) -> TaskFigures:
+    return TaskFigures(distance=task.distance, duration=task.duration, chance=_both(chance) if chance else None,
                       unknown=unknown_of(left_out, "of_tasks"))  # fmt: skip
 
 

@@ -17,11 +17,13 @@ from robophm.core.signal import SECOND
 from robophm.transports.recordings.columns import read_columns
 from robophm.transports.recordings.columns.chunked import ChunkedFile
 from robophm.transports.recordings.columns.drive import opened
+from robophm.transports.recordings.opening import open_source
 from robophm.transports.synthetic import SyntheticOta
 
 from ...conftest import SIGNALS
 from ..made import rewrite, rewrite_mcap
-from .damage import attempt, changed, rows, rows_of, traced
+from .damage import attempt, changed, records, rows, rows_of, traced
+from .fuzz.shapes import bag_records
 
 
 @pytest.mark.parametrize("compression", ["", "LZ4", "BZ2"])
@@ -247,3 +249,25 @@ def test_a_database_without_definitions_or_topics_says_so(recorded: dict[str, Pa
     assert not isinstance(found, SourceError)
     assert rows_of(found[0]) == whole  # all of types that are well known
     assert any("definitions of message types are lost" in note for note in found[1])
+
+
+@pytest.mark.parametrize("suffix", [".bag", ".mcap"])
+def test_an_index_with_a_time_that_its_chunk_does_not_have_is_not_believed(
+    suffix: str, recorded: dict[str, Path], tmp_path: Path
+) -> None:
+    """Another valid number, a day later: when topics begin and end, their messages say then."""
+    content = bytearray(recorded[suffix].read_bytes())
+    with open_source(recorded[suffix]) as source:
+        expected = source.topics()
+    if suffix == ".bag":
+        found = bag_records(bytes(content), 13, len(content))
+        place = next(data for fields, _, data, _ in found if content[fields[b"op"][0]] == 4)
+        form, step = "<I", 86400
+    else:
+        place, form, step = records(bytes(content), 7)[0] + 15, "<Q", 86400 * SECOND
+    (time,) = struct.unpack_from(form, content, place)
+    struct.pack_into(form, content, place, time + step)
+    path = tmp_path / f"x{suffix}"
+    path.write_bytes(content)
+    with open_source(path) as source:
+        assert source.topics() == expected

@@ -139,3 +139,43 @@ def test_two_whose_logs_alone_differ_are_two(recorded: dict[str, Path], tmp_path
     assert each[0].read_bytes() == each[1].read_bytes()
     with open_source(*each) as source:
         assert len(source.spans()) == 2
+
+
+@pytest.mark.parametrize("what", ["salts of a frame", "both salts of the last", "head", "half a frame"])
+def test_whatever_of_a_log_does_not_count_is_said(killed: Path, tmp_path: Path, what: str) -> None:
+    """SQLite passes over it, as over what a log still holds of before it was begun anew."""
+    whole = rows(killed)[0].total()
+    log = killed.with_name("drive.db3-wal")
+    content = bytearray(log.read_bytes())
+    frame = 24 + int.from_bytes(content[8:12], "big")
+    if what == "salts of a frame":
+        content[32 + 3 * frame + 9] ^= 0x10
+    elif what == "both salts of the last":
+        content[len(content) - frame + 8 : len(content) - frame + 16] = b"\xa5" * 8
+    elif what == "head":
+        content[17] ^= 1
+    else:
+        del content[len(content) - frame // 2 :]
+    log.write_bytes(content)
+    found, notes = rows(killed)
+    assert found == expected(killed, tmp_path / "copy")
+    assert found.total() < whole
+    assert any(note.startswith("lost: ") and "drive.db3-wal" in note for note in notes)
+
+
+def test_what_a_log_holds_of_before_it_was_begun_anew_is_not_missing(tmp_path: Path, recorded: dict[str, Path]) -> None:
+    path = tmp_path / "drive.db3"
+    shutil.copy(recorded[".db3"] / "drive.db3", path)
+    (tmp_path / "left").mkdir()
+    with closing(sqlite3.connect(path, isolation_level=None)) as database:
+        database.execute("PRAGMA journal_mode = WAL")
+        insert = "INSERT INTO messages(topic_id, timestamp, data) SELECT topic_id, timestamp + ?, data FROM messages"
+        database.execute(f"{insert} LIMIT 900", (10_000 * SECOND,))
+        database.execute("PRAGMA wal_checkpoint(RESTART)")
+        database.execute(f"{insert} LIMIT 5", (20_000 * SECOND,))
+        for file in ("drive.db3", "drive.db3-wal"):
+            shutil.copy(tmp_path / file, tmp_path / "left" / file)
+    left = tmp_path / "left" / "drive.db3"
+    found, notes = rows(left)
+    assert found == expected(left, tmp_path / "copy")
+    assert not any("lost" in note for note in notes)

@@ -107,8 +107,10 @@ class BagFile(ChunkedFile):
         for record in self._indices(chunk.end):
             entries = self._entries(record)
             times[record.number(b"conn")] = entries["sec"].astype(np.int64) * SECOND + entries["nsec"]
-        if times.keys() != chunk.indices.keys():
-            raise DamageError("not of the connections that its chunk's info counts")
+        counted = self._ends.get(chunk.end, {})
+        alike = all(len(heard) == counted.get(id_, len(heard)) for id_, heard in times.items())
+        if not alike or times.keys() != chunk.indices.keys():
+            raise DamageError("not what its chunk's info counts")
         return times
 
     def _entries(self, record: Record) -> NDArray[Any]:
@@ -147,6 +149,10 @@ class BagFile(ChunkedFile):
         if not (fits & (ends <= limits)).all():
             raise DamageError("an offset that is no message's")
         return Messages(connection, content, times, begin, ends)
+
+    def record_end(self, content: Bytes, offset: int) -> int:
+        """Return where the record ends that begins at this place of a chunk; raises DamageError."""
+        return record_at(content, offset, MOST_TIME).end
 
     def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
         """Return the messages found from record to record."""

@@ -28,7 +28,7 @@ from robophm.transports.recordings.columns.pieces import (
     tell,
     tell_all,
 )
-from robophm.transports.recordings.columns.unpacking import unpack, unpack_begun
+from robophm.transports.recordings.columns.unpacking import LARGEST_CHUNK, unpack, unpack_begun, unpack_some
 
 SPARSE = 4
 """Single messages of a chunk that is not compressed are read where they touch at most one in so many of its pages."""
@@ -66,6 +66,10 @@ class Chunk(NamedTuple):
     def packed(self) -> bool:
         """Whether its content has to be unpacked."""
         return self.compression not in ("", "none")
+
+
+Place = tuple[Chunk, int, int]
+"""A chunk, and where in a buffer what was unpacked of it begins and ends."""
 
 
 class UnknownError(DamageError):
@@ -117,7 +121,7 @@ class ChunkedFile(MappedFile):
 
             def begun(batch: Sequence[_Asked]) -> list[Callable[[], Bytes | str]]:
                 return [
-                    beside.submit(self._held, one).result if one.unpacks else partial(self._held, one)
+                    beside.submit(self._held, one, wanted).result if one.unpacks else partial(self._held, one, wanted)
                     for one in batch
                     if one.content
                 ]
@@ -210,7 +214,7 @@ class ChunkedFile(MappedFile):
             self._fetch_index(chunk)
         for chunk in chunks:
             try:
-                tell_all(told, self.indexed_times(chunk))
+                tell_all(told, self.indexed_times(chunk), chunk.first, chunk.last)
             except DamageError:
                 with suppress(DamageError):
                     for messages in self.scanned(chunk, self.unpacked(chunk), self._known()):
@@ -225,16 +229,42 @@ class ChunkedFile(MappedFile):
     def indexed_times(self, chunk: Chunk) -> Mapping[int, Ints]:
         """When the messages of a chunk were received, by connection, as its index says; raises DamageError."""
 
-    def _held(self, one: _Asked) -> Bytes | str:
-        """What a chunk holds, or what is wrong with it."""
+    def _held(self, one: _Asked, wanted: frozenset[int]) -> Bytes | str:
+        """What a chunk holds, as far as it is wanted, or what is wrong with it."""
+        with suppress(DamageError):
+            if one.unpacks and (some := self._begun(one.chunk, wanted)) is not None:
+                return some
+        return self._whole(one)
+
+    def _whole(self, one: _Asked) -> Bytes | str:
         try:
             return self.unpacked(one.chunk, sparse=one.sparse)
         except DamageError as error:
             return str(error)
 
-    def _together(
-        self, batch: Sequence[_Asked], contents: Sequence[Bytes | str]
-    ) -> tuple[Bytes, list[tuple[Chunk, int, int]]]:
+    def _begun(self, chunk: Chunk, wanted: frozenset[int]) -> Bytes | None:
+        """A packed chunk up to the last message that is wanted, where few are, and all in its first part.
+
+        Raises DamageError where that is not what its index says.
+        """
+        if chunk.cut or not chunk.indices or self.counted(chunk, wanted) * PAGE * SPARSE > chunk.size:
+            return None
+        here = [self.index(at, id_)["offset"] for id_, at in chunk.indices.items() if id_ in wanted]
+        last = max((int(offsets.max()) for offsets in here if len(offsets)), default=0)
+        if last * SPARSE > chunk.size or chunk.size > LARGEST_CHUNK:
+            return None
+        stored = self.content[chunk.start : chunk.end]
+        some = unpack_some(stored, chunk.compression, last + PAGE)
+        end = self.record_end(some, last)
+        if end * SPARSE > chunk.size:
+            return None
+        return some if end <= len(some) else unpack_some(stored, chunk.compression, end)
+
+    @abstractmethod
+    def record_end(self, content: Bytes, offset: int) -> int:
+        """Where the record ends that begins at this place of a chunk, as it says; raises DamageError."""
+
+    def _together(self, batch: Sequence[_Asked], contents: Sequence[Bytes | str]) -> tuple[Bytes, list[Place]]:
         """One buffer, and where in it each chunk begins and ends: what was unpacked, or else the file itself."""
         sound: list[Bytes] = []
         places, end = [], 0
@@ -254,7 +284,7 @@ class ChunkedFile(MappedFile):
         self,
         batch: Iterable[_Asked],
         buffer: Bytes,
-        places: Sequence[tuple[Chunk, int, int]],
+        places: Sequence[Place],
         wanted: frozenset[int],
         timed: frozenset[int],
     ) -> list[Messages]:
@@ -266,9 +296,7 @@ class ChunkedFile(MappedFile):
                 found.setdefault(messages.connection, []).append(messages)
         return [joined(parts) for parts in found.values()]
 
-    def _at_once(
-        self, buffer: Bytes, places: Sequence[tuple[Chunk, int, int]], wanted: frozenset[int]
-    ) -> list[Messages]:
+    def _at_once(self, buffer: Bytes, places: Sequence[Place], wanted: frozenset[int]) -> list[Messages]:
         """The messages of all chunks by their indices; none where one of those is not sound."""
         parts: dict[int, list[tuple[NDArray[Any], int, int]]] = {}
         try:
@@ -292,14 +320,28 @@ class ChunkedFile(MappedFile):
     def _one_by_one(
         self,
         buffer: Bytes,
-        places: Iterable[tuple[Chunk, int, int]],
+        places: Sequence[Place],
         wanted: frozenset[int],
         timed: frozenset[int],
     ) -> Iterator[Messages]:
         """The messages of each chunk, by its index where that is sound."""
+        buffer, places = self._in_full(buffer, places)
         for chunk, begin, end in places:
-            for messages in self._indexed(chunk, buffer[begin:end], wanted if chunk.indices else wanted | timed):
+            asked = wanted if chunk.indices else wanted | timed
+            for messages in self._indexed(chunk, buffer[begin:end], asked):
                 yield messages._replace(buffer=buffer, starts=messages.starts + begin, ends=messages.ends + begin)
+
+    def _in_full(self, buffer: Bytes, places: Sequence[Place]) -> tuple[Bytes, Sequence[Place]]:
+        """The same with all of each chunk, where one was unpacked no further than an index asked for."""
+        begun = [chunk.packed and not chunk.cut and end - begin < chunk.size for chunk, begin, end in places]
+        if not any(begun):
+            return buffer, places
+        asked: list[_Asked] = []
+        contents: list[Bytes | str] = []
+        for (chunk, begin, end), in_part in zip(places, begun, strict=True):
+            asked.append(_Asked(chunk, True, False, chunk.size))
+            contents.append(self._whole(asked[-1]) if in_part else buffer[begin:end])
+        return self._together(asked, contents)
 
     def _times(self, chunk: Chunk, timed: frozenset[int]) -> list[Messages]:
         """The messages of these connections in a chunk, of which nothing but their times is told, by its index."""

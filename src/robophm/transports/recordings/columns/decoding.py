@@ -92,7 +92,7 @@ def _recipe(type_: MessageType, fields: tuple[str, ...]) -> _Recipe:
     return _Recipe(stamps, paths, getters, namers, arrays, program)
 
 
-class Reading:
+class ColumnDecoder:
     """Makes columns of the messages of one connection: by a compiled program, else one by one by rosbags."""
 
     def __init__(

@@ -35,6 +35,7 @@ from robophm.transports.recordings.columns.mcap_definitions import (
     definitions_of,
     run_of_definitions,
 )
+from robophm.transports.recordings.columns.mcap_messages import FOUND, HEAD, by_channel, table_of
 from robophm.transports.recordings.columns.pieces import (
     BATCH,
     MOST_TIME,
@@ -51,22 +52,9 @@ FOOTER, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, DATA_END = 2, 5,
 _SUMMARY = (CHUNK_INDEX, 10, STATISTICS, 13, 14)
 """Opcodes in a summary besides schemas and channels."""
 
-_HEAD = np.dtype(
-    [
-        ("opcode", "u1"),
-        ("length", "<u8"),
-        ("channel", "<u2"),
-        ("sequence", "<u4"),
-        ("time", "<u8"),
-        ("published", "<u8"),
-    ]
-)
-"""The layout of what comes before the bytes of a message."""
-
 _INDEX_HEAD = struct.Struct("<BQHI").unpack_from
 _CHUNK_INDEX = struct.Struct("<QQQQI").unpack_from
 _INDEX = np.dtype([("time", "<u8"), ("offset", "<u8")])
-_FOUND = np.dtype([("channel", "<u2"), ("time", "<u8"), ("start", "<i8"), ("end", "<i8")])
 _FOOTER_SIZE = 9 + 20 + len(MAGIC)
 
 
@@ -123,7 +111,7 @@ class McapFile(ChunkedFile):
         self.counts: dict[int, int] = {}
         self._repeated: list[tuple[int, int, int]] = []
         """Schemas and channels behind the data: opcode, begin and end."""
-        self._loose = np.empty(0, _FOUND)
+        self._loose = np.empty(0, FOUND)
         """Messages outside chunks."""
 
     def begin(self) -> int:
@@ -145,7 +133,7 @@ class McapFile(ChunkedFile):
         sizes = np.cumsum(loose["end"] - loose["start"]) // BATCH
         for part in np.split(loose, np.flatnonzero(np.diff(sizes)) + 1):
             if len(part):
-                yield Piece(int(part["time"][0]), partial(_by_channel, part, self.content, wanted))
+                yield Piece(int(part["time"][0]), partial(by_channel, part, self.content, wanted))
 
     def moved(self, other: Self, by: int) -> list[Chunk]:
         """Return the chunks of another file, as they are when that lies so many bytes further on in this."""
@@ -215,25 +203,31 @@ class McapFile(ChunkedFile):
         if len(starts) and (int(starts.min()) < 0 or int(starts.max()) > len(content)):
             raise DamageError("an offset beyond the end")
         starts += begins
-        if not distinct(starts, len(content) // _HEAD.itemsize):
+        if not distinct(starts, len(content) // HEAD.itemsize):
             raise DamageError("an offset that is there twice")
         room = limits - 9 - starts
-        if len(starts) and int(room.min()) + 9 < _HEAD.itemsize:
+        if len(starts) and int(room.min()) + 9 < HEAD.itemsize:
             raise DamageError("an offset beyond the end")
-        heads = everywhere(content, f"V{_HEAD.itemsize}")[starts].view(_HEAD)
+        heads = everywhere(content, f"V{HEAD.itemsize}")[starts].view(HEAD)
         length = heads["length"]
         fits = (heads["opcode"] == MESSAGE) & (heads["channel"] == connection) & (heads["time"] == index["time"])
         if not (fits & (length >= 22) & (length <= room.astype(np.uint64)) & (heads["time"] <= MOST_TIME)).all():
             raise DamageError("an offset that is no message's")
         ends = starts + 9 + length.astype(np.int64)
-        return Messages(connection, content, index["time"].astype(np.int64), starts + _HEAD.itemsize, ends)
+        return Messages(connection, content, index["time"].astype(np.int64), starts + HEAD.itemsize, ends)
+
+    def record_end(self, content: Bytes, offset: int) -> int:
+        """Return where the record ends that begins at this place of a chunk; raises DamageError."""
+        if offset + 9 > len(content):
+            raise DamageError("an offset beyond the end")
+        return offset + 9 + int(struct.unpack_from("<Q", content.data, offset + 1)[0])
 
     def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
         """Return the messages found from record to record."""
         found, behind = self._scan(content, 0)
         if behind < len(content):
             self.lost(f"{len(content) - behind} bytes of the chunk", chunk.offset)
-        return _by_channel(found, content, wanted)
+        return by_channel(found, content, wanted)
 
     def _scan(self, content: Bytes, position: int, places: Sequence[int] = ()) -> tuple[NDArray[Any], int]:
         """All messages, and where whole records end; schemas and channels are kept, of the file itself chunks too.
@@ -273,9 +267,9 @@ class McapFile(ChunkedFile):
                 (channel,) = struct.unpack_from("<H", view, position + 9)
                 self.chunks[-1].indices[channel] = position  # type: ignore[index]
             elif whole_file and opcode == FOOTER and end == size - len(MAGIC):  # elsewhere it is a damaged record
-                return _table(found), size
+                return table_of(found), size
             position = beyond
-        return _table(found), position
+        return table_of(found), position
 
     def _define(self, opcode: int, content: memoryview) -> None:
         """Keep a schema or a channel; what was said first holds."""
@@ -430,19 +424,3 @@ class McapFile(ChunkedFile):
     def _defined(self) -> set[int]:
         """The channels whose schema is known, or that have none."""
         return {id_ for id_, (schema, _, _) in self._channels.items() if not schema or schema in self._schemas}
-
-
-def _table(columns: list[array[int]]) -> NDArray[Any]:
-    table = np.empty(len(columns[0]), _FOUND)
-    for name, column in zip(_FOUND.names or (), columns, strict=True):
-        table[name] = column
-    return table
-
-
-def _by_channel(found: NDArray[Any], content: Bytes, wanted: Collection[int]) -> list[Messages]:
-    return [
-        Messages(id_, content, some["time"].astype(np.int64), some["start"].copy(), some["end"].copy())
-        for id_ in np.unique(found["channel"]).tolist()
-        if id_ in wanted
-        for some in [found[found["channel"] == id_]]
-    ]

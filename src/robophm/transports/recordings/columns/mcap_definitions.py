@@ -84,7 +84,7 @@ def connections_of(schemas: Schemas, channels: Channels) -> list[Connection]:
         format_ = formats.get(language, Format.NONE)
         definition = MessageDefinition(format_, data.decode(errors="replace") if format_.value else "")
         try:
-            name = normalize_msgtype(name)
+            name = normalize_msgtype(name) if name else ""
         except Exception:  # said when the topic is asked for
             definition = MessageDefinition(Format.MSG, "")
         connections.append(Connection(id_, topic, name, definition, "", 0, ConnectionExtRosbag2(encoding, []), None))

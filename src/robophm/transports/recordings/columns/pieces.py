@@ -134,14 +134,21 @@ def tell(told: dict[int, TopicExtent], connection: int, times: Ints) -> None:
     tell_all(told, {connection: times})
 
 
-def tell_all(told: dict[int, TopicExtent], heard: Mapping[int, Ints]) -> None:
-    """Count some more messages of connections, by when they were received."""
+def tell_all(
+    told: dict[int, TopicExtent], heard: Mapping[int, Ints], first: int = -MOST_TIME, last: int = MOST_TIME
+) -> None:
+    """Count some more messages of connections, by when they were received.
+
+    Raises DamageError where one is before the first or after the last that there should be.
+    """
     heard = {connection: times for connection, times in heard.items() if len(times)}
     if not heard:
         return
     together = np.concatenate([*heard.values()])
     begins = np.cumsum([0, *(len(times) for times in heard.values())])[:-1]
     firsts, lasts = (found.reduceat(together, begins).tolist() for found in (np.minimum, np.maximum))
+    if min(firsts) < first or max(lasts) > last:
+        raise DamageError("a time that its chunk does not have")
     for (connection, times), first, last in zip(heard.items(), firsts, lasts, strict=True):
         count, spans = told.get(connection, _NONE)
         whole = (min(first, spans[0][0]), max(last, spans[-1][1])) if spans else (first, last)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
+import struct
 import tempfile
 from collections import Counter
 from contextlib import closing
@@ -19,6 +20,9 @@ from robophm.transports.recordings.files import log_of
 
 _LEFT = 2
 """The divisor of the free room for temporary files: a copy takes at most this part of it."""
+
+_MOST_BEFORE = 1 << 20
+"""Times that a log was begun anew, of which frames may be left."""
 
 _LOG_HEAD, _FRAME_HEAD = 32, 24
 """Bytes before the first frame of a log, and before the page in each: sqlite.org/fileformat2.html, section 4."""
@@ -66,19 +70,35 @@ class Settled:
 
 
 def _frames(log: Path) -> int:
-    """How many frames a log holds: those of before it was begun anew, which it keeps behind them, have other salts.
+    """How many frames a log holds, one that is cut among them; raises SourceError where it is no log.
 
-    Raises SourceError where it is no log.
+    Those of before it was begun anew, which it keeps behind them, are none: they have other salts, of which the first
+    counts how often it was.
     """
     with log.open("rb") as file:
         head = file.read(_LOG_HEAD)
     page = int.from_bytes(head[8:12], "big")
-    if len(head) < _LOG_HEAD or head[:3] != b"\x37\x7f\x06" or not 512 <= page <= 65536:
+    sound = len(head) == _LOG_HEAD and head[:3] == b"\x37\x7f\x06" and 512 <= page <= 65536
+    if not sound or _checksum(head[:24], "<>"[head[3] & 1]) != head[24:32]:
         raise SourceError(f"{log}: cannot be read: is no write-ahead log of SQLite, or its beginning is damaged")
-    count = (log.stat().st_size - _LOG_HEAD) // (_FRAME_HEAD + page)
-    if not count:
-        return 0
-    frame = np.dtype([("page", ">u4"), ("size", ">u4"), ("salts", ">u8"), ("rest", f"V{_FRAME_HEAD - 16 + page}")])
-    frames = np.memmap(log, frame, "r", _LOG_HEAD, (count,))
-    other = np.flatnonzero(frames["salts"] != frames["salts"][0])
-    return int(other[0]) if len(other) else int(count)
+    count, rest = divmod(log.stat().st_size - _LOG_HEAD, _FRAME_HEAD + page)
+    ours = np.ones(1, np.bool_)
+    if count:
+        salts = [("first", ">u4"), ("second", ">u4")]
+        frame = np.dtype([("page", ">u4"), ("size", ">u4"), *salts, ("rest", f"V{_FRAME_HEAD - 16 + page}")])
+        frames = np.memmap(log, frame, "r", _LOG_HEAD, (count,))
+        (first, second) = struct.unpack(">II", head[16:24])
+        before = (np.uint32(first) - frames["first"].astype(np.uint32)).astype(np.int64)  # wraps around
+        ours = ~((before > 0) & (before < _MOST_BEFORE) & (frames["second"] != second))
+    last = np.flatnonzero(ours)
+    found = int(last[-1]) + 1 if count and len(last) else 0
+    return found + (1 if rest and found == count else 0)
+
+
+def _checksum(data: bytes, order: str) -> bytes:
+    """The checksum of a log's head: sqlite.org/fileformat2.html, section 4.2."""
+    one = two = 0
+    for left, right in struct.iter_unpack(f"{order}II", data):
+        one = (one + left + two) % 2**32
+        two = (two + right + one) % 2**32
+    return struct.pack(">II", one, two)

@@ -59,6 +59,27 @@ def unpack_begun(content: Bytes, compression: str, size: int) -> Bytes:
     return np.frombuffer(found, np.uint8)
 
 
+def unpack_some(content: Bytes, compression: str, size: int) -> Bytes:
+    """The first ``size`` bytes of a chunk's content, as far as there are so many. Raises DamageError."""
+    try:
+        if compression == "zstd":
+            import zstandard
+
+            with zstandard.ZstdDecompressor().stream_reader(content.data) as stream:
+                found = stream.read(size)
+        elif compression == "lz4":
+            from lz4.frame import LZ4FrameDecompressor
+
+            found = LZ4FrameDecompressor().decompress(content.data, size)
+        else:
+            found = bz2.BZ2Decompressor().decompress(content.data, size)
+    except MemoryError:
+        raise
+    except Exception as error:
+        raise DamageError(f"chunk does not unpack: {error}") from error
+    return np.frombuffer(found, np.uint8)
+
+
 def _decompressor(compression: str) -> Callable[[Any, int], bytes]:
     if compression == "zstd":
         return unpack_zstd

@@ -15,7 +15,7 @@ from pathlib import Path
 from .mutate import mutant
 from .pool import Result, examine, run
 
-FORMATS = ("bag", "db3", "mcap")
+FORMATS = ("bag", "db3", "wal", "mcap")
 OUTCOMES = ("whole", "in part", "changed", "refused", "fault")
 FOUND = Path("fuzz-findings")
 
@@ -101,7 +101,7 @@ def main() -> int:
     def keep(finding: Result) -> None:
         FOUND.mkdir(exist_ok=True)
         path = FOUND / f"{seed}-{finding.number}.{finding.format}"
-        path.write_bytes(mutant(finding.format, finding.number, seed).content)
+        mutant(finding.format, finding.number, seed).write(path)
         print(f"{path}: {finding.fault}\n", flush=True)
 
     tallies = tallied(dict.fromkeys(formats, arguments.files), seed, arguments.jobs, keep)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import shutil
 import sqlite3
+import tempfile
 import traceback
 import warnings
 from collections import Counter
@@ -19,7 +21,7 @@ from robophm.transports.recordings.opening import open_source
 from robophm.transports.recordings.recording import Recording
 
 from .mutate import Mutant
-from .seeds import FIELDS, TOPICS, Rows, numbers, truth
+from .seeds import FIELDS, MEMORY, TOPICS, Rows, numbers, truth, typestore
 
 _SAID = re.compile(r"lost|unreadable|looked through|in the index|damaged|backwards")
 
@@ -125,6 +127,8 @@ def counted(rows: Rows, topics: Iterable[str]) -> Counter[tuple[str, int, str]]:
 def compare(ours: Read | SourceError, mutant: Mutant, path: Path) -> Iterator[tuple[str, str]]:
     """What every peer makes of the file: 'refuses', 'agrees', 'ours says what is lost', or where they differ."""
     for name, peer in PEERS[mutant.suffix]:
+        if mutant.beside and peer is _rosbags:  # which does not look into a log
+            continue
         try:
             theirs = peer(path, mutant.ros)
         except Exception:  # peers let anything through
@@ -182,6 +186,23 @@ def _rosbags(path: Path, _: int) -> Rows:
     return rows
 
 
+def _table(path: Path, ros: int) -> Rows:
+    """The rows of the table of messages as SQLite finds them in it, with what was committed in the log, by no index."""
+    rows: Rows = {}
+    with tempfile.TemporaryDirectory(dir=MEMORY) as folder:
+        copy = Path(folder) / path.name
+        shutil.copy(path, copy)
+        if (log := path.with_name(path.name + "-wal")).exists():
+            shutil.copy(log, copy.with_name(log.name))
+        with closing(sqlite3.connect(copy)) as database:
+            topics = dict(database.execute("SELECT id, name FROM topics NOT INDEXED"))
+            for topic, time, raw in database.execute("SELECT topic_id, timestamp, data FROM messages NOT INDEXED"):
+                if (name := topics.get(topic)) in TOPICS:
+                    message = typestore(ros).deserialize_cdr(raw, TOPICS[name])
+                    rows.setdefault(name, []).append((time, numbers(name, message)))
+    return rows
+
+
 def _mcap(path: Path, ros: int) -> Rows:
     from mcap.reader import make_reader
     from rosbags.interfaces import MessageDefinition
@@ -217,5 +238,5 @@ def _one_by_one(path: Path, _: int) -> Rows:
 PEERS = {
     ".mcap": (("mcap", _mcap), ("rosbags", _rosbags), ("one by one", _one_by_one)),
     ".bag": (("rosbags", _rosbags), ("one by one", _one_by_one)),
-    ".db3": (("rosbags", _rosbags), ("one by one", _one_by_one)),
+    ".db3": (("rosbags", _rosbags), ("one by one", _one_by_one), ("the table", _table)),
 }

@@ -10,6 +10,7 @@ import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 from . import seeds as written
 from .seeds import TOPICS, Seed, definition, seeds
@@ -29,6 +30,16 @@ class Mutant:
     """Where no value may have changed: the messages that may be gone. Otherwise None."""
     topics: tuple[str, ...]
     """That are asked for."""
+    beside: bytes = b""
+    """The database, where the content is that of its log."""
+
+    def write(self, path: Path) -> None:
+        """Write it, and what belongs to it, in the place of what was there."""
+        log = path.with_name(path.name + "-wal")
+        log.unlink(missing_ok=True)
+        path.write_bytes(self.beside or self.content)
+        if self.beside:
+            log.write_bytes(self.content)
 
 
 @cache
@@ -40,7 +51,7 @@ def mutant(format_: str, number: int, seed: int) -> Mutant:
     """The damaged file of this number."""
     chance = random.Random(f"{format_} {seed} {number}")
     topics = chance.choice([tuple(TOPICS), *((topic,) for topic in TOPICS)])
-    if chance.random() < 0.02:
+    if chance.random() < 0.02 and format_ != "wal":
         return _defined(format_, chance, topics)
     recording, shape = chance.choice(stock(format_))
     content = bytearray(recording.content)
@@ -50,13 +61,14 @@ def mutant(format_: str, number: int, seed: int) -> Mutant:
         done.append(_once(content, recording, shape, chance)[0])
         losable = None
     sealed = bytes(content)
-    if recording.plain and recording.suffix != ".db3" and chance.random() < 0.5:
+    if recording.plain and format_ in ("mcap", "bag") and chance.random() < 0.5:
         compression = chance.choice(("", "lz4", "zstd") if format_ == "mcap" else ("lz4", "bz2"))
         sealed = (_seal_mcap if format_ == "mcap" else _seal_bag)(sealed, compression)
         done.append(f"sealed {compression}".strip())
         losable = None
     ros = 1 if format_ == "bag" or recording.name == "ros1" else 2
-    return Mutant(" ".join((recording.name, *done)), sealed, recording.suffix, ros, losable, topics)
+    suffix = ".db3" if recording.beside else recording.suffix
+    return Mutant(" ".join((recording.name, *done)), sealed, suffix, ros, losable, topics, recording.beside)
 
 
 def _once(content: bytearray, seed: Seed, shape: Shape, chance: random.Random) -> tuple[str, frozenset[Message] | None]:
@@ -76,7 +88,7 @@ def _guarded(shape: Shape, start: int, end: int) -> frozenset[Message] | None:
 def _number(content: bytearray, seed: Seed, shape: Shape, chance: random.Random) -> frozenset[Message] | None:
     """A number that lies: by one, by a factor, at a limit, or a place elsewhere in the file."""
     start, end = chance.choice(shape.numbers)
-    order = "big" if seed.suffix == ".db3" else "little"
+    order = "big" if seed.suffix in (".db3", ".wal") else "little"
     bits = 8 * (end - start)
     old = int.from_bytes(content[start:end], order)
     places = [len(content), *chance.choice(shape.records)]
@@ -121,14 +133,23 @@ def _many(content: bytearray, seed: Seed, shape: Shape, chance: random.Random) -
 def _cut(content: bytearray, seed: Seed, shape: Shape, chance: random.Random) -> frozenset[Message] | None:
     size = chance.choice([chance.randrange(len(content) + 1), *chance.choice(shape.records)])
     del content[size:]
+    if seed.suffix == ".wal":
+        return _cut_log(content, shape)
     if seed.suffix == ".db3":
         return frozenset((topic, time) for topic, time, _ in written.messages(2))
     return frozenset(message for (_, end), inside in shape.chunks.items() if end > size for message in inside) or None
 
 
+def _cut_log(content: bytearray, shape: Shape) -> frozenset[Message] | None:
+    """What is lost of a log is said, unless it ends with something that was committed: then nothing tells."""
+    *_, (start, end) = [(0, 0), *(frame for frame in shape.records if frame[1] <= len(content))]
+    committed = not start or content[start + 4 : start + 8] != bytes(4)
+    return None if end == len(content) and committed else next(iter(shape.guarded.values()))
+
+
 def _pad(content: bytearray, seed: Seed, _: Shape, chance: random.Random) -> frozenset[Message] | None:
     content += chance.choice([bytes(chance.randrange(1, 20_000)), chance.randbytes(200), content[-200:]])
-    return frozenset() if seed.suffix == ".db3" else None
+    return frozenset() if seed.suffix in (".db3", ".wal") else None
 
 
 def _remove(content: bytearray, _: Seed, shape: Shape, chance: random.Random) -> None:

@@ -62,7 +62,7 @@ def examine(format_: str, number: int, seed: int, folder: Path) -> Iterator[Resu
     """First that it is begun with, then what became of it; where peers are asked a second beginning between."""
     damaged = mutant(format_, number, seed)
     path = folder / f"{format_}{damaged.suffix}"
-    path.write_bytes(damaged.content)
+    damaged.write(path)
     yield Result(format_, number, "begun")
     forget_peak()
     begun = time.process_time()
@@ -83,8 +83,8 @@ def _work(format_: str, first: int, behind: int, seed: int, results: Connection)
     sys.unraisablehook = lambda what: os.abort()
     with tempfile.TemporaryDirectory(dir=MEMORY) as folder:
         for recording, _ in stock(format_):  # what is loaded and compiled at first is not a file's
-            path = Path(folder) / f"sound{recording.suffix}"
-            path.write_bytes(recording.content)
+            path = Path(folder) / f"sound{'.db3' if recording.beside else recording.suffix}"
+            path.write_bytes(recording.beside or recording.content)
             read(path)
         with Path("/proc/self/statm").open() as file:
             space = int(file.read().split()[0]) * resource.getpagesize() + SPACE

@@ -20,6 +20,9 @@ T0 = 1_700_000_000 * SECOND
 STEPS = 10
 """Messages of each topic."""
 
+IN_LOG = 4
+"""Of a database that was not closed, messages from this one on lie in the log beside it."""
+
 CUSTOM = "fuzz_msgs/msg/Status"
 DEFINITION = f"""string[] labels
 Part[] parts
@@ -50,6 +53,8 @@ class Seed:
     name: str
     content: bytes
     suffix: str
+    beside: bytes = b""
+    """The database, where the content is that of its log."""
 
     @property
     def plain(self) -> bool:
@@ -189,6 +194,28 @@ def db3(page: int = 4096, big: bool = False, large: bool = False, texts: Mapping
         return file.read_bytes()
 
 
+def wal(page: int = 4096) -> tuple[bytes, bytes]:
+    """A database as a recorder leaves it that was killed, and its log: the later messages lie there, in three parts."""
+    with tempfile.TemporaryDirectory(dir=MEMORY) as folder:
+        path = Path(folder) / "x.db3"
+        path.write_bytes(db3(page))
+        database = sqlite3.connect(path, isolation_level=None)
+        later = database.execute("SELECT * FROM messages WHERE timestamp >= ?", (T0 + IN_LOG * SECOND,)).fetchall()
+        database.execute("DELETE FROM messages WHERE timestamp >= ?", (T0 + IN_LOG * SECOND,))
+        database.execute("VACUUM")
+        database.execute("PRAGMA journal_mode = WAL")
+        database.execute("PRAGMA wal_autocheckpoint = 0")
+        for third in range(3):
+            database.execute("BEGIN")
+            database.executemany(
+                "INSERT INTO messages VALUES (?, ?, ?, ?)", later[third * len(later) // 3 :][: len(later) // 3]
+            )
+            database.execute("COMMIT")
+        found = path.read_bytes(), path.with_name("x.db3-wal").read_bytes()
+        database.close()
+        return found
+
+
 def seeds(format_: str) -> Iterator[Seed]:
     """The sound recordings of a format."""
     if format_ == "mcap":
@@ -205,6 +232,10 @@ def seeds(format_: str) -> Iterator[Seed]:
         yield Seed("plain", bag(), ".bag")
         yield Seed("lz4", bag("lz4"), ".bag")
         yield Seed("bz2", bag("bz2"), ".bag")
+    elif format_ == "wal":
+        for page in (4096, 512):
+            database, log = wal(page)
+            yield Seed(str(page), log, ".wal", database)
     else:
         yield Seed("4096", db3(), ".db3")
         yield Seed("512", db3(512), ".db3")

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
 
-from .seeds import TOPICS, Seed
+from .seeds import IN_LOG, SECOND, T0, TOPICS, Seed, messages
 
 Span = tuple[int, int]
 """Begin and end in the file."""
@@ -32,7 +32,7 @@ class Shape:
 
 def shape_of(seed: Seed) -> Shape:
     shape = Shape()
-    {".mcap": _mcap, ".bag": _bag, ".db3": _db3}[seed.suffix](seed, shape)
+    {".mcap": _mcap, ".bag": _bag, ".db3": _db3, ".wal": _wal}[seed.suffix](seed, shape)
     return shape
 
 
@@ -202,3 +202,17 @@ def _db3(seed: Seed, shape: Shape) -> None:
             shape.records.append((cell, min(cell + 40, page + size)))
             if kind == 13:
                 _payload(shape, cell + 22, page + size)
+
+
+def _wal(seed: Seed, shape: Shape) -> None:
+    """The head of a log, and its frames: all that follows a frame hangs on the checksum in it."""
+    content = seed.content
+    size = 24 + struct.unpack_from(">I", content, 8)[0]
+    shape.numbers += [(at, at + 4) for at in range(0, 32, 4)]
+    shape.records.append((0, 32))
+    later = [(topic, time) for topic, time, _ in messages(2) if time >= T0 + IN_LOG * SECOND]
+    for frame in range(32, len(content), size):
+        shape.numbers += [(at, at + 4) for at in range(frame, frame + 24, 4)]
+        shape.records.append((frame, frame + size))
+        shape.chunks[frame, frame + size] = frozenset(later)
+    shape.guarded[0, len(content)] = frozenset(later)
