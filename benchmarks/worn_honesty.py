@@ -11,8 +11,10 @@ import argparse
 import os
 import secrets
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from itertools import count as counted
+from itertools import repeat
 from typing import NamedTuple
 
 import numpy as np
@@ -27,10 +29,15 @@ from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Leg, Task
 from robophm.health.mission import Completion, completion
+from robophm.learning.wear.among_others import Unit
 from robophm.monitoring.monitor import Monitor
-from robophm.simulation.worn_robots import COMPUTER, CONTROLLER, LIMITS, WornRobot, worn_robots
+from robophm.monitoring.seen_wear import seen_wear
+from robophm.simulation.worn_robots import COMPUTER, CONTROLLER, LIMITS, WornRobot, worn_out, worn_robots
 
 ROBOTS = 1000
+
+EVERY = 3
+"""Of the hourly readings of a teacher, each of which is one."""
 
 DESIGN = f"""
 schema_version: 1
@@ -65,37 +72,43 @@ class Asked(NamedTuple):
     completed: bool
 
 
-def ask(robot: Robot, one: WornRobot) -> Asked | None:
+def ask(robot: Robot, one: WornRobot, teachers: Mapping[str, Sequence[Unit]] | None = None) -> Asked | None:
     """Let a robot live through its samples, and ask it; None where a reading is at its threshold already.
 
-    That is to be served, and not to be asked what it will do.
+    That is to be served, and not to be asked what it will do. ``teachers``: parts of its kinds that wore out.
     """
     monitor = Monitor(robot, period=3600.0)
     for k in range(int(one.asked) + 1):
         for name, values in one.readings.items():
             monitor.observe(Sample(START + k * HOUR, f"/wear.{name}", float(values[k])))
     task = Task((Leg(one.task),))
-    reports = [monitor.report(remaining_life=False, wear=wear) for wear in (None, ())]
-    if any(worn.state == "reached" for worn in reports[0].wear):
+    wear = seen_wear(robot, monitor.exposure.settled(monitor.ledger), teachers or {})
+    if any(worn.state == "reached" for worn in wear):
         return None
+    reports = [monitor.report(remaining_life=False, wear=what) for what in (wear, ())]
     seen, blind = (completion(report.outlooks["sensor_based"], task) for report in reports)
     return Asked(seen, blind, one.completed)
 
 
-def _ask_some(some: Sequence[WornRobot]) -> list[Asked | None]:
-    robot = parse(DESIGN)
-    return [ask(robot, one) for one in some]
+def _ask_some(some: Sequence[WornRobot], teachers: int, seed: int) -> list[Asked | None]:
+    robot, others = parse(DESIGN), taught(teachers, seed)
+    return [ask(robot, one, others) for one in some]
 
 
-def asked(count: int, seed: int, jobs: int = 1) -> Iterator[list[Asked | None]]:
-    """What was said of so many robots, some at a time."""
+def taught(count: int, seed: int) -> dict[str, list[Unit]]:
+    """So many parts of each kind that wore out, of which every ``EVERY``-th reading is known."""
+    found = {name: worn_out(name, count, seed) for name in LIMITS}
+    return {
+        name: [Unit(np.arange(0, len(wear), EVERY), wear[::EVERY]) for wear in parts] for name, parts in found.items()
+    }
+
+
+def asked(count: int, seed: int, jobs: int = 1, teachers: int = 0) -> Iterator[list[Asked | None]]:
+    """What was said of so many robots, ten at a time, each ten with teachers of its own."""
     robots = worn_robots(count, seed)
     some = [robots[i : i + 10] for i in range(0, count, 10)]
-    if jobs == 1:
-        yield from map(_ask_some, some)
-        return
     with ProcessPoolExecutor(jobs) as pool:
-        yield from pool.map(_ask_some, some)
+        yield from pool.map(_ask_some, some, repeat(teachers), counted(seed + 1))
 
 
 def tasks_of(said: Sequence[Asked], *, with_wear: bool) -> Tasks:
@@ -115,14 +128,16 @@ def inside(score: TaskScore) -> bool:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.worn_honesty", description="wear against the truth")
     parser.add_argument("--robots", type=int, default=ROBOTS, help=f"default {ROBOTS:,}")
+    parser.add_argument("--teachers", type=int, default=0, help="others of each kind of part, that wore out; default 0")
     parser.add_argument("--seed", type=int, help="default a fresh one")
     arguments = parser.parse_args()
     seed = secrets.randbits(32) if arguments.seed is None else arguments.seed
     out = console()
-    out.print(f"{arguments.robots:,} robots that wear, one task each, seed {seed}", highlight=False)
+    alone = f"with {arguments.teachers} others of each kind as teachers" if arguments.teachers else "each alone"
+    out.print(f"{arguments.robots:,} robots that wear, {alone}, one task each, seed {seed}", highlight=False)
     answers: list[Asked | None] = []
     with stage("asked") as heard:
-        for some in asked(arguments.robots, seed, os.cpu_count() or 1):
+        for some in asked(arguments.robots, seed, os.cpu_count() or 1, arguments.teachers):
             answers += some
             heard(len(answers), arguments.robots)
     said = [one for one in answers if one]

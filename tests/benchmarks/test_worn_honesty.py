@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from benchmarks.worn_honesty import DESIGN, ask, tasks_of
+from benchmarks.worn_parts import told
 
 from robophm.design.file import parse
 from robophm.simulation.worn_robots import LIMITS, WornRobot
@@ -16,7 +17,8 @@ def robot(link_at_end: float, task: float) -> WornRobot:
     hours = np.arange(101.0)
     ends = {"link": link_at_end, "battery": 0.05, "gear": 1.5}
     readings = {name: hours / 100 * end + 0.01 * LIMITS[name] * rng.standard_normal(101) for name, end in ends.items()}
-    return WornRobot(readings, 100.0, task, 200.0)
+    left = {name: 100.0 * (LIMITS[name] / end - 1) for name, end in ends.items()}
+    return WornRobot(readings, 100.0, task, 200.0, {name: 100.0 + rest for name, rest in left.items()})
 
 
 def test_what_is_promised_hangs_on_how_worn_a_robot_is():
@@ -34,3 +36,14 @@ def test_what_is_promised_hangs_on_how_worn_a_robot_is():
     assert ask(design, robot(4.4, 30.0)) is None
     scored = tasks_of([young, old], with_wear=True)
     assert scored.failed.tolist() == [False, False]
+
+
+def test_a_forecast_of_a_part_is_scored_by_its_true_end():
+    """A link that reaches 4 at 200 h: by its readings about then, so that it lasts 30 h more, and 150 h it does not."""
+    soon, long = (told(robot(2.0, task), "link", ()) for task in (30.0, 150.0))
+    assert soon.said
+    assert (soon.failed, long.failed) == (False, True)
+    assert soon.promised < 0.05
+    assert long.promised > 0.9
+    assert soon.off == pytest.approx(0.0, abs=0.1)
+    assert 0.1 < soon.width < 0.5

@@ -1,6 +1,7 @@
 """robophm wear, run as a newcomer does."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -399,4 +400,40 @@ def test_conditions_of_readings_and_to_come(inside, robot, tmp_path):
     ):
         told = inside(*words, "--at", at)
         assert told.returncode == 3
+        assert said in " ".join(told.stderr.split())
+
+
+def test_an_index_of_health_of_many_signals(inside, robot, tmp_path):
+    """Signals of which two show wear in the last sixty hours; from ten units that failed."""
+    rng = np.random.default_rng(1)
+
+    def rows(life, until, name=""):
+        t = np.arange(1.0, until)
+        worn = np.maximum(0.0, 1 - (life - t) / 60) ** 1.5
+        signals = (300 + 10 * worn, 5 - 2 * worn, 0 * t)
+        noisy = [one + scale * rng.standard_normal(len(t)) for one, scale in zip(signals, (1, 0.3, 1), strict=True)]
+        return [",".join([name, *(f"{x:.4f}" for x in row)][not name :]) for row in zip(t, *noisy, strict=True)]
+
+    lives = rng.integers(80, 200, 10).tolist()
+    failed = [row for k, life in enumerate(lives) for row in rows(life, life + 1, f"e{k}")]
+    (tmp_path / "failed.csv").write_text("unit,time [h],heat,flow,humidity\n" + "\n".join(failed) + "\n")
+    (tmp_path / "mine.csv").write_text("time [h],heat,flow,humidity\n" + "\n".join(rows(150, 126)) + "\n")
+    words = ("wear", robot, "mine.csv", "--part", "battery", "--index")
+    done = inside(*words, "--fleet", "failed.csv")
+    assert done.returncode == 0, done.stderr
+    assert "health index of 3 signals by 10 units that failed" in done.stdout
+    fails = re.search(r"Fails in \S+ h, 90 % between (\S+) and (\S+)", " ".join(done.stdout.split()))
+    assert fails
+    assert float(fails[1]) <= 25 <= float(fails[2])
+    for more, code, said in (
+        ((), 3, "from whom is an index of health learned? expected --fleet"),
+        (
+            ("--fleet", "failed.csv", "--settings", "heat,humidty"),
+            3,
+            "mine.csv: has no column 'humidty', expected one for each of --settings; did you mean 'humidity'?",
+        ),
+        (("--fleet", "failed.csv", "--threshold", 3), 2, "--threshold: not used for an index of health"),
+    ):
+        told = inside(*words, *more)
+        assert told.returncode == code
         assert said in " ".join(told.stderr.split())

@@ -13,6 +13,8 @@ from robophm.design.file import parse
 from robophm.design.task import Leg, Plan, Task
 from robophm.health.ledger import Ledger
 from robophm.health.task_report import task_report
+from robophm.health.why import explain
+from robophm.learning.wear.among_others import Unit
 from robophm.learning.wear.worn_mode import WearOptions
 from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.live_loop import watch
@@ -24,6 +26,7 @@ from robophm.monitoring.wear_from_recordings import seen_in, wear_history, worn_
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.monitoring.worn_life import worn_lives
 from robophm.report.health_page import health_page
+from robophm.report.why import reasons, sentence
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.health_topics.report_fields import diagnostics
 from robophm.transports.recordings.journal import Journal
@@ -146,7 +149,26 @@ def test_what_wear_finds_is_what_every_figure_has(lived, journal, tmp_path):
     assert soon == pytest.approx(brushes * math.exp(-(10 + 5 + 2) * 1e-6 * 0.2), rel=1e-9)
     assert [one["mode"] for one in kept[-1]["wear"]] == ["motor/brushes", "fan"]
     rate = kept[-1]["subjects"][0]["sensor_based"]["hazard_rate"]  # of all but the brushes, far from their end
+    why = explain(report)
+    assert "motor decides it (100 % of the failures to come): it is seen to wear." in sentence(report, why)
+    assert any(line.startswith("  motor/brushes reaches 6 in 0.3") for line in reasons(why))
     assert rate == pytest.approx((10 + 5 + 2) * 1e-6, rel=1e-3)
+
+
+def test_others_of_its_kind_teach_the_figures(lived):
+    """Five motors whose brushes went the same way, to their end after 1.7 to 2 h; this one ends after 1.83 h."""
+    ledger = lived.exposure.settled(lived.ledger)
+    others = []
+    for end in (1.7, 1.8, 1.85, 1.9, 2.0):
+        hours = np.arange(0.0, end + 0.05, 0.05)
+        others.append(Unit(hours, 3.8 + 2.2 * hours / end))
+    alone, taught, again = (seen_wear(ROBOT, ledger, said)[0] for said in ({}, {"motor/brushes": others}, {}))
+    assert again is alone
+    for one in (alone, taught):
+        assert one.early < 1 / 3 < one.late
+    assert taught.late - taught.early != alone.late - alone.early
+    report = lived.report(wear=(taught,))
+    assert report.system.sensor_based.remaining_life.median == pytest.approx(taught.median, rel=0.05)
 
 
 def test_a_run_that_was_killed_goes_on_where_it_was(lived, journal, tmp_path):

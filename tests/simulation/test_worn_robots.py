@@ -15,6 +15,7 @@ from robophm.simulation.worn_robots import (
     _crack,
     _gear,
     _passage,
+    worn_out,
     worn_robots,
 )
 
@@ -52,6 +53,14 @@ def test_all_that_are_asked_work_then_and_a_seed_says_which():
     some, same = worn_robots(50, 3), worn_robots(50, 3)
     assert [one.fails for one in some] == [one.fails for one in same]
     for one in some:
-        assert one.fails > one.asked
+        assert one.asked < one.fails <= min(one.ends.values())
         assert {name: len(values) for name, values in one.readings.items()} == dict.fromkeys(LIMITS, int(one.asked) + 1)
     assert 0.1 < np.mean([one.completed for one in some]) < 0.9
+
+
+def test_parts_that_wore_out_are_read_until_their_limit():
+    for part, limit in LIMITS.items():
+        for wear in worn_out(part, 3, 1):
+            assert wear[0] < 0.4 * limit
+            assert wear[-1] == pytest.approx(limit, rel=0.35)  # behind it by an hour at most
+            assert np.all(wear[:-5] < 1.1 * limit)

@@ -109,6 +109,11 @@ class SeenWear:
         return self.state in ("reached", "not followed")
 
     @property
+    def counts(self) -> bool:
+        """Whether it is in the figures, and not its mode's hazard alone."""
+        return self.life is not None or self.state == "reached"
+
+    @property
     def says(self) -> str:
         """Say what is known of it, and what stands for the mode in the figures."""
         goal, unit = f"{self.threshold:.4g}", self.unit + ("s" if self.unit in ("cycle", "start") else "")

@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 import threading
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -32,24 +33,32 @@ _forecasts: OrderedDict[tuple[object, ...], SeenWear] = OrderedDict()
 _lock = threading.Lock()
 
 
-def seen_wear(robot: Robot, ledger: Ledger) -> tuple[SeenWear, ...]:
-    """Return the wear of every failure mode whose signal was read, in design order; it depends on readings alone."""
+def seen_wear(
+    robot: Robot, ledger: Ledger, others: Mapping[str, Sequence[Unit]] = MappingProxyType({})
+) -> tuple[SeenWear, ...]:
+    """Return the wear of every failure mode whose signal was read, in design order; it depends on readings alone.
+
+    ``others``: by path of a failure mode, units of its kind, as teachers; what is returned is a ``wear`` of reports.
+    """
     return tuple(
-        seen_of_mode(robot, mode, mode.wear, course)
+        seen_of_mode(robot, mode, mode.wear, course, others.get(mode.path, ()))
         for mode in robot.modes
         if mode.wear and (course := ledger.wear.get(mode.key)) is not None
     )
 
 
-def seen_of_mode(robot: Robot, mode: FailureMode, said: WearSignal, course: WearCourse) -> SeenWear:
+def seen_of_mode(
+    robot: Robot, mode: FailureMode, said: WearSignal, course: WearCourse, others: Sequence[Unit] = ()
+) -> SeenWear:
     """Return the wear of one failure mode, whose forecast is kept for the same readings."""
     read = course.readings(said)
-    key = (mode.path, mode.key, robot.part_of(mode), said, *(one.tobytes() for one in read[:4]))
+    taught = ((*(np.asarray(one).tobytes() for one in (unit.times, unit.values)), unit.failed) for unit in others)
+    key = (mode.path, mode.key, robot.part_of(mode), said, *(one.tobytes() for one in read[:4]), *taught)
     with _lock:
         if key in _forecasts:
             _forecasts.move_to_end(key)
             return _forecasts[key]
-    found = _foretold(robot, mode, said, read)
+    found = _foretold(robot, mode, said, read, others)
     with _lock:
         _forecasts[key] = found
         if len(_forecasts) > KEPT:
@@ -57,7 +66,9 @@ def seen_of_mode(robot: Robot, mode: FailureMode, said: WearSignal, course: Wear
     return found
 
 
-def _foretold(robot: Robot, mode: FailureMode, said: WearSignal, read: WearReadings) -> SeenWear:
+def _foretold(
+    robot: Robot, mode: FailureMode, said: WearSignal, read: WearReadings, others: Sequence[Unit]
+) -> SeenWear:
     count = len(read.values)
     seen = SeenWear(
         mode.path, robot.part_of(mode), words(said), "too few readings", CLOCK_UNITS[mode.clock], count, said.threshold,
@@ -67,7 +78,7 @@ def _foretold(robot: Robot, mode: FailureMode, said: WearSignal, read: WearReadi
         return replace(seen, why="no sample of it counts")
     seen = replace(seen, last=float(read.values[-1]), when=int(read.when[-1]))
     try:
-        worn = worn_of(mode, read, WearOptions(changes=False))
+        worn = worn_of(mode, read, WearOptions(changes=False), others)
     except DataError as error:
         return replace(seen, why=str(error).partition(": ")[2] or str(error))
     found = replace(seen_of(worn, robot.part_of(mode), said.share), signal=words(said))

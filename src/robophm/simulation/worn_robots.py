@@ -48,6 +48,8 @@ class WornRobot:
     """Time that it shall work on [h]."""
     fails: float
     """Time when it fails [h]."""
+    ends: dict[str, float]
+    """Time when each part that wears fails [h]; infinite where it never does."""
 
     @property
     def completed(self) -> bool:
@@ -65,14 +67,24 @@ def worn_robots(count: int, seed: int) -> list[WornRobot]:
     while len(found) < count:
         asked, task = int(rng.integers(30, 160)), float(rng.uniform(2.0, 60.0))
         courses = {"link": _crack(rng), "battery": _battery(rng), "gear": _gear(rng)}
-        ends = [_passage(courses[name], limit) for name, limit in LIMITS.items()]
-        ends.append(float(rng.exponential(1 / CONTROLLER)))
-        ends.append(float(rng.exponential(1 / COMPUTER, 2).max()))
+        ends = {name: _passage(courses[name], limit) for name, limit in LIMITS.items()}
+        by_chance = float(rng.exponential(1 / CONTROLLER)), float(rng.exponential(1 / COMPUTER, 2).max())
         noisy = {
             name: course[: asked + 1] + NOISE[name] * rng.standard_normal(asked + 1) for name, course in courses.items()
         }
-        if (fails := min(ends)) > asked:
-            found.append(WornRobot(noisy, float(asked), task, fails))
+        if (fails := min(*ends.values(), *by_chance)) > asked:
+            found.append(WornRobot(noisy, float(asked), task, fails, ends))
+    return found
+
+
+def worn_out(part: str, count: int, seed: int) -> list[Array]:
+    """Return hourly readings of ``count`` parts of one kind, each from new until its wear has passed its limit."""
+    rng, found = np.random.default_rng(seed), list[Array]()
+    course = {"link": _crack, "battery": _battery, "gear": _gear}[part]
+    while len(found) < count:
+        wear = course(rng)
+        if math.isfinite(end := _passage(wear, LIMITS[part])):
+            found.append(wear[: math.ceil(end) + 1] + NOISE[part] * rng.standard_normal(math.ceil(end) + 1))
     return found
 
 

@@ -32,7 +32,7 @@ def indexed_mode_of_tables(
     names = [name for name in dict.fromkeys(key for row in rows for key in row.cells) if name not in COLUMNS]
     for name in settings:
         if name not in names:
-            raise DataError(f"{path}: has no column '{name}'{nearest(name, names)}; expected one for each setting")
+            raise DataError(f"{path}: has no column '{name}', expected one for each setting{nearest(name, names)}")
     clock = CLOCK_UNITS[mode.clock]
     failed = _histories(fleet, clock, names, settings)
     try:
