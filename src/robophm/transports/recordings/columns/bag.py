@@ -150,7 +150,7 @@ class BagFile(ChunkedFile):
             raise DamageError("an offset that is no message's")
         return Messages(connection, content, times, begin, ends)
 
-    def record_end(self, content: Bytes, offset: int) -> int:
+    def _record_end(self, content: Bytes, offset: int) -> int:
         """Return where the record ends that begins at this place of a chunk; raises DamageError."""
         return record_at(content, offset, MOST_TIME).end
 

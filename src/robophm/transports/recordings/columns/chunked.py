@@ -252,13 +252,13 @@ class ChunkedFile(MappedFile):
             return None
         stored = self.content[chunk.start : chunk.end]
         some = unpack_some(stored, chunk.compression, last + PAGE)
-        end = self.record_end(some, last)
+        end = self._record_end(some, last)
         if end * SPARSE > chunk.size:
             return None
         return some if end <= len(some) else unpack_some(stored, chunk.compression, end)
 
     @abstractmethod
-    def record_end(self, content: Bytes, offset: int) -> int:
+    def _record_end(self, content: Bytes, offset: int) -> int:
         """Where the record ends that begins at this place of a chunk, as it says; raises DamageError."""
 
     def _together(self, batch: Sequence[_Asked], contents: Sequence[Bytes | str]) -> tuple[Bytes, list[Place]]:

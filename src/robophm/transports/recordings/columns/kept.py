@@ -39,5 +39,13 @@ def keep(file: PiecedFile, state: State) -> None:
             _weight -= _size(_kept.pop(next(iter(_kept))))
 
 
+def forget() -> None:
+    """Let go of all that is kept."""
+    global _weight
+    with _lock:
+        _kept.clear()
+        _weight = 0
+
+
 def _size(file: PiecedFile) -> int:
     return 1 + len(getattr(file, "chunks", ()))

@@ -216,7 +216,7 @@ class McapFile(ChunkedFile):
         ends = starts + 9 + length.astype(np.int64)
         return Messages(connection, content, index["time"].astype(np.int64), starts + HEAD.itemsize, ends)
 
-    def record_end(self, content: Bytes, offset: int) -> int:
+    def _record_end(self, content: Bytes, offset: int) -> int:
         """Return where the record ends that begins at this place of a chunk; raises DamageError."""
         if offset + 9 > len(content):
             raise DamageError("an offset beyond the end")
