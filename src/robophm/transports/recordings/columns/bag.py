@@ -25,7 +25,8 @@ from robophm.transports.recordings.columns.bag_records import (
     fields_of_header,
     record_at,
 )
-from robophm.transports.recordings.columns.chunked import Chunk, ChunkedFile, distinct
+from robophm.transports.recordings.columns.chunk import Chunk, distinct
+from robophm.transports.recordings.columns.chunked import ChunkedFile
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
 from robophm.transports.recordings.columns.pieces import (
     LONGEST_TEXT,

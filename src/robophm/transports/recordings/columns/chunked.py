@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.transports.recordings.columns.checksum import crc32
+from robophm.transports.recordings.columns.chunk import Chunk, Place, UnknownError
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints
 from robophm.transports.recordings.columns.mapped import PAGE, MappedFile
 from robophm.transports.recordings.columns.pieces import (
@@ -37,43 +38,6 @@ _AT_ONCE = min(4, os.cpu_count() or 1)
 """Chunks that are unpacked at once."""
 
 _NOWHERE = np.empty(0, np.uint8)
-
-
-class Chunk(NamedTuple):
-    """A chunk of messages in a file, and what the file's index knows of it."""
-
-    first: int
-    last: int
-    """Earliest and latest receipt time [ns]."""
-    offset: int
-    """Of its record."""
-    start: int
-    end: int
-    """Of its content."""
-    compression: str
-    size: int
-    """Of its content unpacked."""
-    checksum: int
-    """0 where it has none."""
-    indices: dict[int, int] | None
-    """By connection: where in the file the index of its messages lies; None where there is none."""
-    behind: int = 0
-    """The end of those; 0 where that is not known."""
-    cut: bool = False
-    """Whether the end of its content is missing."""
-
-    @property
-    def packed(self) -> bool:
-        """Whether its content has to be unpacked."""
-        return self.compression not in ("", "none")
-
-
-Place = tuple[Chunk, int, int]
-"""A chunk, and where in a buffer what was unpacked of it begins and ends."""
-
-
-class UnknownError(DamageError):
-    """What is not as it was known to be may be right nevertheless: it is not believed, nor called damaged."""
 
 
 class _Asked(NamedTuple):
@@ -104,6 +68,11 @@ class ChunkedFile(MappedFile):
     @abstractmethod
     def moved(self, other: Self, by: int) -> list[Chunk]:
         """The chunks of another file, as they are when that lies so many bytes further on in this."""
+
+    @property
+    def weight(self) -> int:
+        """A kilobyte a chunk, and one."""
+        return 1 + len(self.chunks)
 
     def begin(self) -> int:
         """When the first message in a chunk was received [ns]."""
@@ -441,10 +410,3 @@ def _batches(asked: Iterable[_Asked]) -> Iterator[list[_Asked]]:
         packed = one.chunk.packed if one.content else packed
     if batch:
         yield batch
-
-
-def distinct(offsets: NDArray[Any], most: int) -> bool:
-    """Whether no two are the same and there are no more than can be; as a rule they rise."""
-    if len(offsets) > most:
-        return False
-    return bool((offsets[1:] > offsets[:-1]).all()) or len(np.unique(offsets)) == len(offsets)

@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.checksum import crc32
-from robophm.transports.recordings.columns.chunked import Chunk, ChunkedFile, UnknownError, distinct
+from robophm.transports.recordings.columns.chunk import Chunk, UnknownError, distinct
+from robophm.transports.recordings.columns.chunked import ChunkedFile
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
 from robophm.transports.recordings.columns.mcap_definitions import (
     CHANNEL,

@@ -76,6 +76,11 @@ class PiecedFile(ABC):
         """How many messages of each connection it says that it holds, where it says that."""
         self._extents: dict[int, TopicExtent] | None = None
 
+    @property
+    def weight(self) -> int:
+        """Kilobytes, about, of what is known of the file: no less than one."""
+        return 1
+
     @abstractmethod
     def begin(self) -> int:
         """Return when its first message was received [ns]; MOST_TIME where it has none."""
