@@ -1,13 +1,13 @@
-"""Recordings full of cameras and lidars, of which little is asked: time and bytes from the disk, against rosbags.
+"""Recordings full of cameras and lidars, of which little is asked: time and bytes from the disk, against rosbags;
+and a search in them, against pandas over mcap-ros2.
 
-``python -m benchmarks.cameras [MB] [format …]``: files of so many megabytes each, 300 by default, written by rosbags and
-removed afterwards. A cold file is one whose pages the system was asked to let go of (posix_fadvise, DONTNEED).
+``python -m benchmarks.cameras [MB] [format …]``: files of so many megabytes each, 300 by default, written by rosbags
+and removed afterwards. A cold file is one whose pages the system was asked to let go of (posix_fadvise, DONTNEED).
 """
 
 from __future__ import annotations
 
 import os
-import resource
 import sys
 import tempfile
 import time
@@ -18,10 +18,15 @@ from typing import Any
 import numpy as np
 
 from benchmarks import agree, seconds
-from robophm.transports.recordings.columns import read_columns
+from robophm.measured.find import Condition, find
+from robophm.measured.recordings import recordings, signal_of
+from robophm.transports.recordings.columns import kept, read_columns
+
+Work = Callable[[Path], tuple[list[int], list[float]]]
+"""What finds times and values in a recording."""
 
 FORMATS = (".bag", ".db3", ".mcap", "zstd.mcap")
-TOPIC, FIELD = "/battery", "voltage"
+TOPIC, FIELD, LIMIT = "/battery", "voltage", 24.05
 SECOND = 10**9
 T0 = 1_700_000_000 * SECOND
 CAMERA, LIDAR = 640 * 480 * 3, 65_536 * 16
@@ -40,17 +45,26 @@ def messages(store: Any, ros1: bool, size: int) -> Iterator[tuple[str, str, int,
         stamp = time_type(at // SECOND, at % SECOND)
         header = header_type(number, stamp, "base_link") if ros1 else header_type(stamp, "base_link")
         image = np.roll(noise, number * 1000)[:CAMERA]
-        yield "/camera", "sensor_msgs/msg/Image", at, types["sensor_msgs/msg/Image"](
-            header, 480, 640, "rgb8", 0, 640 * 3, image
+        yield (
+            "/camera",
+            "sensor_msgs/msg/Image",
+            at,
+            types["sensor_msgs/msg/Image"](header, 480, 640, "rgb8", 0, 640 * 3, image),
         )
         cloud = np.roll(noise, -number * 1000)[:LIDAR]
-        yield "/lidar", "sensor_msgs/msg/PointCloud2", at + 1, types["sensor_msgs/msg/PointCloud2"](
-            header, 1, 65_536, [], False, 16, LIDAR, cloud, True
+        yield (
+            "/lidar",
+            "sensor_msgs/msg/PointCloud2",
+            at + 1,
+            types["sensor_msgs/msg/PointCloud2"](header, 1, 65_536, [], False, 16, LIDAR, cloud, True),
         )
         if number % 10 == 0:
             measured = (24.0 + number / 1000, 31.0, -2.0, 5.0, 9.0, 10.0, 0.5)
-            yield TOPIC, "sensor_msgs/msg/BatteryState", at + 2, types["sensor_msgs/msg/BatteryState"](
-                header, *measured, 2, 1, 2, True, volts, volts, "slot", "7"
+            yield (
+                TOPIC,
+                "sensor_msgs/msg/BatteryState",
+                at + 2,
+                types["sensor_msgs/msg/BatteryState"](header, *measured, 2, 1, 2, True, volts, volts, "slot", "7"),
             )
 
 
@@ -118,8 +132,9 @@ def by_rosbags(path: Path) -> tuple[list[int], list[float]]:
     return [at for at, _ in found], [value for _, value in found]
 
 
-def measured(work: Callable[[Path], Any], path: Path, cold: bool) -> tuple[float, int]:
+def measured(work: Work, path: Path, cold: bool) -> tuple[float, int]:
     """Time [s] and bytes from the disk."""
+    kept.forget()  # else what was learnt of the file in the round before would help
     if cold:
         forget(path)
     before, begun = fetched(), time.perf_counter()
@@ -127,26 +142,54 @@ def measured(work: Callable[[Path], Any], path: Path, cold: bool) -> tuple[float
     return time.perf_counter() - begun, fetched() - before
 
 
+def search(path: Path) -> tuple[list[int], list[float]]:
+    """Begin and least value of each stretch above a limit."""
+    each = recordings([path])
+    condition = Condition(above=LIMIT)
+    hits = find(each, signal_of(f"{TOPIC}.{FIELD}", each), condition, 5 * SECOND).hits
+    return [hit.begin for hit in hits], [hit.lowest for hit in hits]
+
+
+def by_pandas(path: Path) -> tuple[list[int], list[float]]:
+    import pandas
+    from mcap_ros2.reader import read_ros2_messages
+
+    rows = (
+        (one.ros_msg.header.stamp.sec * SECOND + one.ros_msg.header.stamp.nanosec, one.ros_msg.voltage)
+        for one in read_ros2_messages(path, topics=[TOPIC])
+    )
+    table = pandas.DataFrame(rows, columns=["time", "value"])
+    above = table[table.value > LIMIT]
+    runs = above.groupby((above.index.to_series().diff() != 1).cumsum()).agg({"time": "first", "value": "min"})
+    return runs.time.tolist(), runs.value.tolist()
+
+
+def row(label: str, path: Path, mine: Work, theirs: Work, peer: str) -> None:
+    """Compare the answers, then race, cold and warm."""
+    for what, ours_, other in zip(("times", "values"), mine(path), theirs(path), strict=True):
+        agree(f"{what} of {label}", ours_, other, 0.0)
+    for cold in (True, False):
+        each = [(measured(mine, path, cold), measured(theirs, path, cold)) for _ in range(5)]
+        (took, read), (alone, fetched_) = (min(some) for some in zip(*each, strict=True))
+        cells = (label, "cold" if cold else "warm", seconds(took), f"{read / 1e6:.1f} MB", f"{seconds(alone)} {peer}",
+                 f"{fetched_ / 1e6:.1f} MB", f"{alone / took:.1f}")  # fmt: skip
+        print("| " + " | ".join(cells) + " |", flush=True)
+
+
 def main() -> int:
     size = int(sys.argv[1] if len(sys.argv) > 1 else 300) * 10**6
     kinds = sys.argv[2:] or FORMATS
-    print("| file | pages | ours | from the disk | rosbags | from the disk | times as fast |")
+    print("| work | pages | ours | from the disk | peer | from the disk | times as fast |")
     print("|---|---|---|---|---|---|---|")
     for kind in kinds:
         with tempfile.TemporaryDirectory() as name:
             path = record(Path(name), kind, size)
             whole = sum(file.stat().st_size for file in files_of(path))
-            (times, values), (others, theirs) = ours(path), by_rosbags(path)
-            agree(f"times of {kind}", times, others, 0.0)
-            agree(f"values of {kind}", values, theirs, 0.0)
-            label = f"{kind}, {whole / 1e6:.0f} MB, {len(values)} values"
-            for cold in (True, False):
-                each = [(measured(ours, path, cold), measured(by_rosbags, path, cold)) for _ in range(5)]
-                (mine, read), (peer, theirs_read) = (min(some) for some in zip(*each, strict=True))
-                cells = (label, "cold" if cold else "warm", seconds(mine), f"{read / 1e6:.1f} MB", seconds(peer),
-                         f"{theirs_read / 1e6:.1f} MB", f"{peer / mine:.1f}")  # fmt: skip
-                print("| " + " | ".join(cells) + " |", flush=True)
-    print(f"\nmost memory of the process, the peer's too: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MiB")
+            time.sleep(3)  # of files that were just written nothing is kept
+            row(f"{kind}, {whole / 1e6:.0f} MB: a column", path, ours, by_rosbags, "rosbags")
+            if kind.endswith("mcap"):
+                (file,) = path.glob("*.mcap")
+                row(f"{kind}, {whole / 1e6:.0f} MB: a search", file, search, by_pandas, "pandas over mcap-ros2")
     return 0
 
 

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import json
+import resource
+import shutil
 import tempfile
+import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from benchmarks import Line, agree, benchmark, race
+from benchmarks import DisagreementError, Line, agree, benchmark, race
 from benchmarks.mcap_cpp import mcap_cpp
-from robophm.core.signal import split_signal
+from robophm.core.signal import SECOND, split_signal
 from robophm.design.file import load
 from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
-from robophm.transports.recordings.columns import read_columns
+from robophm.transports.recordings.columns import kept, read_columns
 from robophm.transports.recordings.opening import open_source
 from robophm.transports.synthetic import SyntheticOta
 
@@ -83,6 +88,67 @@ def mcap() -> Iterator[Line]:
 @benchmark
 def bag() -> Iterator[Line]:
     yield from day(".bag")
+
+
+def split(whole: Path, folder: Path) -> Path:
+    """A drive in files of a minute, each with all topics, as recorders write them."""
+    from mcap.reader import make_reader
+    from mcap.writer import CompressionType
+    from mcap.writer import Writer as McapWriter
+
+    folder.mkdir()
+    writer, minute, ids = None, -1, dict[int, int]()
+    with whole.open("rb") as content:
+        summary = make_reader(content).get_summary()
+        assert summary
+        for _, channel, message in make_reader(content).iter_messages():
+            if message.log_time // (60 * SECOND) != minute:
+                minute = message.log_time // (60 * SECOND)
+                if writer:
+                    writer.finish()
+                writer = McapWriter(str(folder / f"day_{minute}.mcap"), compression=CompressionType.NONE)
+                writer.start(profile="ros2")
+                for known in summary.channels.values():
+                    one = summary.schemas[known.schema_id]
+                    schema = writer.register_schema(one.name, one.encoding, one.data)
+                    ids[known.id] = writer.register_channel(known.topic, known.message_encoding, schema)
+            assert writer
+            writer.add_message(ids[channel.id], message.log_time, message.data, message.publish_time)
+    assert writer
+    writer.finish()
+    return folder
+
+
+@benchmark
+def splits() -> Iterator[Line]:
+    robot = load(DESIGN)
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (256, limits[1]))
+    try:
+        with tempfile.TemporaryDirectory() as name:
+            whole = SyntheticOta(seed=1, working_hours=(0, 24)).record(Path(name) / "day.mcap")
+            loose = split(whole, Path(name) / "loose")
+            named = Path(shutil.copytree(loose, Path(name) / "named"))
+            parts = [file.name for file in sorted(named.iterdir())]
+            (named / "metadata.yaml").write_text(
+                json.dumps({"rosbag2_bagfile_information": {"relative_file_paths": parts}})
+            )
+            time.sleep(3)  # of files that were just written nothing is kept
+
+            def past(path: Path) -> Any:
+                kept.forget()
+                store = MemoryStore()
+                replay(robot, path, store=store)
+                return store.ledger(robot.name)
+
+            for folder in (named, loose):
+                if past(folder) != past(whole):
+                    raise DisagreementError(f"the ledger of {folder.name}")
+            one, *others = race(*(partial(past, path) for path in (whole, named, loose)), rounds=3, at_least=0.0)
+        for what, took in zip(("with metadata.yaml", "loose"), others, strict=True):
+            yield Line(f"a day in {len(parts):,} files, {what}: replay", took, one, "the same in one file", 1.2)
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
 
 
 COUNT = 200_000

@@ -206,3 +206,41 @@ def test_aliases_that_are_meant_are_taken(tmp_path: Path) -> None:
         f"schema_version: 1\nname: robot\ncomponents:\n  a: &a {{rate: 1 FPMH, description: alike}}\n{parts}"
     )
     assert outcome(LOAD, path).said == ""
+
+
+LITTLE = """
+import resource, sys
+from pathlib import Path
+from robophm.transports.recordings.columns import read_columns
+read_columns(sys.argv[2], ["/image.data[7]"]).close()  # what is imported and compiled at first is not the file's
+status = Path("/proc/self/status").read_text()
+taken = next(int(line.split()[1]) * 1024 for line in status.splitlines() if line.startswith("VmData"))
+resource.setrlimit(resource.RLIMIT_DATA, (taken + (100 << 20),) * 2)
+print(sum(len(block["/image"]) for block in read_columns(sys.argv[1], ["/image.data[7]", "/image.data[999999]"])))
+"""
+
+
+@pytest.mark.parametrize("compression", ["NONE", "ZSTD", "LZ4"])
+def test_a_hundred_megabytes_are_enough_for_any_recording(compression: str, tmp_path: Path) -> None:
+    """Beside the file, which is mapped: a hundred and fifty images of a megabyte, every one of them read to its end."""
+    from mcap.writer import CompressionType, Writer
+
+    paths = tmp_path / "images.mcap", tmp_path / "one.mcap"
+    for path, count in zip(paths, (150, 1), strict=True):
+        with path.open("wb") as file:
+            writer = Writer(file, compression=CompressionType[compression])
+            writer.start(profile="ros2")
+            layout = "MultiArrayLayout layout\nuint8[] data\n" + "=" * 80 + "\nMSG: std_msgs/MultiArrayLayout\n"
+            layout += "MultiArrayDimension[] dim\nuint32 data_offset\n" + "=" * 80
+            layout += "\nMSG: std_msgs/MultiArrayDimension\nstring label\nuint32 size\nuint32 stride\n"
+            schema = writer.register_schema("std_msgs/msg/UInt8MultiArray", "ros2msg", layout.encode())
+            channel = writer.register_channel("/image", "cdr", schema)
+            image = b"\0\1\0\0" + struct.pack("<III", 0, 0, 1_000_000) + bytes(range(250)) * 4000
+            for number in range(count):
+                writer.add_message(channel, T0 + number, image, T0 + number)
+            writer.finish()
+    result = subprocess.run(
+        [sys.executable, "-c", LITTLE, *map(str, paths)], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.split() == ["150"]

@@ -87,7 +87,7 @@ class Recording(SignalSource):
 
     def spans(self) -> list[tuple[int, int]]:
         """Return when the messages of each file begin and end, and those behind a jump of its clock, on any topic."""
-        each = ([span for one in told.values() for span in one.spans] for _, told in self._told)
+        each = ([span for _, spans in told.values() for span in spans] for _, told in self._told)
         return [span for spans in each for span in stretches(spans, CLOCK_JUMP)]
 
     @cached_property
@@ -116,8 +116,9 @@ class Recording(SignalSource):
                     types.setdefault(topic, connection.msgtype)
                     fields.setdefault(topic, {})[fields_of(connection)] = None
                 if extent := told.get(connection.id):
-                    counts[topic] += extent.messages
-                    first, last = extent.spans[0][0], extent.spans[-1][1]
+                    messages, spans = extent
+                    counts[topic] += messages
+                    first, last = spans[0][0], spans[-1][1]
                     firsts[topic] = min(first, firsts.get(topic, first))
                     lasts[topic] = max(last, lasts.get(topic, last))
         return [

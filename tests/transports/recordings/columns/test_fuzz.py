@@ -1,4 +1,4 @@
-"""Two thousand damaged recordings; `make fuzz` has three hundred thousand, by the same mechanism."""
+"""Some 2,700 damaged recordings; `make fuzz` has four hundred thousand, by the same mechanism."""
 
 from __future__ import annotations
 

@@ -25,7 +25,8 @@ from robophm.transports.recordings.columns.bag_records import (
     fields_of_header,
     record_at,
 )
-from robophm.transports.recordings.columns.chunked import Chunk, ChunkedFile, distinct
+from robophm.transports.recordings.columns.chunk import Chunk, distinct
+from robophm.transports.recordings.columns.chunked import ChunkedFile
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
 from robophm.transports.recordings.columns.pieces import (
     LONGEST_TEXT,
@@ -150,7 +151,7 @@ class BagFile(ChunkedFile):
             raise DamageError("an offset that is no message's")
         return Messages(connection, content, times, begin, ends)
 
-    def record_end(self, content: Bytes, offset: int) -> int:
+    def _record_end(self, content: Bytes, offset: int) -> int:
         """Return where the record ends that begins at this place of a chunk; raises DamageError."""
         return record_at(content, offset, MOST_TIME).end
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.transports.recordings.columns.checksum import crc32
+from robophm.transports.recordings.columns.chunk import Chunk, Place, UnknownError
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints
 from robophm.transports.recordings.columns.mapped import PAGE, MappedFile
 from robophm.transports.recordings.columns.pieces import (
@@ -37,46 +38,6 @@ _AT_ONCE = min(4, os.cpu_count() or 1)
 """Chunks that are unpacked at once."""
 
 _NOWHERE = np.empty(0, np.uint8)
-
-
-class Chunk(NamedTuple):
-    """A chunk of messages in a file, and what the file's index knows of it."""
-
-    first: int
-    last: int
-    """Earliest and latest receipt time [ns]."""
-    offset: int
-    """The offset of its record in the file."""
-    start: int
-    end: int
-    """The offsets at which its content begins and ends in the file."""
-    compression: str
-    size: int
-    """The size of its content when unpacked [bytes]."""
-    checksum: int
-    """The checksum of its content; 0 where it has none."""
-    indices: dict[int, int] | None
-    """The offset of the index of each connection's messages in the file; None where the chunk has no index."""
-    behind: int = 0
-    """The end of those; 0 where that is not known."""
-    cut: bool = False
-    """Whether the end of its content is missing."""
-
-    @property
-    def packed(self) -> bool:
-        """Whether its content has to be unpacked."""
-        return self.compression not in ("", "none")
-
-
-Place = tuple[Chunk, int, int]
-"""A chunk, and where in a buffer what was unpacked of it begins and ends."""
-
-
-class UnknownError(DamageError):
-    """Raised where an index has a form that this reader does not know, which a newer writer may use.
-
-    Such an index is not used, and nothing is noted as damaged.
-    """
 
 
 class _Asked(NamedTuple):
@@ -107,6 +68,11 @@ class ChunkedFile(MappedFile):
     @abstractmethod
     def moved(self, other: Self, by: int) -> list[Chunk]:
         """The chunks of another file, as they are when that lies so many bytes further on in this."""
+
+    @property
+    def weight(self) -> int:
+        """A kilobyte a chunk, and one."""
+        return 1 + len(self.chunks)
 
     def begin(self) -> int:
         """When the first message in a chunk was received [ns]."""
@@ -255,13 +221,13 @@ class ChunkedFile(MappedFile):
             return None
         stored = self.content[chunk.start : chunk.end]
         some = unpack_some(stored, chunk.compression, last + PAGE)
-        end = self.record_end(some, last)
+        end = self._record_end(some, last)
         if end * SPARSE > chunk.size:
             return None
         return some if end <= len(some) else unpack_some(stored, chunk.compression, end)
 
     @abstractmethod
-    def record_end(self, content: Bytes, offset: int) -> int:
+    def _record_end(self, content: Bytes, offset: int) -> int:
         """Where the record ends that begins at this place of a chunk, as it says; raises DamageError."""
 
     def _together(self, batch: Sequence[_Asked], contents: Sequence[Bytes | str]) -> tuple[Bytes, list[Place]]:
@@ -444,10 +410,3 @@ def _batches(asked: Iterable[_Asked]) -> Iterator[list[_Asked]]:
         packed = one.chunk.packed if one.content else packed
     if batch:
         yield batch
-
-
-def distinct(offsets: NDArray[Any], most: int) -> bool:
-    """Whether no two are the same and there are no more than can be; as a rule they rise."""
-    if len(offsets) > most:
-        return False
-    return bool((offsets[1:] > offsets[:-1]).all()) or len(np.unique(offsets)) == len(offsets)

@@ -89,6 +89,12 @@ class Db3File(MappedFile, RowsFile):
             database.set_progress_handler(spent, 10_000)
             yield database
 
+    @property
+    def weight(self) -> int:
+        """A kilobyte for twenty messages, and one."""
+        found = self.__dict__.get("_found")
+        return 1 + (len(found[0].times) // 20 if found else 0)
+
     def begin(self) -> int:
         """Return when the first message was received [ns]."""
         if self._found:

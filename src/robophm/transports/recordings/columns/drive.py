@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,21 +24,27 @@ from robophm.transports.recordings.files import (
 from robophm.transports.recordings.format import MessageFormat
 from robophm.transports.recordings.packed import Unpacked
 from robophm.transports.recordings.recognising import formats, is_packed
-from robophm.transports.recordings.unchanged import settled
+from robophm.transports.recordings.unchanged import State, settled
 
 if TYPE_CHECKING:
     from robophm.transports.recordings.columns.unclosed import Settled
+
+
+Held = tuple[PiecedFile, State | None]
+"""A file, and its state where what is learnt of it may be kept."""
 
 
 def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -> list[PiecedFile]:
     """Open the files of one drive in order of time; the stack closes them. Raises SourceError as ``read_columns``."""
     files: list[PiecedFile] = []
     failed: list[SourceError] = []
+    held: list[Held] = []
+    stack.callback(_let_go, held)  # once for all: a callback for each of thousands is work for the collector
     for given in paths:
         for part, packs in _files(existing(Path(given)), notes, failed):
             try:
                 with reading(part):
-                    file = _open(part, packs, notes, stack)
+                    file = _open(part, packs, notes, stack, held)
             except SourceError as error:
                 if part == Path(given):
                     raise
@@ -57,6 +62,15 @@ def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -
         if other is not file and file.begin() < MOST_TIME:
             raise SourceError(f"{other.path} and {file.path} are the same recording; expected it once")
     return files
+
+
+def _let_go(held: list[Held]) -> None:
+    """Close files, and keep what was learnt of those that are whole."""
+    for file, state in held:
+        if state:
+            keep(file, state)
+        else:
+            file.close()
 
 
 def _files(path: Path, notes: Counter[str], failed: list[SourceError]) -> Iterator[tuple[Path, bool]]:
@@ -77,19 +91,18 @@ def _files(path: Path, notes: Counter[str], failed: list[SourceError]) -> Iterat
         yield from ((part, False) for part in parts_of(path))
 
 
-def _open(path: Path, packs: bool, notes: Counter[str], stack: ExitStack) -> PiecedFile:
-    """One file, left to the stack to close."""
+def _open(path: Path, packs: bool, notes: Counter[str], stack: ExitStack, held: list[Held]) -> PiecedFile:
+    """One file, left to those that are held, or to the stack, to close."""
     state = None if log_of(path) else settled(path)
-    if state and (file := take(path, state)):
-        file.notes = notes
-        stack.callback(keep, file, state)
-    else:
+    if not (state and (file := take(path, state))):
         said: Counter[str] = Counter()
-        copied = _copied(path, said, stack)
+        if copied := _copied(path, said, stack):
+            stack.callback(copied.close)
         file = copied or _plain(path, said)
-        stack.callback(file.close if said or copied or not state else partial(keep, file, state))
+        state = None if copied or said else state
         notes.update(said)
-        file.notes = notes
+    held.append((file, state))
+    file.notes = notes
     if packs:
         from robophm.transports.recordings.columns.folder import PackedMessages, packs_messages
 

@@ -9,7 +9,7 @@ from robophm.transports.recordings.columns.pieces import PiecedFile
 from robophm.transports.recordings.unchanged import State
 
 MOST_KEPT = 20_000
-"""Chunks of all files that are kept, with one more a file: a chunk takes up to a kilobyte."""
+"""Weight of all files that are kept: some kilobytes each."""
 
 _kept: dict[tuple[Path, State], PiecedFile] = {}
 _weight = 0
@@ -21,7 +21,7 @@ def take(path: Path, state: State) -> PiecedFile | None:
     global _weight
     with _lock:
         file = _kept.pop((path, state), None)
-        _weight -= _size(file) if file else 0
+        _weight -= file.weight if file else 0
         return file
 
 
@@ -29,15 +29,19 @@ def keep(file: PiecedFile, state: State) -> None:
     """Close a file, and keep what is known of it, unless something is wrong with it or it is kept already."""
     global _weight
     file.close()
-    if file.late or _size(file) > MOST_KEPT:
+    if file.late or file.weight > MOST_KEPT:
         return
     with _lock:
         if (file.path, state) not in _kept:
             _kept[file.path, state] = file
-            _weight += _size(file)
+            _weight += file.weight
         while _weight > MOST_KEPT:
-            _weight -= _size(_kept.pop(next(iter(_kept))))
+            _weight -= _kept.pop(next(iter(_kept))).weight
 
 
-def _size(file: PiecedFile) -> int:
-    return 1 + len(getattr(file, "chunks", ()))
+def forget() -> None:
+    """Let go of all that is kept."""
+    global _weight
+    with _lock:
+        _kept.clear()
+        _weight = 0

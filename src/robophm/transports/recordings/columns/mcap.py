@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.checksum import crc32
-from robophm.transports.recordings.columns.chunked import Chunk, ChunkedFile, UnknownError, distinct
+from robophm.transports.recordings.columns.chunk import Chunk, UnknownError, distinct
+from robophm.transports.recordings.columns.chunked import ChunkedFile
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
 from robophm.transports.recordings.columns.mcap_definitions import (
     CHANNEL,
@@ -216,7 +217,7 @@ class McapFile(ChunkedFile):
         ends = starts + 9 + length.astype(np.int64)
         return Messages(connection, content, index["time"].astype(np.int64), starts + HEAD.itemsize, ends)
 
-    def record_end(self, content: Bytes, offset: int) -> int:
+    def _record_end(self, content: Bytes, offset: int) -> int:
         """Return where the record ends that begins at this place of a chunk; raises DamageError."""
         if offset + 9 > len(content):
             raise DamageError("an offset beyond the end")
