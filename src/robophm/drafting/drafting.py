@@ -176,11 +176,9 @@ def _doubts(known: Known, answers: Answers) -> Iterator[str]:
     """What somebody said that does not go with what is seen, in words."""
     said = (answers.where or "").strip()
     where = environment(said)
-    if known.travels and where in STANDING and said != where:
-        yield (
-            f"where {said!r:.40} is {explained(where)}; this robot moves over ground: "
-            "'mobile robot' (GM) is what the handbook has for it"
-        )
+    if (known.travels or known.flies) and where in STANDING and said != where:
+        better = "'flying' (ARW)" if known.flies else "'mobile robot' (GM)"
+        yield f"where {said!r:.40} is {explained(where)}; this robot moves: {better} is what the handbook has for it"
 
 
 def _drawn(word: str, parts: Sequence[DraftPart]) -> str:
