@@ -86,8 +86,8 @@ def test_nothing_at_all_is_no_robot():
         new(answers=Answers(battery="none", computer="none"))
 
 
-MOVES = '''<robot name="m"><link name="base"><inertial><mass value="20"/></inertial></link>
-<link name="{link}"/><joint name="j" type="{type}"><parent link="base"/><child link="{link}"/></joint></robot>'''
+MOVES = """<robot name="m"><link name="base"><inertial><mass value="20"/></inertial></link>
+<link name="{link}"/><joint name="j" type="{type}"><parent link="base"/><child link="{link}"/></joint></robot>"""
 
 
 @pytest.mark.parametrize(
@@ -99,11 +99,11 @@ def test_what_moves_over_ground_is_ground_mobile_unless_somebody_says_else(tmp_p
     """MIL-HDBK-217F Table 3-2: GM is on wheels or tracks or carried by hand, ARW a helicopter, GF does not move."""
     urdf = tmp_path / "robot.urdf"
     urdf.write_text(MOVES.format(link=link, type=type_))
-    assert f'environment: {symbol} ' in new(urdf).text
+    assert f"environment: {symbol} " in new(urdf).text
     indoors = new(urdf, answers=Answers(where="indoor"))
-    assert 'environment: GB ' in indoors.text
+    assert "environment: GB " in indoors.text
     said = {"GM": "'mobile robot' (GM) is", "ARW": "'flying' (ARW) is"}.get(symbol)
     assert len(indoors.doubts) == (said is not None)
     assert all("where 'indoor' is GB" in doubt and said in doubt for doubt in indoors.doubts)
     assert new(urdf, answers=Answers(where="GB")).doubts == ()
-    assert 'environment: GM ' in new(urdf, answers=Answers(where="Indoor-Robot")).text
+    assert "environment: GM " in new(urdf, answers=Answers(where="Indoor-Robot")).text

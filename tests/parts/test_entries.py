@@ -93,7 +93,7 @@ def numbers_in(statement):
 def is_stated(entry, said):
     """Whether the figure of a failure mode stands in the statement, digit by digit."""
     figures = [float(said[key].split()[0]) for key in FIGURES if key in said]
-    return any(abs(number - figures[0]) < 1e-9 * figures[0] for number in numbers_in(entry.statement)) if figures else False
+    return any(number == pytest.approx(one, rel=1e-9) for number in numbers_in(entry.statement) for one in figures)
 
 
 def test_numbers_are_read_out_of_statements():
@@ -112,7 +112,7 @@ def test_a_figure_of_grade_a_stands_in_the_makers_statement(name):
 def test_how_sure_it_is_befits_its_grade(name):
     """With an error factor of 3 the 95th percentile is three times the median; of an estimate at least five times.
 
-    An entry with an estimate among its failure modes is of grade C; what a maker states of its others is as sure as that.
+    An entry with an estimate among its failure modes is of grade C; what a maker states of others is as sure as that.
     """
     estimated = 0
     for said in modes_of(ENTRIES[name]).values():

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block
 from robophm.core.argument_checks import one_of
 from robophm.core.errors import DesignError
+from robophm.core.html_table import html_table
 from robophm.design.task import Plan, Task, TaskStress
 from robophm.hazard.model import Evaluation, Model
 from robophm.life.distribution import LifeDistribution
@@ -247,6 +248,13 @@ class Component:
         return any(mode.measured or mode.measured_clock for mode in self.modes)
 
     @property
+    def in_words(self) -> tuple[str, str, str, str]:
+        """Return its path, quantity, nominal rates and the signals that drive how fast it ages."""
+        rates = (UNKNOWN if one.unknown else f"{one.rate:.4g} /{CLOCK_UNITS[one.clock]}" for one in self.modes)
+        heard = (channel.signal for one in self.modes for s in one.measured for channel in s.channels.values())
+        return self.path, str(self.quantity), " + ".join(rates), ", ".join(dict.fromkeys(heard))
+
+    @property
     def multiplicity(self) -> int:
         """Return how many equal parts in series one of its units stands for."""
         return self.quantity if len(self.units) == 1 else 1
@@ -352,6 +360,14 @@ class Robot(Module):
     """Remarks on what the design's sensors rest on, and what they do not reach."""
     design_hash: str = ""
     """SHA-256 of the design's content, to tell results of different designs apart."""
+
+    def __repr__(self) -> str:
+        counts = f"{self.part_count} parts, {len(self.modes)} failure modes, {len(self.signals)} signals"
+        return f"<Robot {self.name!r:.60}: {counts}>"
+
+    def _repr_html_(self) -> str:
+        head = ("part", "quantity", "nominal rate", "signals")
+        return html_table(repr(self)[1:-1], head, (one.in_words for one in super().all_components()))
 
     @property
     def name(self) -> str:

@@ -17,7 +17,9 @@ from robophm.parts import Entry, library, search
 
 NONE = ("none", "no", "-")
 
-PLACES = "if it moves: indoor robot, outdoor robot, flying, ship, underwater, space; if it stands still: indoor, factory"
+PLACES = (
+    "if it moves: indoor robot, outdoor robot, flying, ship, underwater, space; if it stands still: indoor, factory"
+)
 """Words of ``hazard.environments`` by example: that it moves is what tells them apart most."""
 
 LEGS = frozenset({"leg", "thigh", "calf", "shank", "knee", "hip", "foot", "ankle"})
