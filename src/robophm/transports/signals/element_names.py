@@ -10,13 +10,13 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, NamedTuple
 
 from robophm.core.errors import nearest
-from robophm.core.signal import REORDERED
+from robophm.core.signal import REORDERED, bracketed, steps_of
 
 _NAMES = ("name", "names", "key", "keys")
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*\Z", re.ASCII)
@@ -170,7 +170,7 @@ class Names:
         if signal in self._found:
             return
         if signal not in self._missing:
-            wanted = re.findall(r"\[([^\[\]]+)\]", signal)[-1]
+            wanted = next(str(step.element) for step in reversed(steps_of(signal.partition(".")[2])) if step.element)
             known = [name for name in names if name][:MOST_NAMES]
             self._missing[signal] = f"never named: {signal}{nearest(wanted, known) or _listed(known)}"
         with self.lock:
@@ -213,10 +213,25 @@ def names_in(message: Any, most: int = MOST_NAMES) -> dict[str, list[str]]:
                 found[f"{prefix}{each.name}[]"] = names
             for name, element in zip(names, value, strict=False):
                 if is_dataclass(element):
-                    look(element, f"{prefix}{each.name}[{name}].", around, chain)
+                    look(element, f"{prefix}{each.name}[{bracketed(name)}].", around, chain)
 
     look(message, "", (), ())
     return found
+
+
+def add_names(known: dict[str, list[str]], more: Mapping[str, Sequence[str]]) -> bool:
+    """Add the names of another message to those of earlier ones, each once; return whether there was a new one.
+
+    On one topic several publishers may speak, each of its own joints or devices. Bounds as of ``names_in``.
+    """
+    new = False
+    for array, names in more.items():
+        if array in known or len(known) < MOST_NAMES:
+            own = known.setdefault(array, [])
+            fresh = [name for name in dict.fromkeys(names) if name not in own][: MOST_NAMES - len(own)]
+            own += fresh
+            new = new or bool(fresh)
+    return new
 
 
 def _fields_of(message: Any) -> list[Field]:
