@@ -50,7 +50,7 @@ def told(*words):
 
 
 def test_what_a_command_says_as_json_is_what_its_function_answers(folder):
-    said = told("importance", "robot.yaml", "--function", "drive", "--after", "100 h")["importance"]["sensor_based"]
+    said = told("importance", "robot.yaml", "--function", "drive", "--within", "100 h")["importance"]["sensor_based"]
     found = robophm.rows(robophm.importance("robot.yaml", "drive", hours=100.0))
     assert [(one["unit"], one["criticality"]) for one in said["units"]] == [
         (one["unit"], one["criticality"]) for one in found
