@@ -60,7 +60,7 @@ MORE = {
     "deadman switch": "enabling_switch", "micro switch": "bumper_switch", "safety mat": "safety_bumper",
     "key switch": "push_button", "Arduino": "microcontroller_board", "STM32": "microcontroller_board",
     "FPGA": "system_on_module", "NUC": "mini_pc", "industrial PC": "industrial_pc", "Pixhawk": "flight_controller",
-    "hard drive": "hard_disk", "NVMe": "ssd", "SD card": "sd_card", 
+    "hard drive": "hard_disk", "NVMe": "ssd", "SD card": "sd_card",
     "network switch": "ethernet_switch", "WiFi module": "wifi_module", "4G modem": "lte_modem", "USB hub": "usb_hub",
     "EtherCAT": "bus_interface", "RFID reader": "rfid_reader", "remote controller": "remote_control",
     "touchscreen": "touch_screen", "status LED": "led", "buzzer": "speaker", "parallel gripper": "gripper_electric",
