@@ -4,7 +4,7 @@ PYTHON ?= $(shell sh tools/find-python)
 BIN := .venv/bin
 CHECKED := src tests benchmarks tools
 
-.PHONY: help setup demo demo-ros lint check peers test test-full test-fresh calibrate prognostics new-user fuzz bench clean
+.PHONY: help setup demo demo-ros lint check peers test test-full test-fresh calibrate calibrate-wear prognostics new-user fuzz bench clean
 .DEFAULT_GOAL := help
 
 help:
@@ -15,6 +15,7 @@ help:
 	@echo "make test-full  what takes long too, and the peers that pip can install, half an hour"
 	@echo "make test-fresh both commands on machines that have nothing (as root; docs/fresh-machines.md)"
 	@echo "make calibrate  predictions against 20,000 robots that really fail (docs/calibration.md)"
+	@echo "make calibrate-wear  the same of 1,000 robots that wear: not honest yet (docs/calibration.md)"
 	@echo "make fuzz       300,000 damaged recordings, ten minutes to an hour (docs/guides/columns.md)"
 	@echo "make prognostics  when real wear ends, beside SurPyval, two minutes (docs/theory/wear.md)"
 	@echo "make new-user  from a wheel to the first report of four robots, five minutes (docs/guides/your-robot.md)"
@@ -62,6 +63,9 @@ fuzz: setup
 
 calibrate: setup
 	@$(BIN)/python -m benchmarks.honesty
+
+calibrate-wear: setup
+	@$(BIN)/python -m benchmarks.worn_honesty
 
 prognostics: setup
 	@$(BIN)/python -m benchmarks.prognostics --peers

@@ -110,7 +110,7 @@ def test_usage(inside, design, args):
         (("predict", "robot.yaml", "--duration", ""), "'' is not a number with a unit; expected e.g. '1.5 h'"),
         (("predict", "robot.yaml", "--duration", "1e400 h"), "1e400 is not a finite number"),
         (("predict", "robot.yaml", "--duration", "5 km"), "unit 'km' does not measure what 'h' does"),
-        (("predict", "robot.yaml", "--store", "no.db"), "no.db: no such store; `robophm replay --store` makes it"),
+        (("predict", "robot.yaml", "--store", "no.db"), "no.db: no such store; `robophm replay --store` makes it\n"),
         (
             ("predict", "robot.yaml", "--store", "robot.yaml"),
             "robot.yaml: file is not a database; expected a robophm st",

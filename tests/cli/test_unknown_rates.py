@@ -21,7 +21,7 @@ from robophm.health.mission import Completion
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.task_history import judge_on_the_way
 from robophm.stores.sqlite import SqliteStore
-from robophm.transports.signals.sink import JudgedTask
+from robophm.transports.signals.report_sink import JudgedTask
 from robophm.transports.tasks import PlannedTask
 from robophm.transports.tasks.told import PlannedLeg
 

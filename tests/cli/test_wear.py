@@ -210,7 +210,7 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
         (("past.csv", *words), "past.csv: the first reading is at or past the threshold already"),
         (("at.csv", *words), "at.csv: the signal begins at its threshold, 0.7"),
         (("still.csv", *words), "still.csv: the signal is 1 all the time: no trend"),
-        (("load.csv", *words), "a column 'load' and --load"),
+        (("load.csv", *words), "a column 'load', and --load"),
     ):
         failed = inside("wear", robot, *some)
         assert failed.returncode == 3

@@ -70,3 +70,48 @@ def test_a_day(day):
     heard = times[-1] - times[0] - sum(length for _, length in gaps)
     if heard:
         assert per_second(plan) == pytest.approx((len(times) - 1 - len(gaps)) * SECOND / heard)
+
+
+@pytest.mark.parametrize("burst", [5, 100, 1000])
+def test_messages_in_bursts_are_not_silence_between_them(tmp_path, burst):
+    """So many within 20 ms, every minute for half an hour: the rate is theirs over the whole span."""
+    at = [START + minute * 60 * SECOND + i * 20_000_000 // burst for minute in range(30) for i in range(burst)]
+    (recorded,) = recordings([write(tmp_path / "drive.mcap", [(time, time, 1.0) for time in at], 200)])
+    (topic,) = [one for one in overview(recorded).topics if one.messages == len(at)]
+    assert topic.bursts
+    assert per_second(topic) == pytest.approx((len(at) - 1) * SECOND / (at[-1] - at[0]))
+
+
+def test_nights_are_silence(tmp_path):
+    """A message a second on three days of an hour: a message a second."""
+    at = [START + day * 86400 * SECOND + second * SECOND for day in range(3) for second in range(3600)]
+    (recorded,) = recordings([write(tmp_path / "drive.mcap", [(time, time, 1.0) for time in at], 200)])
+    (topic,) = [one for one in overview(recorded).topics if one.messages == len(at)]
+    assert not topic.bursts
+    assert per_second(topic) == pytest.approx(1.0)
+
+
+def test_why_a_topic_has_no_numbers_is_told(tmp_path):
+    from mcap.writer import Writer
+
+    path = tmp_path / "drive.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start(profile="ros2")
+        for topic, type_, encoding, definition in (
+            ("/text", "std_msgs/msg/String", "cdr", b"string data\n"),
+            ("/proto", "foo.Bar", "protobuf", b""),
+            ("/broken", "a_msgs/msg/B", "cdr", b"b_msgs/C[] gone\n"),
+            ("/number", "std_msgs/msg/Float64", "cdr", b"float64 data\n"),
+        ):
+            schema = writer.register_schema(type_, "ros2msg", definition)
+            channel = writer.register_channel(topic, encoding, schema)
+            writer.add_message(channel, START, b"\0\1\0\0" + bytes(8), START)
+        writer.finish()
+    (recorded,) = recordings([path])
+    why = {one.name: one.no_numbers for one in overview(recorded).topics}
+    assert why.pop("/number") == ""
+    assert why.pop("/text") == "its type has none"
+    assert why.pop("/proto") == "is encoded as 'protobuf'; expected cdr or ros1"
+    assert why.pop("/broken") == "the definition of its type 'a_msgs/msg/B' is missing or damaged"
+    assert not why

@@ -26,7 +26,7 @@ EXTRAS = {
     "progpy": ("battery and motor models of progpy: robophm wear", ("progpy",)),
     "sim": ("the live case study", ("mujoco",)),
 }
-"""By extra what it is for, and the packages that it brings."""
+"""Extras by name, each with what it is for and the packages that it brings."""
 
 
 def command(as_json: Json = False) -> None:

@@ -29,6 +29,7 @@ from robophm.health.replacement import Replacements
 from robophm.health.report import VIEWS, plain
 from robophm.health.what_matters import what_matters
 from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.seen_wear import seen_wear
 from robophm.report.words import duration_text, more_text, number_text, percent_text, probability_text
 
 MEASURES = {
@@ -98,8 +99,9 @@ def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: boo
     settled = monitor.exposure.settled(monitor.ledger)
     plan = question.plan
     views = outlooks(
-        monitor.plant, monitor.exposure, settled, future=cast(FutureName, question.future), knowledge=plan.knowledge
-    )
+        monitor.plant, monitor.exposure, settled, future=cast(FutureName, question.future), knowledge=plan.knowledge,
+        wear=seen_wear(robot, settled),
+    )  # fmt: skip
     wanted: Sequence[View] = VIEWS if ledger else ("sensor_based",)  # without a past both are one
     task = plan.joined if plan.tasks else None
     found = what_matters({view: views[view] for view in wanted}, diagram, task, question.hours)

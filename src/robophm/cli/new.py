@@ -24,12 +24,12 @@ from robophm.drafting.updating import Outcome, Updated, earlier_answers, updated
 from robophm.health.report import plain
 
 ASSUMPTIONS, TASKS = "assumptions.md", "tasks.yaml"
-"""What is written beside the design."""
+"""Names of the two files that are written into the folder of the design: a page of assumptions, and a task file."""
 
 
 @dataclass(frozen=True)
 class Wishes:
-    """What the command line says."""
+    """The arguments of one call of ``robophm new``, after they have been read."""
 
     urdf: Path | None
     bags: tuple[Path, ...]

@@ -44,7 +44,7 @@ def command(
         with open_store(store) as past:
             history = list(past.history(robot.name))
     data = ledger.to_json() if ledger else None
-    health = Monitor(robot, ledger).report(horizon=ahead)
+    health = Monitor(robot, ledger).report(horizon=ahead, alarms=True)
     html = health_page(robot, health, history, data)
     write(path, printer.pdf(html) if printer else html)
     print_unknown(health.system.unknown, robot)

@@ -9,6 +9,7 @@ import typer
 
 from robophm.cli.shared.options import Json, Ros
 from robophm.cli.shared.output import console, print_json, print_table, table, warn
+from robophm.core.counted_notes import said
 from robophm.report.words import number_text
 from robophm.transports.live.listening import HeardTopic, listen_for
 from robophm.transports.running_ros import open_live
@@ -37,9 +38,9 @@ def command(
     rows = [_row(one) for one in heard]
     out = console()
     print_table(out, table(f"{len(rows)} topics", ["topic", "type", "per s", "last values"], rows, figures=(2,)))
-    for what, count in sorted(notes.items()):
-        if not what.startswith(("receipt time used", "no element")):
-            warn(f"{what} ({count} times)")
+    ordinary = ("receipt time used", "no element")
+    for line in said({what: count for what, count in notes.items() if not what.startswith(ordinary)}):
+        warn(line)
 
 
 def _document(one: HeardTopic) -> dict[str, Any]:

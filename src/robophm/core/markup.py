@@ -34,7 +34,7 @@ class Element:
         return (child for child in self.children if child.tag not in ("label", "attributes"))
 
     def each(self, tag: str) -> Iterator[Element]:
-        """Its children of this tag."""
+        """Yield the children of this element that have a certain tag."""
         return (child for child in self.children if child.tag == tag)
 
     def all(self) -> Iterator[Element]:
@@ -46,7 +46,7 @@ class Element:
 
     @property
     def content(self) -> str:
-        """Its own text, without the white space around it."""
+        """The text of this element, less its children's, without white space around it."""
         return "".join(self.text).strip()
 
 

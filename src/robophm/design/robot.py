@@ -16,7 +16,7 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block
 from robophm.core.argument_checks import one_of
 from robophm.core.errors import DesignError
-from robophm.core.html_table import html_table
+from robophm.design.robot_table import robot_table
 from robophm.design.task import Plan, Task, TaskStress
 from robophm.hazard.model import Evaluation, Model
 from robophm.life.distribution import LifeDistribution
@@ -164,6 +164,13 @@ class WearSignal:
     """The threshold in the unit of the reading: the signal's; a kurtosis has none."""
     threshold_deviation: float = 0.0
     """Standard deviation of the threshold, in the same unit; 0: it is exactly known."""
+    share: float = 1.0
+    """Share of the hazard of its failure mode that the wear stands for; the rest comes by chance."""
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """Return all signals that it is made of, each once."""
+        return tuple(dict.fromkeys(one.signal for one in (self.gauge, self.ambient, self.load) if one))
 
 
 @dataclass(frozen=True)
@@ -246,13 +253,6 @@ class Component:
     def sensed(self) -> bool:
         """Whether a sensor drives how fast it ages: one of its stresses, or a clock that is not time itself."""
         return any(mode.measured or mode.measured_clock for mode in self.modes)
-
-    @property
-    def in_words(self) -> tuple[str, str, str, str]:
-        """Return its path, quantity, nominal rates and the signals that drive how fast it ages."""
-        rates = (UNKNOWN if one.unknown else f"{one.rate:.4g} /{CLOCK_UNITS[one.clock]}" for one in self.modes)
-        heard = (channel.signal for one in self.modes for s in one.measured for channel in s.channels.values())
-        return self.path, str(self.quantity), " + ".join(rates), ", ".join(dict.fromkeys(heard))
 
     @property
     def multiplicity(self) -> int:
@@ -366,8 +366,7 @@ class Robot(Module):
         return f"<Robot {self.name!r:.60}: {counts}>"
 
     def _repr_html_(self) -> str:
-        head = ("part", "quantity", "nominal rate", "signals")
-        return html_table(repr(self)[1:-1], head, (one.in_words for one in super().all_components()))
+        return robot_table(repr(self)[1:-1], super().all_components(), CLOCK_UNITS)
 
     @property
     def name(self) -> str:

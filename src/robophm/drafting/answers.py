@@ -1,4 +1,6 @@
-"""What neither a description nor a recording says, asked in at most seven questions, each with what is assumed else."""
+"""Questions, at most seven, on what neither a description nor a recording tells, each with the assumption that is made
+where nobody answers it.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ from robophm.core.errors import RobophmError, nearest
 from robophm.core.units import quantity
 from robophm.design.importers.urdf import Description
 from robophm.design.importers.urdf.drives import DRIVES, LIGHT, moved, words_of
-from robophm.drafting.heard import BATTERY
+from robophm.drafting.parts_by_topic import BATTERY
 from robophm.drafting.seen import Seen
 from robophm.hazard.environments import environment
 from robophm.parts import Entry, library, search
@@ -33,19 +35,19 @@ LONGEST = 1000
 
 @dataclass(frozen=True)
 class Answers:
-    """What somebody said of a robot; None is not answered, and then assumed."""
+    """Answers to the questions about a robot; for one that is None an assumption is made."""
 
     hours: str | None = None
-    """That it works a day: "8", "8 h"."""
+    """Hours that the robot works in a day: "8", "8 h"."""
     where: str | None = None
     """A word or symbol of ``hazard.environments``: "indoor robot", "factory", "flying", "GM"."""
     battery: str | None = None
-    """In the words of ``robophm parts``, "mains" or "none"."""
+    """The battery in words by which the library of parts is searched, "mains" or "none"."""
     computer: str | None = None
     sensors: str | None = None
-    """That were not seen, apart by commas."""
+    """Sensors that no description or topic tells of, with commas between them."""
     drive: str | None = None
-    """What moves its wheels or joints: dynamixel, harmonic drive, planetary gearbox …"""
+    """The drive of its wheels or joints in words: dynamixel, harmonic drive, planetary gearbox …"""
     needs: str | None = None
     """Parts or modules without which it cannot do its task, apart by commas; "all"."""
 
@@ -70,7 +72,7 @@ class Question:
     """A question, and what is taken where nobody answers it."""
 
     key: str
-    """Of ``Answers``, and of the option ``--key``."""
+    """The name of the field of ``Answers`` that it asks for, and of the option of ``robophm new``."""
     text: str
     default: str
     because: str
@@ -79,14 +81,14 @@ class Question:
 
 @dataclass(frozen=True)
 class Known:
-    """What evidence there is when questions are asked."""
+    """The evidence of a robot: its description, if there is one, and what its recordings show."""
 
     description: Description | None
     seen: Seen
 
     @property
     def uses(self) -> frozenset[str]:
-        """What its joints are for: wheel, arm, rotor …"""
+        """The uses of its joints, by their names and types: wheel, arm, rotor …"""
         return frozenset(one.use for one in moved(self.description)) if self.description else frozenset()
 
     @property
@@ -167,7 +169,7 @@ def settled(answers: Answers, known: Known) -> tuple[Answers, list[tuple[Questio
 
 
 def share_of_day(hours: str) -> float:
-    """Of hours a day the share of it. Raises RobophmError."""
+    """The share of a day that an answer in hours a day is, above 0 and at most 1. Raises RobophmError for another."""
     text = hours.strip()
     value = quantity(text if any(letter.isalpha() for letter in text) else f"{text} h", "h")
     if not 0 < value <= 24:
@@ -187,12 +189,15 @@ def entry_called(words: str, kinds: tuple[str, ...] = (), what: str = "part") ->
 
 
 def drive_called(words: str | None) -> Entry | None:
-    """What moves wheels and joints; None where nobody said so."""
+    """The entry of the library for an answer on drives; None where it is "none" or missing.
+
+    Raises RobophmError where no drive fits the words.
+    """
     return entry_called(words, DRIVES, "drive") if words and words.lower() not in NONE else None
 
 
 def listed(text: str | None) -> list[str]:
-    """What is in a text apart by commas; nothing of "none" or "all"."""
+    """The words of an answer that has commas between them, without "none" and "all"."""
     said = [word.strip() for word in (text or "").split(",")]
     return [word for word in said if word and word.lower() not in (*NONE, "all")]
 
@@ -210,7 +215,7 @@ def asked(answers: Answers, known: Known, ask: Ask) -> Answers:
 
 
 def check(key: str, said: str) -> None:
-    """Raises RobophmError where an answer to this question cannot be one."""
+    """Refuse an answer that this question cannot have. Raises RobophmError."""
     if key == "hours":
         share_of_day(said)
     elif key == "where":

@@ -51,19 +51,19 @@ class Draft:
     """A design that is drafted, and what it rests on; nothing of it is written yet."""
 
     text: str
-    """Of the design file."""
+    """The text of the design file."""
     robot: Robot
     parts: tuple[DraftPart, ...]
-    """By the description, the topics and the answers; those of parts lists are in the text alone."""
+    """The parts that the description, topics and answers tell of; those of parts lists are in ``text`` alone."""
     bound: tuple[Proposal, ...]
     """The signals that it listens to."""
     unbound: tuple[str, ...]
     """Why other inputs have none."""
     doubts: tuple[str, ...]
-    """What was said that does not go with what is seen."""
+    """Answers that do not go with what is seen, in words."""
     tasks: tuple[SeenTask, ...]
     assumptions: str
-    """A page of Markdown."""
+    """The page of everything that was assumed, as Markdown."""
     known: Known
 
     @property
@@ -73,7 +73,10 @@ class Draft:
 
 
 def evidence(urdf: Path | None = None, recordings: Sequence[Path] = ()) -> Known:
-    """What a description and recordings tell. Raises DesignError or SourceError of what cannot be read."""
+    """Read a robot's URDF, if there is one, and look through its recordings.
+
+    Raises DesignError or SourceError for a file that cannot be read.
+    """
     return Known(read_urdf(urdf) if urdf else None, look(recordings))
 
 
@@ -107,7 +110,7 @@ def new(
 def drafted(
     known: Known, answers: Answers, changes: Sequence[Change], parts_lists: Mapping[str, str | Path], *, name: str = ""
 ) -> Draft:
-    """As ``new``, of evidence that has been read already."""
+    """Draft a design as ``new`` does, from evidence that has been read already. Raises RobophmError as it does."""
     said, assumed = settled(answers, known)
     parts = composed(known, said, changes)
     tasks = tasks_seen(known.seen)
@@ -137,8 +140,8 @@ def _head(answers: Answers, changes: Sequence[Change]) -> list[str]:
     given = {key: text for key, text in asdict(answers).items() if text is not None}
     given |= {"changes": [f"{one.part}={one.words}" for one in changes]} if changes else {}
     return [
-        "Drafted by robophm new. What of it is assumed stands in assumptions.md; correct what is not so: a part",
-        "that you edited is yours, and robophm new --update leaves it as it is.",
+        "Drafted by `robophm new`. What of it is assumed stands in assumptions.md; correct what is not so: a part",
+        "that you edited is yours, and `robophm new --update` leaves it as it is.",
         ANSWERED + json.dumps(given, ensure_ascii=False),
     ]
 

@@ -1,4 +1,4 @@
-"""What recordings show of a robot: topics with types and rates, and values of the signals that could be bound."""
+"""Recordings at a glance: their topics with types and rates, and values of the signals that a design could bind."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from robophm.measured.statistics import statistics_of
 from robophm.transports.signals.message_units import field_unit
 
 MOST_SIGNALS = 300
-"""Of which values are looked at: of more, the first."""
+"""The largest number of signals whose values are read; further ones are left out, and a note says so."""
 
 HELD = 60 * SECOND
 """How long a value holds, for means."""
@@ -80,7 +80,7 @@ class SeenSignal:
 
     @property
     def values(self) -> str:
-        """What was seen, in words."""
+        """The range of its values and their number, in words."""
         if not self.samples:
             return "no value seen"
         unit = f" {self.unit}" if self.unit else ""
@@ -89,7 +89,7 @@ class SeenSignal:
 
 @dataclass(frozen=True)
 class Seen:
-    """What recordings hold, at a glance."""
+    """Topics and signals of some recordings, with notes on what was not looked at."""
 
     recorded: tuple[Recorded, ...]
     topics: tuple[SeenTopic, ...]
@@ -105,7 +105,10 @@ NOTHING = Seen((), (), ())
 
 
 def look(paths: Sequence[Path]) -> Seen:
-    """What recordings, or folders of them, hold. Raises SourceError."""
+    """Look through recordings, or folders of them, without reading more values than the signals need.
+
+    Raises SourceError where one cannot be read.
+    """
     if not paths:
         return NOTHING
     found = recordings(paths)

@@ -14,8 +14,8 @@ from robophm.blocks.fussell_vesely import fussell_vesely
 from robophm.blocks.given_it_works import FAINTEST, StructureGivenItWorks, as_decimals, decimals
 from robophm.blocks.given_it_works import chances as of_hazards
 from robophm.blocks.importance import barlow_proschan, importance
-from robophm.blocks.merging import single_points_of_failure
 from robophm.blocks.reliability import Structure
+from robophm.blocks.single_points import single_points_of_failure
 from robophm.blocks.top_event import TopEvent
 from robophm.core.errors import StructureError
 from robophm.health.plant import Parts, Plant

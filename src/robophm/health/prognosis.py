@@ -107,7 +107,8 @@ class Outlook(Ageing):
         system = self.plant.system(diagram)
         m = system.modes
         going = self.future.usage[m], self.future.factor[m]
-        structure, modes, sums = system.by_kind(self.age[m], self.cumulative_hazard[m], *going)
+        wears = np.where(np.isin(m, list(self.worn)), m + 1.0, 0.0)  # each by itself
+        structure, modes, sums = system.by_kind(self.age[m], self.cumulative_hazard[m], *going, wears)
         operating = self.operating
         added, groups = self.along(modes, operating), self.groups_along(system, operating)
         lived = np.append(self.cumulative_hazard[modes.modes], self.groups_since_new(system))[:, None]

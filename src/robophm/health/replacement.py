@@ -116,7 +116,8 @@ def _new(outlook: Outlook, modes: slice) -> Outlook:
     arrays = {name: getattr(outlook, name).copy() for name in names}
     for array in arrays.values():
         array[modes] = 0.0
-    return replace(outlook, **arrays)
+    renewed = range(*modes.indices(len(outlook.age)))
+    return replace(outlook, **arrays, worn={i: one for i, one in outlook.worn.items() if i not in renewed})
 
 
 def replacements(outlook: Outlook, diagram: Block, task: Task | None, most: int = MOST) -> Replacements:

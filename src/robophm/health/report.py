@@ -25,6 +25,7 @@ from robophm.health.prognosis import Outlook, RemainingLife
 from robophm.health.subject import State, Subject, systems
 from robophm.health.uncertainty import LifeUncertainty
 from robophm.health.unknown_rates import marked, marks, named
+from robophm.health.worn import SeenWear
 
 SCHEMA_VERSION = 1
 """The version of a health report as JSON."""
@@ -77,6 +78,8 @@ class HealthReport:
     """Uncertainty of the robot's sensor-based remaining life; None unless asked for and rates or load are uncertain."""
     horizon: float | None = None
     """The time ahead in which failures to come are looked for [h of calendar time]; None: the median remaining life."""
+    wear: tuple[SeenWear, ...] = ()
+    """Wear that sensors see of failure modes; the sensor-based figures have it in the place of their hazard."""
 
     @property
     def design(self) -> Robot:
@@ -208,6 +211,7 @@ class HealthReport:
             "uncertainty": plain({name: interval._asdict() for name, interval in vars(self.uncertainty).items()})
             if self.uncertainty
             else None,
+            "wear": [one.to_json() for one in self.wear],
             "state": self.state,
             "limits_set": self.design.limited,
             "breaches": list(self.breaches),

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from robophm.core.argument_checks import instance, number
 from robophm.core.errors import DataError
 from robophm.design.robot import Robot
+from robophm.health.worn import SeenWear
 from robophm.interface.asking import Paths, RobotOrPath, paths_of, robot_of
 from robophm.learning.wear.worn_mode import WearOptions, WornMode, worn_mode_of_table
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.wear_history import wear_history, worn_in, worn_modes
+from robophm.monitoring.wear_from_recordings import seen_in, wear_history, worn_in, worn_modes
 from robophm.monitoring.worn_life import WornLife, worn_lives
 
 TABLES = (".csv", ".tsv", ".yaml", ".yml")
@@ -58,8 +59,8 @@ def wear(
     history = wear_history(found, paths, modes)
     worn, missed = worn_in(history, modes, options)
     notes = (*sorted(history.notes), *map(str, missed))
-    return Wear(found, tuple(worn), _lives(history.monitor, worn), notes)
+    return Wear(found, tuple(worn), _lives(history.monitor, worn, seen_in(history, worn)), notes)
 
 
-def _lives(monitor: Monitor, worn: list[WornMode]) -> Mapping[str, WornLife]:
-    return worn_lives(monitor.report(remaining_life=False).outlooks["sensor_based"], worn)
+def _lives(monitor: Monitor, worn: Sequence[WornMode], seen: Sequence[SeenWear] = ()) -> Mapping[str, WornLife]:
+    return worn_lives(monitor.report(remaining_life=False, wear=()).outlooks["sensor_based"], worn, seen)

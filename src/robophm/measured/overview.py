@@ -13,7 +13,7 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.measured.held_values import Ints
 from robophm.measured.recordings import Recorded
-from robophm.transports.recordings.recording import Recording
+from robophm.transports.recordings.salvage import Salvage
 from robophm.transports.signals.message_units import field_unit
 
 GAP = 10.0
@@ -21,6 +21,9 @@ GAP = 10.0
 
 MOST_INTERVALS = 10_000
 """First intervals of a topic of which the median is taken."""
+
+BURSTS = 10
+"""Gaps beyond which it is asked whether they are what is between bursts."""
 
 MOST_GAPS = 1000
 """Gaps of a topic that are kept one by one, the longest; all are counted."""
@@ -46,11 +49,23 @@ class Topic:
     gap_count: int = 0
     gap_length: int = 0
     """Length of all gaps together [ns]."""
+    no_numbers: str = ""
+    """Reason why it has no numeric fields, where it has none."""
 
     @property
     def span(self) -> tuple[int, int] | None:
         """Return the times of the first and the last message; None where there is none."""
         return None if self.first is None or self.last is None else (self.first, self.last)
+
+    @property
+    def bursts(self) -> bool:
+        """Whether its messages come in bursts, so that what is between them is not silence.
+
+        Those are gaps that are a hundredth of the messages, or many that take more than half of the time.
+        """
+        if self.gap_count < BURSTS or self.first is None or self.last is None:
+            return False
+        return self.gap_count * 100 > self.messages or 2 * self.gap_length > self.last - self.first
 
     @property
     def longest_gap(self) -> tuple[int, int] | None:
@@ -76,10 +91,20 @@ class Overview:
 def overview(recorded: Recorded, gap: int | None = None) -> Overview:
     """Return an overview of a recording; silence of a ``gap`` [ns], or GAP times the median interval, counts as one."""
     names: dict[str, dict[str, list[str]]] = {}
-    with suppress(SourceError), Recording(*recorded.paths) as recording:  # what is damaged is said below
-        names = recording.names()
+    undecoded: dict[str, str] = {}
+    with suppress(SourceError), Salvage(*recorded.paths) as recording:  # what is damaged is said below
+        names, undecoded = recording.names(), recording.undecoded()
     topics = {
-        name: _Heard(Topic(name, type_, {one: field_unit(type_, one) for one in fields}, names.get(name, {})), gap)
+        name: _Heard(
+            Topic(
+                name,
+                type_,
+                {one: field_unit(type_, one) for one in fields},
+                names.get(name, {}),
+                no_numbers="" if fields else undecoded.get(name, "its type has none"),
+            ),
+            gap,
+        )
         for name, (type_, fields) in recorded.topics.items()
     }
     columns = recorded.columns((), recorded.topics)
@@ -138,8 +163,13 @@ class _Heard:
 
 
 def per_second(topic: Topic) -> float | None:
-    """Return messages a second while the topic was heard without a gap; None where there are too few to tell."""
+    """Return messages a second; None where there are too few to tell.
+
+    That is while the topic was heard without a gap; of one whose messages come in bursts, from its first to its last.
+    """
     if topic.first is None or topic.last is None or topic.messages < 2:
         return None
-    heard = topic.last - topic.first - topic.gap_length
-    return (topic.messages - 1 - topic.gap_count) * SECOND / heard if heard > 0 else None
+    heard, intervals = topic.last - topic.first, topic.messages - 1
+    if not topic.bursts:
+        heard, intervals = heard - topic.gap_length, intervals - topic.gap_count
+    return intervals * SECOND / heard if heard > 0 else None

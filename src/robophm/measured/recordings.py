@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -131,9 +130,3 @@ def _split(name: str, topics: Mapping[str, tuple[str, tuple[str, ...]]]) -> tupl
         if not fields:
             raise
         raise SourceError(f"{error}; e.g. '{name}.{fields[0]}'") from None
-
-
-def said(notes: Counter[str], recording: str = "") -> list[str]:
-    """Return notes of a reading as lines for people, each with the recording's name where one is given."""
-    of = f"{recording}: " if recording else ""
-    return [f"{of}{what} ({count:,} times)" if count > 1 else of + what for what, count in sorted(notes.items())]

@@ -9,11 +9,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from robophm.core.counted_notes import said
 from robophm.core.errors import RobophmError
 from robophm.core.signal import HOUR, SECOND
 from robophm.measured.held_values import Floats, HeldValues, Ints, held_values
 from robophm.measured.levels import Levels
-from robophm.measured.recordings import Recorded, Signal, said
+from robophm.measured.recordings import Recorded, Signal
 from robophm.measured.series import Series
 
 MOST_WINDOWS = 1_000_000

@@ -8,7 +8,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
+from operator import itemgetter
 from pathlib import Path
+from typing import NamedTuple
 
 from robophm.core.argument_checks import instance
 from robophm.core.argument_checks import path as given_path
@@ -16,9 +18,11 @@ from robophm.core.errors import DesignError, SourceError, UnitError, nearest
 from robophm.core.signal import any_element, named, split_signal
 from robophm.core.units import conversion
 from robophm.design.robot import Robot
+from robophm.health.clock_jumps import CLOCK_JUMP
 from robophm.monitoring.monitor import Monitor
 from robophm.transports.recordings.files import EmptyError, existing, parts_of
 from robophm.transports.recordings.opening import open_source
+from robophm.transports.recordings.recording import Recording
 from robophm.transports.signals.message_units import field_unit
 from robophm.transports.signals.source import SignalSource, TopicInfo
 
@@ -42,8 +46,25 @@ class RecordingSession:
     """Time when its first message was received [ns], where that is known."""
     last: int | None
     open: Opening
+    files: tuple[Path, ...] = ()
+    """The files of the session, where those of several sessions can be opened as one."""
     lost: tuple[str, ...] = ()
     """Files beside it of which nothing can be read, and why."""
+
+    def goes_on(self, after: RecordingSession, gap: int) -> bool:
+        """Whether another session is of the same drive: it begins at most ``gap`` [ns] behind this one's end."""
+        if not (self.files and after.files) or self.signals != after.signals or after.lost:
+            return False
+        spans = [(one.first or 0, one.last or 0) for one in (self, after)]
+        return 0 < spans[1][0] - spans[0][1] <= gap and all(last - first <= CLOCK_JUMP for first, last in spans)
+
+
+def joined(sessions: Sequence[RecordingSession]) -> RecordingSession:
+    """Sessions of which each goes on where the one before ended, as one."""
+    if len(sessions) == 1:
+        return sessions[0]
+    files = [file for session in sessions for file in session.files]
+    return replace(sessions[0], last=sessions[-1].last, open=partial(open_source, *files))
 
 
 def sessions_of(
@@ -62,18 +83,18 @@ def sessions_of(
     sessions: list[RecordingSession] = []
     missing, topics = dict.fromkeys(robot.signals, ""), dict[str, Kind]()
     unread: list[str] = []
-    for name, opens in _opened(recorded, unread):
-        with opens() as source:
-            infos = source.topics()
-            fingerprint = source.fingerprint
-        here = {info.topic: (info.type, info.fields) for info in infos}
-        topics |= here
-        words = missing_signals(robot, here)
-        signals = tuple(signal for signal in robot.signals if signal not in words)
-        missing = {signal: words[signal] for signal in missing if signal in words}
-        key = hashlib.sha256("\n".join((fingerprint, *sorted(signals))).encode()).hexdigest()
+    lacking: dict[tuple[tuple[str, Kind], ...], dict[str, str]] = {}
+    for name, opens, found in _opened(recorded, unread):
+        here = {info.topic: (info.type, info.fields) for info in found.infos}
+        kinds = tuple(here.items())
+        if kinds not in lacking:  # as it is in the file before
+            topics |= here
+            lacking[kinds] = missing_signals(robot, here)
+            missing = {signal: lacking[kinds][signal] for signal in missing if signal in lacking[kinds]}
+        signals = tuple(signal for signal in robot.signals if signal not in lacking[kinds])
+        key = hashlib.sha256("\n".join((found.fingerprint, *sorted(signals))).encode()).hexdigest()
         if signals:
-            sessions.append(RecordingSession(name, key, signals, *_span(infos), opens))
+            sessions.append(RecordingSession(name, key, signals, *_span(found.infos), opens, found.files))
     _refuse(robot, missing, topics, skip_missing=skip_missing)
     return [replace(sessions[0], lost=tuple(unread)), *sessions[1:]]
 
@@ -134,21 +155,38 @@ def missing_signals(robot: Robot, topics: Mapping[str, Kind]) -> dict[str, str]:
     return missing
 
 
-def _opened(recorded: Recorded | Sequence[Recorded], lost: list[str]) -> Iterator[tuple[str, Opening]]:
-    """Names, and what opens each; what is ``lost`` is known behind the first."""
+class _Looked(NamedTuple):
+    """What a source is known by."""
+
+    infos: list[TopicInfo]
+    fingerprint: str
+    files: tuple[Path, ...]
+    """Its files, where those of several sources can be opened as one."""
+
+
+def _looked(source: SignalSource, files: Sequence[Path]) -> _Looked:
+    return _Looked(source.topics(), source.fingerprint, tuple(files) if isinstance(source, Recording) else ())
+
+
+def _opened(recorded: Recorded | Sequence[Recorded], lost: list[str]) -> Iterator[tuple[str, Opening, _Looked]]:
+    """Names, what opens each, and what it holds; what is ``lost`` is known behind the first."""
     if isinstance(recorded, SignalSource):
-        yield "the recording", lambda: nullcontext(recorded)
+        yield "the recording", lambda: nullcontext(recorded), _looked(recorded, ())
         return
     given = [recorded] if isinstance(recorded, str | os.PathLike) or not isinstance(recorded, Iterable) else recorded
     files = [given_path(path, "recording", SourceError) for path in given]
     if not files:
         raise SourceError("no recordings; expected at least one")
-    for paths in _in_order(files, lost):
-        yield str(paths[0]) + (" …" if len(paths) > 1 else ""), partial(open_source, *paths)
+    for paths, found in _in_order(files, lost):
+        opens = partial(open_source, *paths)
+        if found is None:
+            with opens() as source:
+                found = _looked(source, paths)
+        yield str(paths[0]) + (" …" if len(paths) > 1 else ""), opens, found
 
 
-def _in_order(given: Sequence[Path], lost: list[str]) -> list[list[Path]]:
-    """The files in order of time, those together that overlap; what has no message is left out.
+def _in_order(given: Sequence[Path], lost: list[str]) -> list[tuple[list[Path], _Looked | None]]:
+    """The files in order of time, those together that overlap, and what each alone holds; none is without a message.
 
     A file that was found in a folder and cannot be read is ``lost`` alone; one that was named is an error.
     """
@@ -156,13 +194,13 @@ def _in_order(given: Sequence[Path], lost: list[str]) -> list[list[Path]]:
     for path in given:
         parts += [(part, part == path) for part in parts_of(existing(path))]
     if len(parts) < 2:
-        return [[part for part, _ in parts]] if parts else [[*given]]
-    spans: list[tuple[int, int, Path]] = []
+        return [([part for part, _ in parts] or [*given], None)]
+    spans: list[tuple[int, int, Path, _Looked]] = []
     failed: list[SourceError] = []
     for part, asked_for in parts:
         try:
             with open_source(part) as source:
-                first, last = _span(source.topics())
+                found = _looked(source, [part])
         except EmptyError:
             continue
         except SourceError as error:
@@ -170,20 +208,22 @@ def _in_order(given: Sequence[Path], lost: list[str]) -> list[list[Path]]:
                 raise
             failed.append(error)
             continue
+        first, last = _span(found.infos)
         if first is not None:
-            spans.append((first, first if last is None else last, part))
+            spans.append((first, first if last is None else last, part, found))
     if failed and not spans:
         raise failed[0]
     if not spans:
         raise EmptyError(f"{', '.join(map(str, given))}: holds no messages")
     lost += [f"lost: {error}" for error in failed]
-    spans.sort()
-    groups, until = [[spans[0][2]]], spans[0][1]
-    for first, last, part in spans[1:]:
-        if first <= until:
-            groups[-1].append(part)
+    spans.sort(key=itemgetter(0, 1, 2))
+    groups: list[tuple[list[Path], _Looked | None]] = []
+    until = -1
+    for first, last, part, found in spans:
+        if groups and first <= until:
+            groups[-1] = [*groups[-1][0], part], None
         else:
-            groups.append([part])
+            groups.append(([part], found))
         until = max(until, last)
     return groups
 

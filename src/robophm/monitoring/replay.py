@@ -6,19 +6,22 @@ import itertools
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from robophm.core.argument_checks import instance, number
+from robophm.core.counted_notes import said
 from robophm.core.errors import SourceError, StoreError
 from robophm.core.signal import REORDERED, SECOND
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport
+from robophm.health.worn import SeenWear
 from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.monitor import LONGEST_PERIOD, Monitor
-from robophm.monitoring.recording_sessions import Recorded, RecordingSession, living, sessions_of
+from robophm.monitoring.recording_sessions import Recorded, RecordingSession, joined, living, sessions_of
+from robophm.monitoring.wear_watch import GROWTH, WearWatch
 from robophm.stores.store import Progress, Store
 
 SAVE_EVERY = 2.0
@@ -41,18 +44,19 @@ _ENDED = "end of the recording that was heard last"
 class ReportHistory:
     """The reports of a robot's time that are to be kept: after the first tick, and after the first in every step."""
 
-    def __init__(self, step: int, ledger: Ledger | None) -> None:
-        """``step`` [ns]; a ledger that is gone on from has its report."""
+    def __init__(self, step: int, ledger: Ledger | None, wear: Callable[[Ledger], Sequence[SeenWear]]) -> None:
+        """``step`` [ns]; a ledger that is gone on from has its report; ``wear``: what is foretold of it."""
         self.reports: list[dict[str, Any]] = []
         """Reports that are not yet saved."""
-        self._step = step
+        self._step, self._wear = step, wear
         self._reported = ledger.integrated_to if ledger else None
 
     def follow(self, monitor: Monitor) -> None:
         """Take a report where it is time to."""
         now = monitor.ledger.integrated_to or 0
         if self._reported is None or now // self._step > self._reported // self._step:
-            self.reports.append(monitor.report(remaining_life=False, settled=False).to_json())
+            wear = self._wear(monitor.ledger)
+            self.reports.append(monitor.report(remaining_life=False, settled=False, wear=wear).to_json())
         self._reported = now
 
 
@@ -111,40 +115,64 @@ def replay_sessions(
     ledger = kept_ledger(robot, store) if store else None
     step = round(report_every * SECOND) if report_every else _report_step(sessions) if store else REPORT_STEP
     decided: Counter[str] = Counter()
-    for session in sessions:
-        monitor, notes = _go_through(robot, session, ledger, store, period, step, on_tick)
+    monitor: Monitor | None = None
+    for run in _runs(robot, sessions, store):
+        if run[0].done.complete:
+            decided.update(run[0].done.notes)
+            continue
+        monitor, notes = _go_through(robot, run, ledger, store, period, step, on_tick)
         ledger = monitor.ledger
         decided.update(notes)
-    report = monitor.report()
-    return replace(report, notes=report.notes + tuple(f"{what} ({n} times)" for what, n in sorted(decided.items())))
+    report = (monitor or Monitor(robot, ledger, period=period)).report(alarms=True)
+    return replace(report, notes=report.notes + tuple(said(decided)))
+
+
+class _Session(NamedTuple):
+    """A session, and what of it is in the ledger already."""
+
+    session: RecordingSession
+    done: Progress
+
+
+def _runs(robot: Robot, sessions: Sequence[RecordingSession], store: Store | None) -> list[list[_Session]]:
+    """The sessions in order, those as one of which each goes on where the one before ended, as splits of a drive do."""
+    runs: list[list[_Session]] = []
+    for session in sessions:
+        here = _Session(session, store.progress(robot.name, session.key) if store else Progress(session.key))
+        before = runs[-1][-1] if runs else None
+        fresh = not (here.done.position or here.done.complete)
+        if before and fresh and not before.done.complete and before.session.goes_on(session, robot.max_gap):
+            runs[-1].append(here)
+        else:
+            runs.append([here])
+    return runs
 
 
 def _go_through(
     robot: Robot,
-    session: RecordingSession,
+    run: Sequence[_Session],
     ledger: Ledger | None,
     store: Store | None,
     period: float,
     step: int,
     on_tick: Callable[[Monitor], None] | None,
 ) -> tuple[Monitor, Counter[str]]:
-    """The monitor after a session, and what had to be decided on the way."""
-    progress = store.progress(robot.name, session.key) if store else Progress(session.key)
-    decided = Counter(progress.notes)
-    if progress.complete:
-        return Monitor(robot, ledger, period=period), decided
-    if ledger and ledger.integrated_to is not None and not progress.position:
-        _not_before(session, ledger.integrated_to)
-    position = progress.position
+    """The monitor after a run of sessions, and what had to be decided on the way."""
+    session = joined([one.session for one in run])
+    begun = run[0].done
+    decided = Counter(begun.notes)
+    if ledger and ledger.integrated_to is not None and not begun.position:
+        _not_before(run[0].session, ledger.integrated_to)
+    position = begun.position
     decided |= Counter(session.lost)
-    course = ReportHistory(step, ledger)
+    course = ReportHistory(step, ledger, WearWatch(robot, GROWTH).renewed)
     saved = time.monotonic()
 
-    def save(*, complete: bool) -> None:
+    def save() -> None:
         nonlocal saved
         if store:
-            state = Progress(session.key, position, complete, decided + source.notes)
-            store.save(robot.name, monitor.ledger.to_json(), state, course.reports)
+            states = [*_states(run, position, decided + source.notes)]
+            store.save(robot.name, monitor.ledger.to_json(), states, course.reports)
             course.reports.clear()
             saved = time.monotonic()
 
@@ -154,7 +182,7 @@ def _go_through(
             course.follow(monitor)
         if time.monotonic() - saved > SAVE_EVERY:
             position = position if life.arrived is None else life.arrived + 1
-            save(complete=False)
+            save()
         if on_tick:
             on_tick(monitor)
 
@@ -171,11 +199,26 @@ def _go_through(
                 monitor.observe(sample)
         for reason in [reason for reason in source.notes if reason.startswith(REORDERED)]:
             monitor.ledger.counts[reason] += source.notes.pop(reason)  # it qualifies what is in the ledger
-    save(complete=True)
-    if store and (ended := monitor.ledger.ended) is not None:
-        end = Progress(_ENDED, ended, complete=True, notes={"newest": monitor.ledger.newest or 0})
-        store.save(robot.name, monitor.ledger.to_json(), end)
+    if store:
+        notes = decided + source.notes
+        states = [Progress(one.session.key, position, True, notes if one is run[0] else {}) for one in run]
+        if (ended := monitor.ledger.ended) is not None:
+            states.append(Progress(_ENDED, ended, complete=True, notes={"newest": monitor.ledger.newest or 0}))
+        store.save(robot.name, monitor.ledger.to_json(), states, course.reports)
     return monitor, decided + source.notes
+
+
+def _states(run: Sequence[_Session], position: int, notes: Counter[str]) -> Iterator[Progress]:
+    """The progress of sessions where all that was received before a position is in the ledger.
+
+    The last is complete when its end is in the ledger too.
+    """
+    for session, _ in run:
+        if session is not run[-1].session and session.last is not None and position > session.last:
+            yield Progress(session.key, position, complete=True, notes=notes)
+        elif session is run[0].session or session.first is None or position > session.first:
+            yield Progress(session.key, position, notes=notes)
+        notes = Counter()
 
 
 def _report_step(sessions: Sequence[RecordingSession]) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from robophm.stores.store import Progress, Store
@@ -41,12 +41,11 @@ class MemoryStore(Store):
         self,
         robot: str,
         ledger: Mapping[str, Any],
-        progress: Progress | None = None,
+        progress: Iterable[Progress] = (),
         reports: Sequence[Mapping[str, Any]] = (),
     ) -> None:
         """Keep the robot's ledger, the progress of its recordings, and its reports."""
         texts = json.dumps(ledger), {int(report["time"]): json.dumps(report) for report in reports}
         self._ledgers[robot] = texts[0]
         self._reports.setdefault(robot, {}).update(texts[1])
-        if progress:
-            self._progress[robot, progress.recording] = progress
+        self._progress.update({(robot, one.recording): one for one in progress})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
@@ -16,17 +16,17 @@ from robophm.stores.store import Progress, Store
 VERSION = 2
 """Version of the tables; kept in the file's user_version."""
 
-_TABLES = """
-CREATE TABLE ledger (robot TEXT PRIMARY KEY, revision INTEGER NOT NULL, state TEXT NOT NULL) STRICT;
-CREATE TABLE progress (
+_TABLES = (
+    "CREATE TABLE ledger (robot TEXT PRIMARY KEY, revision INTEGER NOT NULL, state TEXT NOT NULL) STRICT",
+    """CREATE TABLE progress (
     robot TEXT NOT NULL, recording TEXT NOT NULL, position INTEGER NOT NULL, complete INTEGER NOT NULL,
     notes TEXT NOT NULL,
     PRIMARY KEY (robot, recording)
-) STRICT;
-CREATE TABLE report (
+) STRICT""",
+    """CREATE TABLE report (
     robot TEXT NOT NULL, time INTEGER NOT NULL, body TEXT NOT NULL, PRIMARY KEY (robot, time)
-) STRICT, WITHOUT ROWID;
-"""
+) STRICT, WITHOUT ROWID""",
+)
 
 
 class SqliteStore(Store):
@@ -47,14 +47,26 @@ class SqliteStore(Store):
 
     def _open(self) -> None:
         self._base.execute("PRAGMA busy_timeout = 10000")
-        version = self._base.execute("PRAGMA user_version").fetchone()[0]
-        tables = self._base.execute("SELECT count(*) FROM sqlite_schema").fetchone()[0]
-        if version == 0 and tables == 0:
+        if self._is_empty():
             self._base.execute("PRAGMA journal_mode = WAL")
-            self._base.executescript(f"BEGIN IMMEDIATE; {_TABLES} PRAGMA user_version = {VERSION}; COMMIT;")
-        elif version != VERSION:
+            self._base.execute("BEGIN IMMEDIATE")
+            try:
+                if self._is_empty():  # nobody else has made the tables meanwhile
+                    for table in _TABLES:
+                        self._base.execute(table)
+                    self._base.execute(f"PRAGMA user_version = {VERSION}")
+                self._base.execute("COMMIT")
+            except BaseException:
+                self._base.execute("ROLLBACK")
+                raise
+        version = self._base.execute("PRAGMA user_version").fetchone()[0]
+        if version != VERSION:
             raise StoreError(f"{self.path}: not a robophm store of version {VERSION} (its version is {version})")
         self._base.execute("PRAGMA synchronous = FULL")
+
+    def _is_empty(self) -> bool:
+        version = self._base.execute("PRAGMA user_version").fetchone()[0]
+        return not version and not self._base.execute("SELECT count(*) FROM sqlite_schema").fetchone()[0]
 
     def ledger(self, robot: str) -> Mapping[str, Any] | None:
         """Return the robot's ledger as it was saved, or None. Raises StoreError where it cannot be read."""
@@ -81,7 +93,7 @@ class SqliteStore(Store):
         self,
         robot: str,
         ledger: Mapping[str, Any],
-        progress: Progress | None = None,
+        progress: Iterable[Progress] = (),
         reports: Sequence[Mapping[str, Any]] = (),
     ) -> None:
         """Keep all of it, or none. Raises StoreError, as on a full disk or after somebody else's save."""
@@ -89,7 +101,7 @@ class SqliteStore(Store):
 
     def bring_back(self, robot: str, ledger: Mapping[str, Any], time: int) -> None:
         """Keep a ledger that was brought back to a time [ns], and no report of a later one. Raises StoreError."""
-        self._save(robot, ledger, None, (), time)
+        self._save(robot, ledger, (), (), time)
 
     def copy_to(self, path: Path) -> None:
         """Copy all of it into a new file. Raises StoreError where that is there, or cannot be written."""
@@ -99,10 +111,11 @@ class SqliteStore(Store):
             self._base.backup(copy)
 
     def _save(
-        self, robot: str, ledger: Mapping[str, Any], progress: Progress | None, reports: Sequence[Mapping[str, Any]],
+        self, robot: str, ledger: Mapping[str, Any], progress: Iterable[Progress], reports: Sequence[Mapping[str, Any]],
         last: int | None,
     ) -> None:  # fmt: skip
         rows = [(robot, report["time"], json.dumps(report)) for report in reports]
+        done = [(robot, *one[:3], json.dumps(one.notes)) for one in progress]
         with self._errors():
             self._base.execute("BEGIN IMMEDIATE")
             try:
@@ -114,9 +127,7 @@ class SqliteStore(Store):
                     )
                 values = robot, revision + 1, json.dumps(ledger)
                 self._base.execute("INSERT OR REPLACE INTO ledger VALUES (?, ?, ?)", values)
-                if progress:
-                    done = (robot, *progress[:3], json.dumps(progress.notes))
-                    self._base.execute("INSERT OR REPLACE INTO progress VALUES (?, ?, ?, ?, ?)", done)
+                self._base.executemany("INSERT OR REPLACE INTO progress VALUES (?, ?, ?, ?, ?)", done)
                 if last is not None:
                     self._base.execute("DELETE FROM report WHERE robot = ? AND time > ?", (robot, last))
                 self._base.executemany("INSERT OR REPLACE INTO report VALUES (?, ?, ?)", rows)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -52,7 +52,7 @@ class Store(ABC):
         self,
         robot: str,
         ledger: Mapping[str, Any],
-        progress: Progress | None = None,
+        progress: Iterable[Progress] = (),
         reports: Sequence[Mapping[str, Any]] = (),
     ) -> None:
         """Keep all of it, or none. A report replaces the one of the same time.

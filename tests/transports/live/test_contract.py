@@ -178,6 +178,19 @@ def test_values_that_joints_and_devices_name_are_heard_and_listed(
     assert diagnostics.names["status[motor 3].values[]"] == ["temp"]
 
 
+def test_one_number_of_an_array_of_raw_samples(source: LiveSource, publish: Callable[..., Any]) -> None:
+    """A sine of amplitude 2 at 50 Hz, sampled at 1 kHz, on top of 3; an array that is empty says nothing."""
+    raw = publish("/c/raw", "std_msgs/Float32MultiArray")
+    signals = ["/c/raw.data[:rms]", "/c/raw.data[:band 40-60 of 1000]", "/c/raw.data[:band 60-400 of 1000]"]
+    heard = connected(raw, Heard(source, *signals))
+    layout = raw.types["std_msgs/msg/MultiArrayLayout"]([], 0)
+    for values in (3 + 2 * np.sin(2 * np.pi * 50 * np.arange(1000) / 1000), np.empty(0)):
+        raw.publish(raw.types["std_msgs/msg/Float32MultiArray"](layout, values.astype(np.float32)))
+    within(5, lambda: len(heard.of(signals[2])) == 1)
+    assert [heard.of(signal)[0] for signal in signals] == pytest.approx([2**0.5, 2**0.5, 0.0], abs=1e-5)
+    within(5, lambda: any("/c/raw" in what for what in source.notes.copy()))
+
+
 def test_what_has_come_is_taken_when_it_stops(source: LiveSource, publish: Callable[..., Any]) -> None:
     warm = publish("/c/much", "sensor_msgs/Temperature")
     samples = source.samples(["/c/much.temperature"])

@@ -43,7 +43,8 @@ def test_elsewhere_a_pair_is_no_path(topic, field):
 
 
 def test_names_are_quoted_where_they_would_be_read_otherwise():
-    assert [bracketed(name) for name in ("a b", "7", "x[1]", "it's [1]")] == ["a b", "'7'", "'x[1]'", '"it\'s [1]"']
+    names = ["a b", "7", "x[1]", "it's [1]", ":rms"]
+    assert [bracketed(name) for name in names] == ["a b", "'7'", "'x[1]'", '"it\'s [1]"', "':rms'"]
 
 
 def store_of(ros):

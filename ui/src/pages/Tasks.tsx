@@ -187,6 +187,11 @@ function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
           </tr>
         )}
       </Table>
+      {answer.wear.map((one) => (
+        <p key={one.mode} className={one.critical ? "small state warn" : "small"}>
+          Seen to wear: {one.mode}: {one.says}
+        </p>
+      ))}
       <p className="small quiet">
         Decided by (share of the failures that would vanish):{" "}
         {answer.deciding.slice(0, 5).map((one) => `${one.path} ${one.share == null ? "–" : `${numberText(100 * one.share, 3)} %`}`).join(", ")}

@@ -12,8 +12,9 @@ from robophm.cli.shared.measured import Bags, Overwrite, SignalNames, warn_of
 from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, may_make, print_json, progress_console
 from robophm.cli.shared.progress import counted
+from robophm.core.counted_notes import said
 from robophm.measured.export import SUFFIXES, export
-from robophm.measured.recordings import recordings, said, signal_of
+from robophm.measured.recordings import recordings, signal_of
 
 
 def command(

@@ -14,9 +14,10 @@ from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json, print_table, progress_console, table
 from robophm.cli.shared.progress import counted
 from robophm.cli.shared.unused import refuse_unused
+from robophm.core.counted_notes import said
 from robophm.core.signal import HOUR
 from robophm.measured.find import MOST_HITS, Condition, Found, find
-from robophm.measured.recordings import Recorded, Signal, recordings, said, signal_of
+from robophm.measured.recordings import Recorded, Signal, recordings, signal_of
 from robophm.report.words import duration_text, moment_text, number_text
 
 

@@ -12,9 +12,10 @@ from robophm.cli.shared.measured import Bags, max_age, warn_of
 from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json, print_table, progress_console, table
 from robophm.cli.shared.progress import counted
+from robophm.core.counted_notes import said
 from robophm.core.signal import HOUR
-from robophm.measured.overview import Overview, overview, per_second
-from robophm.measured.recordings import recordings, said
+from robophm.measured.overview import Overview, Topic, overview, per_second
+from robophm.measured.recordings import recordings
 from robophm.report.words import duration_text, moment_text, number_text
 
 
@@ -56,7 +57,8 @@ def _print_overview(out: Console, one: Overview) -> None:
         gaps = "–"
         if topic.longest_gap:
             at, length = topic.longest_gap
-            gaps = f"{topic.gap_count:,}; {duration_text(length / HOUR)} from {moment_text(at)[5:19]}"
+            many = "in bursts" if topic.bursts else f"{topic.gap_count:,}"
+            gaps = f"{many}; {duration_text(length / HOUR)} from {moment_text(at)[5:19]}"
         per = "–" if rate is None else number_text(rate, 3)
         rows.append((topic.name, f"{topic.messages:,}", per, *heard, gaps))
     columns = ("topic", "messages", "per s", "first after", "for", "gaps; longest")
@@ -66,9 +68,14 @@ def _print_overview(out: Console, one: Overview) -> None:
     for topic in one.topics:
         names = [f"{name} [{unit}]" if unit else name for name, unit in topic.fields.items() if "header." not in name]
         names += [f"{field} of {', '.join(of)}" for field, of in topic.names.items()]
-        fields.append((topic.name, topic.type.replace("/msg/", "/") or "?", ", ".join(names) or "no numbers"))
+        fields.append((topic.name, topic.type.replace("/msg/", "/") or "?", ", ".join(names) or _no_numbers(topic)))
     print_table(out, table("", ("topic", "type", "fields [unit]"), fields))
     out.print()
+
+
+def _no_numbers(topic: Topic) -> str:
+    """Why a topic has none to show: a header's are not."""
+    return "no numbers" + (f": {topic.no_numbers}" if topic.no_numbers else " but those of its header")
 
 
 def _overview_json(one: Overview) -> dict[str, Any]:

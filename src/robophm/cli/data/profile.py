@@ -13,9 +13,10 @@ from robophm.cli.shared.options import Design, Json, SkipMissing
 from robophm.cli.shared.output import console, may_make, print_json, progress_console, warn, write
 from robophm.cli.shared.progress import counted
 from robophm.cli.shared.unused import refuse_unused
+from robophm.core.counted_notes import said
 from robophm.design.file import load
 from robophm.measured.profile import Profile, StressProfiles, stress_profiles, task_text
-from robophm.measured.recordings import recordings, said
+from robophm.measured.recordings import recordings
 from robophm.report.measured_page import aged_text, level_rows, parts_text, profile_page, where
 from robophm.report.words import duration_text, number_text
 

@@ -17,6 +17,16 @@ OPTIONS = {
     "expected a robot with a past": "expected a robot with a past (--store, or --at)",
     "expected one, or the robot's usual speed": "expected one, e.g. --speed 0.3",
     "expected a secret token too": "expected --token with a secret too",
+    "columns they are in a mapping file": "columns they are in a mapping file (import-bom --mapping)",
+    "expected a fit by likelihood": "expected --by likelihood",
+    "or repaired systems with their power law": "or --repairable for repaired systems",
+    "or an exponential distribution": "or --distribution exponential",
+    "expected another distribution": "expected another --distribution",
+    "a fit with parts that never fail says": "--some-never-fail says",
+    "expected a stress of use": "expected --use STRESS=VALUE",
+    "expected its threshold": "expected --threshold",
+    "and the load at which readings are compared": "and --load, the load at which readings are compared",
+    "expected one for each setting": "expected one for each of --settings",
     "no such store": "no such store; `robophm replay --store` makes it",
 }
 """Words of the rooms below, each with the same words that name the option which a command has for it."""

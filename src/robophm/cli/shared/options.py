@@ -44,7 +44,10 @@ ChanceSeed = Annotated[int, typer.Option(help="seed of --monte-carlo", min=0)]
 
 
 def stated_store(address: str | None) -> str | None:
-    """Where a store is, as stated. Raises StoreError where nothing is."""
+    """The address of a store as it was given to ``--store``, or None without that option.
+
+    Raises StoreError where the address is empty.
+    """
     if address == "":
         raise StoreError("--store '': expected the path of a store, or its kind and where it is, sqlite:robot.db")
     return address

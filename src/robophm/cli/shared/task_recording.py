@@ -9,6 +9,7 @@ from typing import Any
 
 from robophm.cli.shared.output import console, print_json, print_table, progress_console, table, warn
 from robophm.cli.shared.progress import progress
+from robophm.core.counted_notes import said
 from robophm.core.signal import SECOND
 from robophm.design.importers.legacy.figures import LegacyTask, UnitMode
 from robophm.design.robot import Robot
@@ -37,8 +38,8 @@ def run(
             robot, source, told, speed=speed, functions=functions, knowledge=knowledge, ledger=ledger,
             skip_missing=skip_missing, on_tick=tick,
         )  # fmt: skip
-    for what, count in sorted(unread.items()):
-        warn(f"{what} ({count} times)")
+    for line in said(unread):
+        warn(line)
     for what in sorted(source.lost()):
         if not any(said in what for said in unread):
             warn(f"lost: {what}")

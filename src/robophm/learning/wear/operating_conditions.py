@@ -26,10 +26,10 @@ FEWEST = 30
 
 @dataclass(frozen=True)
 class OperatingConditions:
-    """What signals are when nothing is known of health; learned from all readings."""
+    """The usual values of signals under each setting, whatever the health, as learned from all readings."""
 
     cuts: tuple[Array, ...]
-    """Of each setting, in the middle of its gaps."""
+    """Bounds between the regimes of each setting, in the middle of its gaps."""
     regimes: Array
     """Numbers of the parts between cuts, of each regime; shape (regimes, settings)."""
     fits: Array
@@ -51,7 +51,7 @@ class OperatingConditions:
 
 
 def learn_operating_conditions(values: Sequence[Array], settings: Sequence[Array]) -> OperatingConditions:
-    """Of units, each with values (readings, signals) and settings (readings, settings), of which there may be none.
+    """Learn them from units, each with values (readings, signals) and settings (readings, settings), which may be none.
 
     Settings of more than ``MOST_REGIMES`` regimes are taken to have none. Raises DataError where no signal varies.
     """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,7 +18,8 @@ PACKED = ".zstd"
 METADATA = "metadata.yaml"
 """Name of the file that makes a folder a rosbag2 folder."""
 
-_EDGE = 64 * 1024
+_EDGE = 4 * 1024
+"""Bytes at the beginning, in the middle and at the end by which a file is told from others of its size."""
 
 
 class EmptyError(SourceError):
@@ -87,24 +89,26 @@ def pages_of(path: Path) -> tuple[int, int]:
 
 def log_of(path: Path) -> Path | None:
     """The write-ahead log beside an SQLite file whose recorder did not close it; None where there is none."""
-    log = path.with_name(path.name + "-wal")
-    return log if log.is_file() and log.stat().st_size else None
+    log = f"{path}-wal"
+    try:
+        size = os.stat(log).st_size  # noqa: PTH116  as a Path it takes three times as long, of each of thousands of files
+    except OSError:
+        return None
+    return Path(log) if size and Path(log).is_file() else None
 
 
 def fingerprint_of(path: Path) -> str:
-    """Digest of the size and the first, middle and last 64 KiB of each file of messages, names left out.
+    """Digest of the size and the first, middle and last 4 KiB of each file of messages, names left out.
 
     What an SQLite file's recorder has left beside it belongs to it.
     """
-    files = [path]
-    if path.is_dir():
-        files = [part for part in path.iterdir() if holds_messages(part)]
+    files = [part for part in path.iterdir() if holds_messages(part)] if path.is_dir() else [path]
     files += filter(None, map(log_of, files))
     digests = []
     for each in files:
-        size = each.stat().st_size
-        digest = hashlib.sha256(str(size).encode())
-        with each.open("rb") as file:
+        with each.open("rb", buffering=0) as file:
+            size = os.fstat(file.fileno()).st_size
+            digest = hashlib.sha256(str(size).encode())
             for offset in (0, size // 2, size - _EDGE):
                 file.seek(max(0, offset))
                 digest.update(file.read(_EDGE))

@@ -8,7 +8,7 @@ from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.files import existing, recognised
 from robophm.transports.recordings.format import SampleFormat
-from robophm.transports.recordings.packed import is_packed
+from robophm.transports.recordings.recognising import is_packed
 from robophm.transports.signals.source import SignalSource
 
 

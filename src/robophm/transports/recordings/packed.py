@@ -25,39 +25,35 @@ _STEP = 1 << 20
 """Bytes of a file that are unpacked at once."""
 
 _LEFT = 2
-"""Of the free room for temporary files, one part in so many is left."""
+"""The divisor of the free room for temporary files: what is unpacked takes at most this part of it."""
 
 
-def head_of(path: Path) -> bytes:
-    """The first bytes of a file, or of what is compressed in it; as many as can be unpacked. Raises OSError."""
-    with path.open("rb") as file:
-        stream = _unpacking(file)
-        if stream is None:
-            return file.read(HEAD)
-        head = b""
+def head_of(path: Path) -> tuple[bytes, bool]:
+    """The first bytes of a file, or of what is compressed in it, as many as can be unpacked, and whether it is.
+
+    Raises OSError.
+    """
+    with path.open("rb", buffering=0) as file:
+        head = file.read(HEAD)
+        if not head.startswith((ZSTD, _GZIP)):
+            return head, False
+        file.seek(0)
+        stream, head = _unpacking(file), b""
         with suppress(*_damage()):  # what is whole of it may be enough
             while len(head) < HEAD and (part := stream.read1(HEAD - len(head))):
                 head += part
-        return head
-
-
-def is_packed(path: Path) -> bool:
-    """Whether a file is compressed as a whole. Raises OSError."""
-    with path.open("rb") as file:
-        return file.read(len(ZSTD)).startswith((ZSTD, _GZIP))
+        return head, True
 
 
 def _unpacking(file: IO[bytes]) -> Any:
-    """A stream of what is compressed in a file; None where nothing is."""
-    mark = file.read(len(ZSTD))
+    """A stream of what is compressed in a file."""
+    gzipped = file.read(len(_GZIP)) == _GZIP
     file.seek(0)
-    if mark.startswith(_GZIP):
+    if gzipped:
         return gzip.GzipFile(fileobj=file)
-    if mark == ZSTD:
-        import zstandard
+    import zstandard
 
-        return zstandard.ZstdDecompressor().stream_reader(file, read_across_frames=True)
-    return None
+    return zstandard.ZstdDecompressor().stream_reader(file, read_across_frames=True)
 
 
 def _damage() -> tuple[type[Exception], ...]:

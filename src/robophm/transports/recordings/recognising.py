@@ -1,4 +1,4 @@
-"""Of which format a file is: its content decides, whatever it is called and however it is compressed."""
+"""The format of a recording, told by its content, whatever the file is called and however it is compressed."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from robophm.core.errors import PlugError
 from robophm.core.registry import load_plug, plugs
 from robophm.transports.recordings.format import RecordingFormat
 from robophm.transports.recordings.packed import head_of
+from robophm.transports.recordings.unchanged import State, settled
 
 FORMATS = "robophm.transports.recordings.formats"
 """The plug folder, and the group of entry points of other packages."""
@@ -29,7 +30,7 @@ def formats() -> dict[str, RecordingFormat]:
 
 
 def suffixes() -> frozenset[str]:
-    """What recordings are called as a rule."""
+    """The usual suffixes of recordings of all formats."""
     return frozenset(suffix for one in formats().values() for suffix in one.suffixes)
 
 
@@ -38,10 +39,30 @@ def format_of(path: Path) -> RecordingFormat | None:
 
     The suffix may be right where a head is damaged, and where a format has no mark. Raises OSError.
     """
-    head = head_of(path)
+    return _look(path)[0]
+
+
+def is_packed(path: Path) -> bool:
+    """Whether a file is compressed as a whole. Raises OSError."""
+    return _look(path)[1]
+
+
+def _look(path: Path) -> tuple[RecordingFormat | None, bool]:
+    state = settled(path)
+    return _of_state(path, state) if state else _of_content(path)
+
+
+@functools.lru_cache(maxsize=8192)
+def _of_state(path: Path, state: State) -> tuple[RecordingFormat | None, bool]:
+    return _of_content(path)
+
+
+def _of_content(path: Path) -> tuple[RecordingFormat | None, bool]:
+    head, packed = head_of(path)
+    suffix = _suffix(path)
     recognising = [one for one in formats().values() if head and one.recognises(head)]
-    named = [one for one in formats().values() if _suffix(path) in one.suffixes]
-    return next(iter([one for one in recognising if one in named] or recognising or named), None)
+    named = [one for one in formats().values() if suffix in one.suffixes]
+    return next(iter([one for one in recognising if one in named] or recognising or named), None), packed
 
 
 def _suffix(path: Path) -> str:

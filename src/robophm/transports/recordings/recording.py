@@ -78,13 +78,15 @@ class Recording(SignalSource):
 
     def lost(self) -> list[str]:
         """Return the notes that tell of files of which something is lost."""
+        paths: dict[str, list[Path]] = {}
+        for file in self._files if self.notes else ():
+            paths.setdefault(file.path.name, []).append(file.path)
         found = []
         for note in self.notes:
             if note.startswith("lost: "):
                 found.append(note.removeprefix("lost: "))
-            for path in (file.path for file in self._files if note.startswith(f"{file.path.name}: ")):
-                said = note.removeprefix(f"{path.name}: ")
-                found += [f"{path}: {said}"] if "lost" in said else []
+            name, colon, said = note.partition(": ")
+            found += [f"{path}: {said}" for path in paths.get(name, ()) if colon and "lost" in said]
         return found
 
     def close(self) -> None:
@@ -106,25 +108,42 @@ class Recording(SignalSource):
         """The extent of each connection of each file."""
         found = []
         for file in self._files:
-            notes, file.notes = file.notes, Counter()  # what is lost is said when messages are read
             with reading(file.path):
                 found.append((file, file.told()))
-            file.notes = notes
             self._found.update(file.late)
         return found
 
     @cached_property
     def _topics(self) -> list[TopicInfo]:
-        found: dict[str, TopicInfo] = {}
+        types: dict[str, str] = {}
+        fields: dict[str, dict[tuple[str, ...], None]] = {}
+        counts: Counter[str] = Counter()
+        firsts: dict[str, int] = {}
+        lasts: dict[str, int] = {}
+        seen: set[int] = set()
         for file, told in self._told:
             for connection in file.connections:
-                messages, spans = told.get(connection.id, (0, []))
-                first, last = (spans[0][0], spans[-1][1]) if spans else (None, None)
-                fields = fields_of(connection)
-                info = TopicInfo(connection.topic, connection.msgtype, messages, first, last, fields)
-                before = found.get(info.topic)
-                found[info.topic] = _joined(before, info) if before else info
-        return [found[topic] for topic in sorted(found)]
+                topic = connection.topic
+                if id(connection) not in seen:  # many files have the same
+                    seen.add(id(connection))
+                    types.setdefault(topic, connection.msgtype)
+                    fields.setdefault(topic, {})[fields_of(connection)] = None
+                if extent := told.get(connection.id):
+                    counts[topic] += extent.messages
+                    first, last = extent.spans[0][0], extent.spans[-1][1]
+                    firsts[topic] = min(first, firsts.get(topic, first))
+                    lasts[topic] = max(last, lasts.get(topic, last))
+        return [
+            TopicInfo(
+                topic,
+                types[topic],
+                counts[topic],
+                firsts.get(topic),
+                lasts.get(topic),
+                tuple(dict.fromkeys(field for some in fields[topic] for field in some)),
+            )
+            for topic in sorted(types)
+        ]
 
     def names(self) -> dict[str, dict[str, list[str]]]:
         """Return, by topic and field (``effort[]``), names of its elements in some messages that are short.
@@ -145,6 +164,16 @@ class Recording(SignalSource):
                     with suppress(Exception):  # what cannot be decoded, or is not there, names nothing
                         _name(known, message_type(one), (raw for _, raw, _ in one_by_one(file, [one.id], start)))
         return {topic: names for topic, names in found.items() if names}
+
+    def undecoded(self) -> dict[str, str]:
+        """Return topics whose messages cannot be decoded, and why."""
+        found = {}
+        for connection in {id(one): one for file in self._files for one in file.connections}.values():
+            try:
+                message_type(connection)
+            except SourceError as error:
+                found[connection.topic] = str(error).removeprefix(f"topic '{connection.topic}'").lstrip(": ")
+        return found
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
         """Yield the samples of these signals, in receipt order; raises SourceError as the interface says."""
@@ -289,17 +318,3 @@ def readings_of(
                         raise SourceError(f"{file.path}: topic '{connection.topic}' {error}") from None
             readings[connection.id] = _Reading(connection.topic, type_.decode, type_.stamp, values, names)
     return readings
-
-
-def _joined(one: TopicInfo, other: TopicInfo) -> TopicInfo:
-    """Two parts of one topic, from two publishers or two files."""
-    starts = [time for time in (one.first, other.first) if time is not None]
-    ends = [time for time in (one.last, other.last) if time is not None]
-    return TopicInfo(
-        one.topic,
-        one.type,
-        one.messages + other.messages,
-        min(starts, default=None),
-        max(ends, default=None),
-        tuple(dict.fromkeys(one.fields + other.fields)),
-    )

@@ -16,7 +16,8 @@ from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, NamedTuple
 
 from robophm.core.errors import nearest
-from robophm.core.signal import REORDERED, bracketed, steps_of
+from robophm.core.signal import REORDERED, Element, Reduction, bracketed, steps_of
+from robophm.transports.signals.array_reduction import reduced
 
 _NAMES = ("name", "names", "key", "keys")
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*\Z", re.ASCII)
@@ -97,7 +98,7 @@ class Way(NamedTuple):
     """A step to a number in a decoded message."""
 
     attribute: str
-    element: int | str | None
+    element: Element | None
     namer: Namer | None
 
 
@@ -110,6 +111,8 @@ def getter(ways: Sequence[Way]) -> Callable[[Any], Any]:
             value = getattr(chain[-1], attribute)
             if isinstance(element, int):
                 value = value[element]
+            elif isinstance(element, Reduction):
+                value = reduced(element, value)
             elif element is not None and namer:
                 value = namer.element(chain, value, element)
             chain.append(value)
@@ -134,7 +137,7 @@ def name_getter(ways: Sequence[Way]) -> Callable[[Any], str] | None:
                 if namer:
                     found.append(namer.names(chain, value)[element])
                 value = value[element]
-            elif element is not None and namer:
+            elif isinstance(element, str) and namer:
                 value = namer.element(chain, value, element)
             chain.append(value)
         return "/".join(found)
@@ -170,7 +173,8 @@ class Names:
         if signal in self._found:
             return
         if signal not in self._missing:
-            wanted = next(str(step.element) for step in reversed(steps_of(signal.partition(".")[2])) if step.element)
+            elements = [step.element for step in steps_of(signal.partition(".")[2])]
+            wanted = [name for name in elements if isinstance(name, str)][-1]
             known = [name for name in names if name][:MOST_NAMES]
             self._missing[signal] = f"never named: {signal}{nearest(wanted, known) or _listed(known)}"
         with self.lock:

@@ -1,24 +1,30 @@
 """ROS 1 bags: chunks of records with an index behind each and one of all chunks at the end.
 
-Format: wiki.ros.org/Bags/Format/2.0. A record is a header of ``name=value`` fields and data, each behind a length of
-four bytes, little-endian.
+Format: wiki.ros.org/Bags/Format/2.0.
 """
 
 from __future__ import annotations
 
-import struct
 from array import array
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
+from robophm.transports.recordings.columns.bag_records import (
+    CHUNK_INFO,
+    Record,
+    chunk_info,
+    connections_of,
+    fields_of_header,
+    record_at,
+)
 from robophm.transports.recordings.columns.chunked import Chunk, ChunkedFile, distinct
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
 from robophm.transports.recordings.columns.pieces import (
@@ -29,46 +35,19 @@ from robophm.transports.recordings.columns.pieces import (
 )
 
 if TYPE_CHECKING:
-    from rosbags.interfaces import Connection
+    pass
 
 MAGIC = b"#ROSBAG V2.0\n"
-MESSAGE, HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
+MESSAGE, HEADER, INDEX, CHUNK, CONNECTION = 2, 3, 4, 5, 7
 
 _HEADER_SPACE = 4096
 """Bytes of the first record, whatever is in it: it is written anew when the recording ends."""
 
-LONGEST_HEADER = 1 << 16
-"""Bytes of the fields of a record, beyond which their length is taken to be a lie."""
-
 SHORTEST_MESSAGE = 4 + 4 + 4 + 9 + 17 + 4
 """Bytes of a record of a message: two lengths, three fields."""
 
-_LENGTH = struct.Struct("<I").unpack_from
-_TIME = struct.Struct("<II").unpack
-_VERSION, _CHUNK_INFO = b"\1\0\0\0", bytes([CHUNK_INFO])
-
 _INDEX = np.dtype([("sec", "<u4"), ("nsec", "<u4"), ("offset", "<u4")])
 _FOUND = np.dtype([("connection", "<u4"), ("time", "<i8"), ("start", "<i8"), ("end", "<i8")])
-
-
-class _Record(NamedTuple):
-    operation: int
-    fields: dict[bytes, bytes]
-    start: int
-    end: int
-    """End of its data, as the record says."""
-
-    def number(self, name: bytes) -> int:
-        value = self.fields.get(name, b"")
-        if len(value) not in (4, 8):
-            raise DamageError(f"a record without {name.decode()}")
-        return int.from_bytes(value, "little")
-
-    def time(self, name: bytes) -> int:
-        if len(self.fields.get(name, b"")) != 8:
-            raise DamageError(f"a record without {name.decode()}")
-        seconds, nanoseconds = struct.unpack("<II", self.fields[name])
-        return int(seconds) * SECOND + int(nanoseconds)
 
 
 class BagFile(ChunkedFile):
@@ -85,21 +64,30 @@ class BagFile(ChunkedFile):
         self._defined: dict[int, tuple[str, str, str]] = {}
         self._counts: Counter[int] = Counter()
         self._told: dict[int, Mapping[int, int]] = {}
-        """By where a chunk lies, how many messages of each connection its info counts."""
+        """The number of messages of each connection, as the chunk's info counts them, by the offset of the chunk."""
         self._ends: dict[int, Mapping[int, int]] = {}
         """The same by where its content ends, once that is known."""
-        self._header = _Record(HEADER, {}, 0, 0)
+        self._header = Record(HEADER, {}, 0, 0)
         with suppress(DamageError):  # said when the index is looked for
-            self._header = _record(self.content, len(MAGIC), MOST_TIME)
+            self._header = record_at(self.content, len(MAGIC), MOST_TIME)
         if self._header.fields.get(b"encryptor"):
             raise SourceError(f"{path}: cannot be read: is encrypted")
         try:
             self._read_index(self._header)
+            self.joins = bool(self.chunks)
         except DamageError as error:
             self._defined.clear()
             self._counts.clear()
             self.look_through(str(error))
-        self.connections = self._connections()
+        self.counts = self._counts
+        self.connections = connections_of(tuple(sorted(self._defined.items())))
+
+    def moved(self, other: Self, by: int) -> list[Chunk]:
+        """Return the chunks of another file, as they are when that lies so many bytes further on in this."""
+        if not by:
+            self._told, self._ends = {}, {}
+        self._told |= {offset + by: counts for offset, counts in other._told.items()}
+        return [chunk._replace(offset=chunk.offset + by) for chunk in other.chunks]
 
     def index(self, offset: int, connection: int) -> NDArray[Any]:
         """Return the index record of this connection, among those that begin at this place."""
@@ -123,7 +111,7 @@ class BagFile(ChunkedFile):
             raise DamageError("not of the connections that its chunk's info counts")
         return times
 
-    def _entries(self, record: _Record) -> NDArray[Any]:
+    def _entries(self, record: Record) -> NDArray[Any]:
         """The entries of an index record."""
         if record.number(b"ver") != 1 or record.number(b"count") * 12 != record.end - record.start:
             raise DamageError("damage")
@@ -139,7 +127,7 @@ class BagFile(ChunkedFile):
         if not distinct(starts, len(content) // SHORTEST_MESSAGE):
             raise DamageError("an offset that is there twice")
         times = index["sec"].astype(np.int64) * SECOND + index["nsec"]
-        first = _record(content, int(starts[0]), len(content))
+        first = record_at(content, int(starts[0]), len(content))
         size = first.start - 4 - int(starts[0])  # of the length of the header and the header
         if int((limits - starts).min()) < size + 4:
             raise DamageError("an offset beyond the end")
@@ -178,7 +166,7 @@ class BagFile(ChunkedFile):
         position = 0
         while position < len(content):
             try:
-                record = _record(content, position, len(content))
+                record = record_at(content, position, len(content))
                 if record.operation == MESSAGE:
                     connection, time = record.number(b"conn"), record.time(b"time")
                     for column, number in zip(found, (connection, time, record.start, record.end), strict=True):
@@ -193,10 +181,10 @@ class BagFile(ChunkedFile):
             table[name] = column
         return table, position
 
-    def _record(self, position: int) -> _Record:
-        return _record(self.content, position, self.size)
+    def _record(self, position: int) -> Record:
+        return record_at(self.content, position, self.size)
 
-    def _indices(self, position: int) -> Iterator[_Record]:
+    def _indices(self, position: int) -> Iterator[Record]:
         """The index records that follow a chunk."""
         while position < self.size:
             record = self._record(position)
@@ -205,7 +193,7 @@ class BagFile(ChunkedFile):
             yield record
             position = record.end
 
-    def _define(self, record: _Record, content: Bytes) -> None:
+    def _define(self, record: Record, content: Bytes) -> None:
         """Keep a connection; what was said first holds."""
         from rosbags.rosbag1.reader import normalize
 
@@ -213,7 +201,7 @@ class BagFile(ChunkedFile):
         if record.end - record.start > LONGEST_TEXT:
             raise DamageError("a damaged connection")
         if id_ not in self._defined:
-            data = _fields(content[record.start : record.end].tobytes())
+            data = fields_of_header(content[record.start : record.end].tobytes())
             try:
                 topic = normalize(record.fields[b"topic"].decode())
                 self._defined[id_] = (topic, data[b"type"].decode(), data[b"message_definition"].decode())
@@ -228,7 +216,7 @@ class BagFile(ChunkedFile):
         compression = record.fields.get(b"compression", b"").decode("ascii", "replace")
         return Chunk(0, MOST_TIME, offset, record.start, record.end, compression, record.number(b"size"), 0, {})
 
-    def _read_index(self, header: _Record) -> None:
+    def _read_index(self, header: Record) -> None:
         position = header.number(b"index_pos")
         if not position:
             raise DamageError("its recorder was not closed")
@@ -242,7 +230,7 @@ class BagFile(ChunkedFile):
         infos = self.view(position, self.size)
         at = 0
         for _ in range(header.number(b"chunk_count")):
-            offset, first, last, counts, at = _chunk_info(infos, at)
+            offset, first, last, counts, at = chunk_info(infos, at)
             if offset in self._told or not self._defined.keys() >= counts.keys():
                 raise DamageError(f"no chunk info at byte {position + at}")
             self._counts.update(counts)
@@ -283,13 +271,14 @@ class BagFile(ChunkedFile):
     def look_through(self, why: str) -> None:
         """Find the chunks from record to record, as the index is damaged; what it says of connections holds."""
         self.notes[f"{self.path.name}: looked through for want of an index: {why}"] += 1
+        self.joins = False
         self.chunks.clear()
         self._told.clear()
         self._ends.clear()
         self.read_whole()
         self._look_through(self._header)
 
-    def _look_through(self, header: _Record) -> None:
+    def _look_through(self, header: Record) -> None:
         """Find chunks from record to record; connections and times in them, where no index says them."""
         position = len(MAGIC)
         repeated = []
@@ -322,7 +311,7 @@ class BagFile(ChunkedFile):
             with suppress(DamageError):
                 self._define(record, self.content)
 
-    def _places(self, header: _Record) -> list[int]:
+    def _places(self, header: Record) -> list[int]:
         """The places of chunks, as far as the index says; the first lies behind the space that a header has."""
         places = [len(MAGIC) + _HEADER_SPACE]
         with suppress(DamageError):
@@ -359,7 +348,7 @@ class BagFile(ChunkedFile):
         """The record at the end is not whole: of a chunk the messages before its end are still there."""
         self.lost(f"{self.size - position} bytes of a file that is cut or damaged", position)
         try:
-            record = _record(self.content, position, MOST_TIME)
+            record = record_at(self.content, position, MOST_TIME)
             if record.operation != CHUNK or record.start >= self.size:
                 return
             compression = record.fields.get(b"compression", b"").decode("ascii", "replace")
@@ -370,75 +359,3 @@ class BagFile(ChunkedFile):
             return
         rest = Chunk(0, MOST_TIME, position, record.start, end, compression, size, 0, None, cut=True)
         self.chunks.append(self._timed(rest)._replace(indices=None))
-
-    def _connections(self) -> list[Connection]:
-        from rosbags.interfaces import Connection, ConnectionExtRosbag1, MessageDefinition
-        from rosbags.interfaces import MessageDefinitionFormat as Format
-        from rosbags.typesys.msg import normalize_msgtype
-
-        connections = []
-        for id_, (topic, name, definition) in sorted(self._defined.items()):
-            try:
-                name = normalize_msgtype(name)
-            except Exception:  # said when the topic is asked for
-                definition = ""
-            extension = ConnectionExtRosbag1(None, None)
-            text = MessageDefinition(Format.MSG, definition)
-            connections.append(Connection(id_, topic, name, text, "", self._counts[id_], extension, self))
-        return connections
-
-
-def _record(content: Bytes, position: int, size: int) -> _Record:
-    """The record at this place of a content of this size; raises DamageError."""
-    head = content[position : position + 4].tobytes()
-    behind = position + 4 + int.from_bytes(head, "little")
-    length = content[behind : behind + 4].tobytes()
-    if len(head) < 4 or len(length) < 4 or behind - position > LONGEST_HEADER:
-        raise DamageError(f"no record at byte {position}")
-    end = behind + 4 + int.from_bytes(length, "little")
-    if end > size:
-        raise DamageError(f"a record beyond the end at byte {position}")
-    fields = _fields(content[position + 4 : behind].tobytes())
-    operation = fields.get(b"op", b"")
-    if len(operation) != 1:
-        raise DamageError(f"a record without operation at byte {position}")
-    return _Record(operation[0], fields, behind + 4, end)
-
-
-def _chunk_info(infos: memoryview, at: int) -> tuple[int, int, int, dict[int, int], int]:
-    """Where a chunk lies, when it begins and ends, its messages by connection, and where the next info lies.
-
-    Raises DamageError.
-    """
-    try:
-        (length,) = _LENGTH(infos, at)
-        fields = _fields(bytes(infos[at + 4 : at + 4 + length]))
-        (size,) = _LENGTH(infos, at + 4 + length)
-        start = at + 8 + length
-        end = start + size
-        (count,) = _LENGTH(fields[b"count"])
-        if fields[b"op"] != _CHUNK_INFO or fields[b"ver"] != _VERSION or count * 8 != size or end > len(infos):
-            raise DamageError("a damaged chunk info")
-        counts: dict[int, int] = dict(struct.iter_unpack("<II", infos[start:end]))
-        (offset,) = struct.unpack("<Q", fields[b"chunk_pos"])
-        (first, first_part), (last, last_part) = map(_TIME, (fields[b"start_time"], fields[b"end_time"]))
-    except (KeyError, struct.error) as error:
-        raise DamageError("a damaged chunk info") from error
-    if len(counts) != count:
-        raise DamageError("a damaged chunk info")
-    if not count:
-        return offset, 0, 0, counts, end
-    return offset, first * SECOND + first_part, last * SECOND + last_part, counts, end
-
-
-def _fields(header: bytes) -> dict[bytes, bytes]:
-    fields = {}
-    position, length = 0, len(header)
-    while position + 4 <= length:
-        begin = position + 4
-        position = begin + _LENGTH(header, position)[0]
-        if position > length:
-            raise DamageError("a damaged header")
-        name, _, value = header[begin:position].partition(b"=")
-        fields[name] = value
-    return fields

@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
 from itertools import zip_longest
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +26,12 @@ from robophm.transports.recordings.columns.pieces import (
     TopicExtent,
     joined,
     tell,
+    tell_all,
 )
 from robophm.transports.recordings.columns.unpacking import unpack, unpack_begun
 
 SPARSE = 4
-"""Of a chunk that is not compressed single messages are read where they touch at most one of so many of its pages."""
+"""Single messages of a chunk that is not compressed are read where they touch at most one in so many of its pages."""
 
 _AT_ONCE = min(4, os.cpu_count() or 1)
 """Chunks that are unpacked at once."""
@@ -45,17 +46,17 @@ class Chunk(NamedTuple):
     last: int
     """Earliest and latest receipt time [ns]."""
     offset: int
-    """Of its record."""
+    """The offset of its record in the file."""
     start: int
     end: int
-    """Of its content."""
+    """The offsets at which its content begins and ends in the file."""
     compression: str
     size: int
-    """Of its content unpacked."""
+    """The size of its content when unpacked [bytes]."""
     checksum: int
-    """0 where it has none."""
+    """The checksum of its content; 0 where it has none."""
     indices: dict[int, int] | None
-    """By connection: where in the file the index of its messages lies; None where there is none."""
+    """The offset of the index of each connection's messages in the file; None where the chunk has no index."""
     behind: int = 0
     """The end of those; 0 where that is not known."""
     cut: bool = False
@@ -68,7 +69,10 @@ class Chunk(NamedTuple):
 
 
 class UnknownError(DamageError):
-    """What is not as it was known to be may be right nevertheless: it is not believed, nor called damaged."""
+    """Raised where an index has a form that this reader does not know, which a newer writer may use.
+
+    Such an index is not used, and nothing is noted as damaged.
+    """
 
 
 class _Asked(NamedTuple):
@@ -91,6 +95,14 @@ class ChunkedFile(MappedFile):
     """A file of chunks, each with an index of the messages in it; a subclass knows the records."""
 
     chunks: list[Chunk]
+    joins = False
+    """Whether the file's own index is believed, and there is nothing in it besides chunks."""
+    of_many = False
+    """Whether it stands for several files."""
+
+    @abstractmethod
+    def moved(self, other: Self, by: int) -> list[Chunk]:
+        """The chunks of another file, as they are when that lies so many bytes further on in this."""
 
     def begin(self) -> int:
         """When the first message in a chunk was received [ns]."""
@@ -143,6 +155,8 @@ class ChunkedFile(MappedFile):
             try:
                 return sorted(self.placed(some, wanted), key=lambda chunk: (chunk.first, chunk.offset))
             except DamageError as error:
+                if self.of_many:
+                    raise
                 notes, self.notes = self.notes, self.late
                 self.look_through(str(error))
                 self.notes = notes
@@ -188,23 +202,22 @@ class ChunkedFile(MappedFile):
             begin = min(chunk.indices.values())
             self.ahead(begin, max(begin + 1, chunk.behind))
 
-    def told(self) -> dict[int, TopicExtent]:
+    def extents(self) -> dict[int, TopicExtent]:
         """The extent of each connection: by the index of each chunk, or by its messages where a chunk has none."""
         told: dict[int, TopicExtent] = {}
-        chunks = self._within(frozenset(), frozenset(self.known()), -MOST_TIME, MOST_TIME)
+        chunks = self._within(frozenset(), frozenset(self._known()), -MOST_TIME, MOST_TIME)
         for chunk in chunks:
             self._fetch_index(chunk)
         for chunk in chunks:
             try:
-                for connection, times in self.indexed_times(chunk).items():
-                    tell(told, connection, times)
+                tell_all(told, self.indexed_times(chunk))
             except DamageError:
                 with suppress(DamageError):
-                    for messages in self.scanned(chunk, self.unpacked(chunk), self.known()):
+                    for messages in self.scanned(chunk, self.unpacked(chunk), self._known()):
                         tell(told, messages.connection, messages.times)
         return told
 
-    def known(self) -> set[int]:
+    def _known(self) -> set[int]:
         """The numbers of the file's connections."""
         return {connection.id for connection in self.connections}
 

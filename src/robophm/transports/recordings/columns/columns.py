@@ -17,13 +17,14 @@ from robophm.core.signal import split_signal
 from robophm.transports.recordings.columns.decoding import Reading, Receipts
 from robophm.transports.recordings.columns.drive import opened
 from robophm.transports.recordings.columns.pieces import MOST_TIME, Messages, Piece, PiecedFile
+from robophm.transports.recordings.columns.splits import splits_joined
 from robophm.transports.recordings.columns.topic_columns import Block, TopicColumns, joined_columns, rows_of
 from robophm.transports.recordings.files import reading
 from robophm.transports.signals.element_names import Names
 from robophm.transports.signals.message_type import fields_of, message_type
 
 Load = Callable[[], list[tuple[str, TopicColumns]]]
-"""What gives the columns of a piece, by topic."""
+"""A function that reads the columns of one piece of a file, by topic."""
 
 
 class Columns(Iterator[Block]):
@@ -70,7 +71,7 @@ def read_columns(
     notes: Counter[str] = Counter()
     with ExitStack() as stack:
         files = opened(paths, notes, stack)
-        name = ", ".join(map(str, paths)) or "no file"
+        name = str(paths[0]) + (" …" if len(paths) > 1 else "") if paths else "no file"
         blocks = blocks_of(files, name, fields, notes, start, end, topics=topics)
         return Columns(blocks, notes, stack.pop_all())
 
@@ -95,7 +96,7 @@ def blocks_of(
         if topic not in known:
             raise SourceError(f"{name}: no topic '{topic}'{nearest(topic, known)}")
     names = Names(notes)
-    return _blocks([_Source(file, wanted, notes, names, start, end) for file in files], notes)
+    return _blocks([_Source(file, wanted, notes, names, start, end) for file in splits_joined(files)], notes)
 
 
 def recorded_topics(path: str | Path) -> dict[str, tuple[str, tuple[str, ...]]]:
@@ -161,10 +162,8 @@ class _Source:
             timed = {id_ for id_, reading_ in self._readings.items() if isinstance(reading_, Receipts)}
             for piece in self._file.pieces(self._readings.keys() - timed, self._start, self._end, timed):
                 yield piece.first, number, lambda piece=piece: self._load(piece)  # type: ignore[misc]
-            for connection in self._file.connections if self._whole else ():
-                missing = connection.msgcount - self._found[connection.id]
-                if connection.id in self._readings and missing > 0:
-                    self._notes[f"{self._file.path.name}: messages of {connection.topic} lost"] += missing
+            if self._whole:
+                self._file.note_missing(self._found, self._readings)
 
     def _load(self, piece: Piece) -> list[tuple[str, TopicColumns]]:
         columns = []

@@ -100,10 +100,10 @@ class Db3File(MappedFile, RowsFile):
             return MOST_TIME  # said when its rows are read
         return first if isinstance(first, int) else MOST_TIME
 
-    def told(self) -> dict[int, TopicExtent]:
+    def extents(self) -> dict[int, TopicExtent]:
         """Return how many messages each connection has, and when the first and the last were received [ns]."""
         if not self._found:
-            return super().told()
+            return super().extents()
         rows = self._found[0]
         told: dict[int, TopicExtent] = {}
         for topic in np.unique(rows.topics).tolist():
@@ -247,7 +247,7 @@ class Db3File(MappedFile, RowsFile):
         missing = MessageDefinition(Format.NONE, "")
         topics = database.execute("SELECT id, name, type, serialization_format FROM topics ORDER BY id")
         return [
-            Connection(id_, topic, type_, definitions.get(type_, missing), "", 0, ConnectionExtRosbag2(kind, []), self)
+            Connection(id_, topic, type_, definitions.get(type_, missing), "", 0, ConnectionExtRosbag2(kind, []), None)
             for id_, topic, type_, kind in topics
             if isinstance(id_, int) and isinstance(topic, str) and isinstance(type_, str)
         ]

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from robophm.core.errors import SourceError
+from robophm.transports.recordings.columns.chunked import ChunkedFile
+from robophm.transports.recordings.columns.kept import keep, take
+from robophm.transports.recordings.columns.mapped import SMALL
 from robophm.transports.recordings.columns.pieces import MOST_TIME, PiecedFile
 from robophm.transports.recordings.files import (
     METADATA,
@@ -19,8 +23,9 @@ from robophm.transports.recordings.files import (
     recognised,
 )
 from robophm.transports.recordings.format import MessageFormat
-from robophm.transports.recordings.packed import Unpacked, is_packed
-from robophm.transports.recordings.recognising import formats
+from robophm.transports.recordings.packed import Unpacked
+from robophm.transports.recordings.recognising import formats, is_packed
+from robophm.transports.recordings.unchanged import settled
 
 if TYPE_CHECKING:
     from robophm.transports.recordings.columns.unclosed import Settled
@@ -74,8 +79,17 @@ def _files(path: Path, notes: Counter[str], failed: list[SourceError]) -> Iterat
 
 def _open(path: Path, packs: bool, notes: Counter[str], stack: ExitStack) -> PiecedFile:
     """One file, left to the stack to close."""
-    file = _copied(path, notes, stack) or _plain(path, notes)
-    stack.callback(file.close)
+    state = None if log_of(path) else settled(path)
+    if state and (file := take(path, state)):
+        file.notes = notes
+        stack.callback(keep, file, state)
+    else:
+        said: Counter[str] = Counter()
+        copied = _copied(path, said, stack)
+        file = copied or _plain(path, said)
+        stack.callback(file.close if said or copied or not state else partial(keep, file, state))
+        notes.update(said)
+        file.notes = notes
     if packs:
         from robophm.transports.recordings.columns.folder import PackedMessages, packs_messages
 
@@ -121,4 +135,6 @@ def _plain(path: Path, notes: Counter[str]) -> PiecedFile:
         known = [name for name, one in formats().items() if isinstance(one, MessageFormat)]
         raise SourceError(f"{path}: holds samples and no messages; expected {', '.join(known)}")
     file: PiecedFile = kind.open(path, notes)
+    if isinstance(file, ChunkedFile) and file.joins and file.size <= SMALL:
+        file.told()  # while it is in memory: of thousands of them none stays there
     return file

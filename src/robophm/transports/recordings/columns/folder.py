@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
 
+_NAMED = 3
+"""Files that a note names, of many that have the same the matter."""
+
+
 def files_in(folder: Path, notes: Counter[str]) -> tuple[list[Path], bool]:
     """The files of a rosbag2 folder in the order that its metadata names them, and whether it may be that their
     messages are compressed one by one.
@@ -39,7 +43,7 @@ def files_in(folder: Path, notes: Counter[str]) -> tuple[list[Path], bool]:
     if wrong:
         notes[f"{folder / METADATA}: {wrong}; the files beside it are read without it"] += 1
     if not there:
-        what = f"Some database files are missing: {', '.join(map(str, missing))}" if missing else wrong
+        what = f"Some database files are missing: {_names(missing)}" if missing else wrong
         raise SourceError(f"{folder}: cannot be read: {what or 'holds no recording'}")
     for file in missing[len(others) :]:
         notes[f"lost: {file} is not there"] += 1
@@ -58,7 +62,8 @@ def files_in(folder: Path, notes: Counter[str]) -> tuple[list[Path], bool]:
 
 
 def _names(files: Sequence[Path]) -> str:
-    return ", ".join(file.name for file in files)
+    some = ", ".join(file.name for file in files[:_NAMED])
+    return some + (f" and {len(files) - _NAMED:,} more" if len(files) > _NAMED else "")
 
 
 def _information(metadata: Path) -> tuple[dict[str, Any], str]:
@@ -81,6 +86,7 @@ class PackedMessages(RowsFile):
 
     def __init__(self, inside: PiecedFile) -> None:
         self.path, self.fingerprint, self.late = inside.path, inside.fingerprint, inside.late
+        self.counts = inside.counts
         self._inside = inside
         self._notes = inside.notes
         self.connections: list[Connection] = inside.connections

@@ -19,6 +19,9 @@ from robophm.transports.recordings.columns.pieces import DamageError, PiecedFile
 PAGE = mmap.PAGESIZE
 """Bytes that come from the disk at least."""
 
+SMALL = 1 << 18
+"""Bytes of a file that is read as a whole: to map it, and to have its pages come one by one, would take longer."""
+
 MOST_MAPPED = 24
 """Files that are mapped at once; each takes a handle, of which a process may have but 256."""
 
@@ -30,7 +33,7 @@ _RANDOM, _WHOLE, _AHEAD = (
 )  # where a system has no such advice it reads as it likes
 
 _mapped: dict[int, MappedFile] = {}
-"""Those that are, in the order in which they were."""
+"""The files that are mapped now, by identity, in the order in which they were mapped."""
 
 _lock = Lock()
 
@@ -61,13 +64,16 @@ class MappedFile(PiecedFile):
         with _lock:
             if self._content is not None:
                 return self._content
-            with self.source.open("rb") as file:
-                memory = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-            if len(memory) != self.size:
+            memory = None
+            with self.source.open("rb", buffering=0) as file:
+                if self.size > SMALL:
+                    memory = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+                content = np.frombuffer(memory or file.read(self.size + 1), np.uint8)
+            if len(content) != self.size:
                 raise SourceError(f"{self.path}: was changed while it was read")
-            if self._advice is not None:
+            if memory and self._advice is not None:
                 memory.madvise(self._advice)
-            self._memory, self._content = memory, np.frombuffer(memory, np.uint8)
+            self._memory, self._content = memory, content
             while len(_mapped) >= MOST_MAPPED:
                 _mapped.pop(next(iter(_mapped)))._let_go()
             _mapped[id(self)] = self
@@ -76,6 +82,10 @@ class MappedFile(PiecedFile):
     def _let_go(self) -> None:
         """The file is closed as soon as no array needs it."""
         self._memory = self._content = None
+
+    def hold(self, content: Bytes) -> None:
+        """Have this for content, which lies in memory, in the place of the file's."""
+        self._memory, self._content, self.size, self._advice = None, content, len(content), None
 
     def close(self) -> None:
         """Let go of the file."""

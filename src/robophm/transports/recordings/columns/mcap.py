@@ -15,7 +15,7 @@ from contextlib import suppress
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +24,19 @@ from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.checksum import crc32
 from robophm.transports.recordings.columns.chunked import Chunk, ChunkedFile, UnknownError, distinct
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
+from robophm.transports.recordings.columns.mcap_definitions import (
+    CHANNEL,
+    SCHEMA,
+    Channels,
+    Definitions,
+    Schemas,
+    connections_of,
+    define,
+    definitions_of,
+    run_of_definitions,
+)
 from robophm.transports.recordings.columns.pieces import (
     BATCH,
-    LONGEST_TEXT,
     MOST_TIME,
     DamageError,
     Messages,
@@ -35,11 +45,8 @@ from robophm.transports.recordings.columns.pieces import (
     tell,
 )
 
-if TYPE_CHECKING:
-    from rosbags.interfaces import Connection
-
 MAGIC = b"\x89MCAP0\r\n"
-FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, DATA_END = 2, 3, 4, 5, 6, 7, 8, 11, 15
+FOOTER, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, DATA_END = 2, 5, 6, 7, 8, 11, 15
 
 _SUMMARY = (CHUNK_INDEX, 10, STATISTICS, 13, 14)
 """Opcodes in a summary besides schemas and channels."""
@@ -56,10 +63,15 @@ _HEAD = np.dtype(
 )
 """The layout of what comes before the bytes of a message."""
 
+_INDEX_HEAD = struct.Struct("<BQHI").unpack_from
 _CHUNK_INDEX = struct.Struct("<QQQQI").unpack_from
 _INDEX = np.dtype([("time", "<u8"), ("offset", "<u8")])
 _FOUND = np.dtype([("channel", "<u2"), ("time", "<u8"), ("start", "<i8"), ("end", "<i8")])
 _FOOTER_SIZE = 9 + 20 + len(MAGIC)
+
+
+class _NotInSummaryError(DamageError):
+    """What a summary need not have is not there."""
 
 
 class McapFile(ChunkedFile):
@@ -74,11 +86,16 @@ class McapFile(ChunkedFile):
         self._clear()
         try:
             self._read_summary()
+            self.joins = bool(self.chunks)
         except _NotInSummaryError:
             self._look_again()
         except (DamageError, struct.error, UnicodeDecodeError) as error:
             self.look_through(str(error))
-        self.connections = self._connections()
+        shared = self._shared
+        if shared and (shared.schemas, shared.channels) == (self._schemas, self._channels):
+            self.connections = shared.connections
+        else:
+            self.connections = connections_of(self._schemas, self._channels)
 
     def look_through(self, why: str) -> None:
         """Find the chunks from record to record, as the index is damaged."""
@@ -86,6 +103,7 @@ class McapFile(ChunkedFile):
         self._look_again()
 
     def _look_again(self) -> None:
+        self.joins = False
         schemas, channels = self._schemas, self._channels
         self._clear()
         if self._checked:
@@ -98,9 +116,11 @@ class McapFile(ChunkedFile):
         self._from_index = False
         """Whether chunks are known from the summary alone."""
         self.chunks: list[Chunk] = []
-        self._schemas: dict[int, tuple[str, str, bytes]] = {}
-        self._channels: dict[int, tuple[int, str, str]] = {}
-        self._counts: dict[int, int] = {}
+        self._schemas: Schemas = {}
+        self._channels: Channels = {}
+        self._shared: Definitions | None = None
+        """Definitions that files beside may have too."""
+        self.counts: dict[int, int] = {}
         self._repeated: list[tuple[int, int, int]] = []
         """Schemas and channels behind the data: opcode, begin and end."""
         self._loose = np.empty(0, _FOUND)
@@ -127,9 +147,25 @@ class McapFile(ChunkedFile):
             if len(part):
                 yield Piece(int(part["time"][0]), partial(_by_channel, part, self.content, wanted))
 
+    def moved(self, other: Self, by: int) -> list[Chunk]:
+        """Return the chunks of another file, as they are when that lies so many bytes further on in this."""
+        self._from_index |= other._from_index
+        return [
+            chunk._replace(
+                offset=chunk.offset + by,
+                start=chunk.start + by,
+                end=chunk.end + by,
+                behind=chunk.behind and chunk.behind + by,
+                indices=chunk.indices and {id_: at + by for id_, at in chunk.indices.items()},
+            )
+            for chunk in other.chunks
+        ]
+
     def index(self, offset: int, connection: int) -> NDArray[Any]:
         """Return the message index record at this place."""
-        opcode, length, channel, size = struct.unpack("<BQHI", self.between(offset, offset + 15))
+        if not 0 <= offset <= self.size - 15:
+            raise DamageError("damage")
+        opcode, length, channel, size = _INDEX_HEAD(self.content.data, offset)
         if opcode != MESSAGE_INDEX or channel != connection or size + 6 > length or size % 16:
             raise DamageError("damage")
         if size + 6 < length:  # a record may go on with what this version does not know
@@ -164,9 +200,9 @@ class McapFile(ChunkedFile):
                 raise DamageError(f"another chunk at byte {known.offset}")
         return found
 
-    def told(self) -> dict[int, TopicExtent]:
+    def extents(self) -> dict[int, TopicExtent]:
         """Return how many messages each connection has, in chunks and outside them, and when they were received."""
-        told = super().told()
+        told = super().extents()
         for id_ in np.unique(self._loose["channel"]).tolist():
             tell(told, id_, self._loose["time"][self._loose["channel"] == id_].astype(np.int64))
         return told
@@ -244,19 +280,20 @@ class McapFile(ChunkedFile):
     def _define(self, opcode: int, content: memoryview) -> None:
         """Keep a schema or a channel; what was said first holds."""
         try:
-            (id_,) = struct.unpack_from("<H", content)
-            if opcode == SCHEMA:
-                name, at = _text(content, 2)
-                encoding, at = _text(content, at)
-                data, _ = _sized(content, at)
-                self._schemas.setdefault(id_, (name, encoding, data))
-            else:
-                (schema,) = struct.unpack_from("<H", content, 2)
-                topic, at = _text(content, 4)
-                encoding, _ = _text(content, at)
-                self._channels.setdefault(id_, (schema, topic, encoding))
-        except (struct.error, UnicodeDecodeError, DamageError):
+            define(opcode, content, self._schemas, self._channels)
+        except DamageError:
             self.notes[f"{self.path.name}: a damaged schema or channel"] += 1
+
+    def _read_definitions(self, records: memoryview) -> int:
+        """Keep the schemas and channels that a summary begins with; return where they end."""
+        run = run_of_definitions(records)
+        try:
+            shared = definitions_of(bytes(run))
+        except DamageError:  # each by itself then
+            return 0
+        self._schemas, self._channels = dict(shared.schemas), dict(shared.channels)
+        self._shared = shared
+        return len(run)
 
     def chunk_at(self, offset: int) -> Chunk:
         """Return the chunk record at this place; raises DamageError."""
@@ -285,8 +322,8 @@ class McapFile(ChunkedFile):
         if checksum and crc32(self.view(summary, start + 25)) != checksum:
             raise DamageError("summary does not have its checksum")
         self._checked = bool(checksum)
-        position, counted = 0, 0
         records = self.view(summary, start)
+        position, counted = self._read_definitions(records), 0
         while position < len(records):
             opcode, length = struct.unpack_from("<BQ", records, position)
             if not opcode or position + 9 + length > len(records):
@@ -298,11 +335,11 @@ class McapFile(ChunkedFile):
                 self.chunks.append(self._indexed_chunk(content))
             elif opcode == STATISTICS:
                 counted, size = struct.unpack_from("<Q34xI", content)
-                self._counts = dict(struct.iter_unpack("<HQ", content[46 : 46 + size]))
+                self.counts = dict(struct.iter_unpack("<HQ", content[46 : 46 + size]))
             position += 9 + length
         if not self._defined().issuperset(self._channels):
             raise _NotInSummaryError("no schemas in the summary")
-        if not self._channels or not (self.chunks or (self._counts and not counted)):
+        if not self._channels or not (self.chunks or (self.counts and not counted)):
             raise _NotInSummaryError("no channels or chunks in the summary")
 
     def _indexed_chunk(self, content: memoryview) -> Chunk:
@@ -343,11 +380,11 @@ class McapFile(ChunkedFile):
             found, behind = self._scan(self.content, place, places)
             parts.append(found)
         if self.chunks:  # of its index maybe not all is there
-            self.chunks[-1] = _unindexed(self.chunks[-1])
+            self.chunks[-1] = self.chunks[-1]._replace(indices=None)
         self._loose = np.concatenate(parts)
         for number, chunk in enumerate(self.chunks):
             if not chunk.indices:
-                self.chunks[number] = _unindexed(chunk)
+                self.chunks[number] = chunk._replace(indices=None)
             if not chunk.indices or chunk.indices.keys() - self._defined():
                 with suppress(DamageError):  # said when its messages are read
                     self._scan(self.unpacked(chunk), 0)
@@ -394,33 +431,6 @@ class McapFile(ChunkedFile):
         """The channels whose schema is known, or that have none."""
         return {id_ for id_, (schema, _, _) in self._channels.items() if not schema or schema in self._schemas}
 
-    def _connections(self) -> list[Connection]:
-        from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition
-        from rosbags.interfaces import MessageDefinitionFormat as Format
-        from rosbags.typesys.msg import normalize_msgtype
-
-        formats = {"ros1msg": Format.MSG, "ros2msg": Format.MSG, "ros2idl": Format.IDL, "omgidl": Format.IDL}
-        connections = []
-        for id_, (schema, topic, encoding) in sorted(self._channels.items()):
-            name, language, data = self._schemas.get(schema, ("", "", b""))
-            format_ = formats.get(language, Format.NONE)
-            definition = MessageDefinition(format_, data.decode(errors="replace") if format_.value else "")
-            try:
-                name = normalize_msgtype(name)
-            except Exception:  # said when the topic is asked for
-                definition = MessageDefinition(Format.MSG, "")
-            extension = ConnectionExtRosbag2(encoding, [])
-            connections.append(Connection(id_, topic, name, definition, "", self._counts.get(id_, 0), extension, self))
-        return connections
-
-
-def _unindexed(chunk: Chunk) -> Chunk:
-    return chunk._replace(indices=None)
-
-
-class _NotInSummaryError(DamageError):
-    """What a summary need not have is not there."""
-
 
 def _table(columns: list[array[int]]) -> NDArray[Any]:
     table = np.empty(len(columns[0]), _FOUND)
@@ -436,15 +446,3 @@ def _by_channel(found: NDArray[Any], content: Bytes, wanted: Collection[int]) ->
         if id_ in wanted
         for some in [found[found["channel"] == id_]]
     ]
-
-
-def _sized(content: memoryview, at: int) -> tuple[bytes, int]:
-    (size,) = struct.unpack_from("<I", content, at)
-    if at + 4 + size > len(content) or size > LONGEST_TEXT:
-        raise DamageError("a length beyond the end")
-    return bytes(content[at + 4 : at + 4 + size]), at + 4 + size
-
-
-def _text(content: memoryview, at: int) -> tuple[str, int]:
-    text, behind = _sized(content, at)
-    return text.decode(), behind

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -57,6 +57,9 @@ class TopicExtent(NamedTuple):
     """Stretches of receipt [ns] that are more than LEAP apart: between those the clock may have jumped."""
 
 
+_NONE = TopicExtent(0, [])
+
+
 class PiecedFile(ABC):
     """A file that was opened; ``notes`` says what of it is lost."""
 
@@ -67,8 +70,11 @@ class PiecedFile(ABC):
         self.path = path
         self.notes = notes
         self.late: Counter[str] = Counter()
-        """What was noted of the file as a whole behind its opening."""
+        """Notes on the file as a whole that were made after it was opened."""
         self.fingerprint = fingerprint_of(path)
+        self.counts: dict[int, int] = {}
+        """How many messages of each connection it says that it holds, where it says that."""
+        self._extents: dict[int, TopicExtent] | None = None
 
     @abstractmethod
     def begin(self) -> int:
@@ -83,10 +89,20 @@ class PiecedFile(ABC):
         """
 
     def told(self) -> dict[int, TopicExtent]:
-        """Return the extent of each connection with messages, by the messages themselves, not by an index's claims.
+        """Return the extent of each connection with messages, by the messages themselves, not by a file's claims.
 
         What is lost on the way is noted when the messages are read.
         """
+        if self._extents is None:
+            notes, self.notes = self.notes, Counter()
+            try:
+                self._extents = self.extents()
+            finally:
+                self.notes = notes
+        return self._extents
+
+    def extents(self) -> dict[int, TopicExtent]:
+        """Go through the messages, or what of an index vouches for them, for what ``told`` returns."""
         counted: dict[int, TopicExtent] = {}
         for piece in self.pieces([connection.id for connection in self.connections], -MOST_TIME, MOST_TIME):
             for messages in piece.load():
@@ -101,6 +117,13 @@ class PiecedFile(ABC):
         """Note what of the file cannot be read."""
         self.notes[f"{self.path.name}: {what} at byte {offset} lost"] += count
 
+    def note_missing(self, found: Counter[int], asked: Collection[int]) -> None:
+        """Note how many messages of these connections are lost, by what the file says that it holds."""
+        for connection in self.connections:
+            missing = self.counts.get(connection.id, 0) - found[connection.id]
+            if connection.id in asked and missing > 0:
+                self.notes[f"{self.path.name}: messages of {connection.topic} lost"] += missing
+
 
 class DamageError(Exception):
     """Something in a file is not what the file says of it."""
@@ -108,10 +131,25 @@ class DamageError(Exception):
 
 def tell(told: dict[int, TopicExtent], connection: int, times: Ints) -> None:
     """Count some more messages of a connection."""
-    if len(times):
-        count, spans = told.get(connection, TopicExtent(0, []))
-        more = [(int(times.min()), int(times.max()))]
-        if more[0][1] - more[0][0] > CLOCK_JUMP:
+    tell_all(told, {connection: times})
+
+
+def tell_all(told: dict[int, TopicExtent], heard: Mapping[int, Ints]) -> None:
+    """Count some more messages of connections, by when they were received."""
+    heard = {connection: times for connection, times in heard.items() if len(times)}
+    if not heard:
+        return
+    together = np.concatenate([*heard.values()])
+    begins = np.cumsum([0, *(len(times) for times in heard.values())])[:-1]
+    firsts, lasts = (found.reduceat(together, begins).tolist() for found in (np.minimum, np.maximum))
+    for (connection, times), first, last in zip(heard.items(), firsts, lasts, strict=True):
+        count, spans = told.get(connection, _NONE)
+        whole = (min(first, spans[0][0]), max(last, spans[-1][1])) if spans else (first, last)
+        if whole[1] - whole[0] <= CLOCK_JUMP:
+            told[connection] = TopicExtent(count + len(times), [whole])
+            continue
+        more = [(first, last)]
+        if last - first > CLOCK_JUMP:
             ordered = np.sort(times)
             leaps = np.flatnonzero(np.diff(ordered) > CLOCK_JUMP)
             more = [*zip(ordered[[0, *(leaps + 1)]].tolist(), ordered[[*leaps, -1]].tolist(), strict=True)]

@@ -18,7 +18,7 @@ from robophm.core.errors import SourceError
 from robophm.transports.recordings.files import log_of
 
 _LEFT = 2
-"""Of the free room for temporary files, one part in so many is left."""
+"""The divisor of the free room for temporary files: a copy takes at most this part of it."""
 
 _LOG_HEAD, _FRAME_HEAD = 32, 24
 """Bytes before the first frame of a log, and before the page in each: sqlite.org/fileformat2.html, section 4."""

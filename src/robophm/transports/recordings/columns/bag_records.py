@@ -1,0 +1,126 @@
+"""Records of ROS 1 bags: a header of ``name=value`` fields and data, each behind a length of four bytes, little-endian.
+
+Format: wiki.ros.org/Bags/Format/2.0.
+"""
+
+from __future__ import annotations
+
+import struct
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+from robophm.core.signal import SECOND
+from robophm.transports.recordings.columns.field_extraction import Bytes
+from robophm.transports.recordings.columns.pieces import DamageError
+
+if TYPE_CHECKING:
+    from rosbags.interfaces import Connection
+
+CHUNK_INFO = 6
+
+LONGEST_HEADER = 1 << 16
+"""Bytes of the fields of a record, beyond which their length is taken to be a lie."""
+
+_LENGTH = struct.Struct("<I").unpack_from
+_TIME = struct.Struct("<II").unpack
+_VERSION, _CHUNK_INFO = b"\1\0\0\0", bytes([CHUNK_INFO])
+
+
+class Record(NamedTuple):
+    """A record: what its header says, and where its data lies."""
+
+    operation: int
+    fields: dict[bytes, bytes]
+    start: int
+    end: int
+    """End of its data, as the record says."""
+
+    def number(self, name: bytes) -> int:
+        """Return a field that is a number; raises DamageError."""
+        value = self.fields.get(name, b"")
+        if len(value) not in (4, 8):
+            raise DamageError(f"a record without {name.decode()}")
+        return int.from_bytes(value, "little")
+
+    def time(self, name: bytes) -> int:
+        """Return a field that is a time [ns]; raises DamageError."""
+        if len(self.fields.get(name, b"")) != 8:
+            raise DamageError(f"a record without {name.decode()}")
+        seconds, nanoseconds = struct.unpack("<II", self.fields[name])
+        return int(seconds) * SECOND + int(nanoseconds)
+
+
+def record_at(content: Bytes, position: int, size: int) -> Record:
+    """The record at this place of a content of this size; raises DamageError."""
+    head = content[position : position + 4].tobytes()
+    behind = position + 4 + int.from_bytes(head, "little")
+    length = content[behind : behind + 4].tobytes()
+    if len(head) < 4 or len(length) < 4 or behind - position > LONGEST_HEADER:
+        raise DamageError(f"no record at byte {position}")
+    end = behind + 4 + int.from_bytes(length, "little")
+    if end > size:
+        raise DamageError(f"a record beyond the end at byte {position}")
+    fields = fields_of_header(content[position + 4 : behind].tobytes())
+    operation = fields.get(b"op", b"")
+    if len(operation) != 1:
+        raise DamageError(f"a record without operation at byte {position}")
+    return Record(operation[0], fields, behind + 4, end)
+
+
+def chunk_info(infos: memoryview, at: int) -> tuple[int, int, int, dict[int, int], int]:
+    """Return where a chunk lies, when it begins and ends, its messages by connection, and where the next info lies.
+
+    Raises DamageError.
+    """
+    try:
+        (length,) = _LENGTH(infos, at)
+        fields = fields_of_header(bytes(infos[at + 4 : at + 4 + length]))
+        (size,) = _LENGTH(infos, at + 4 + length)
+        start = at + 8 + length
+        end = start + size
+        (count,) = _LENGTH(fields[b"count"])
+        if fields[b"op"] != _CHUNK_INFO or fields[b"ver"] != _VERSION or count * 8 != size or end > len(infos):
+            raise DamageError("a damaged chunk info")
+        counts: dict[int, int] = dict(struct.iter_unpack("<II", infos[start:end]))
+        (offset,) = struct.unpack("<Q", fields[b"chunk_pos"])
+        (first, first_part), (last, last_part) = map(_TIME, (fields[b"start_time"], fields[b"end_time"]))
+    except (KeyError, struct.error) as error:
+        raise DamageError("a damaged chunk info") from error
+    if len(counts) != count:
+        raise DamageError("a damaged chunk info")
+    if not count:
+        return offset, 0, 0, counts, end
+    return offset, first * SECOND + first_part, last * SECOND + last_part, counts, end
+
+
+def fields_of_header(header: bytes) -> dict[bytes, bytes]:
+    """The fields of a header by their names; raises DamageError."""
+    fields = {}
+    position, length = 0, len(header)
+    while position + 4 <= length:
+        begin = position + 4
+        position = begin + _LENGTH(header, position)[0]
+        if position > length:
+            raise DamageError("a damaged header")
+        name, _, value = header[begin:position].partition(b"=")
+        fields[name] = value
+    return fields
+
+
+@lru_cache(maxsize=64)
+def connections_of(defined: tuple[tuple[int, tuple[str, str, str]], ...]) -> list[Connection]:
+    """The connections by number, topic, type and definition; the files of one drive have the same."""
+    from rosbags.interfaces import Connection, ConnectionExtRosbag1, MessageDefinition
+    from rosbags.interfaces import MessageDefinitionFormat as Format
+    from rosbags.typesys.msg import normalize_msgtype
+
+    connections = []
+    for id_, (topic, name, definition) in defined:
+        try:
+            name = normalize_msgtype(name)
+        except Exception:  # said when the topic is asked for
+            definition = ""
+        extension = ConnectionExtRosbag1(None, None)
+        text = MessageDefinition(Format.MSG, definition)
+        connections.append(Connection(id_, topic, name, text, "", 0, extension, None))
+    return connections

@@ -1,0 +1,137 @@
+"""Small files one behind the other, as a recorder writes that begins a new one every minute: read some at once."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
+from copy import copy
+from functools import partial
+from itertools import groupby
+
+import numpy as np
+
+from robophm.core.errors import SourceError
+from robophm.transports.recordings.columns.chunked import ChunkedFile
+from robophm.transports.recordings.columns.field_extraction import Bytes
+from robophm.transports.recordings.columns.pieces import BATCH, DamageError, Messages, Piece, PiecedFile
+from robophm.transports.recordings.files import reading
+
+SMALL = 1 << 20
+"""Bytes of a file, beyond which it is read by itself."""
+
+
+def splits_joined(files: Sequence[PiecedFile]) -> list[PiecedFile]:
+    """Files in order of time, those as one that follow each other, are small and whole, and define the same."""
+    found: list[PiecedFile] = []
+    for number, group in groupby(enumerate(files), _alike):
+        some = [file for _, file in group]
+        if number >= 0 and len(some) > 1:
+            found.append(Splits([file for file in some if isinstance(file, ChunkedFile)]))
+        else:
+            found += some
+    return found
+
+
+def _alike(place: tuple[int, PiecedFile]) -> int:
+    number, file = place
+    small = isinstance(file, ChunkedFile) and file.joins and _size(file) <= SMALL
+    return id(file.connections) if small else -1 - number
+
+
+def _size(file: ChunkedFile) -> int:
+    return max(file.size, sum(chunk.size for chunk in file.chunks))
+
+
+class Splits(PiecedFile):
+    """Several files as one. Where anything is wrong with one of some that were read at once, each is read alone."""
+
+    def __init__(self, files: Sequence[ChunkedFile]) -> None:
+        self.path = files[0].path
+        self.notes = files[0].notes
+        self.late: Counter[str] = Counter()
+        self.connections = files[0].connections
+        self.counts: dict[int, int] = {}  # what is missing in a file is noted here
+        self._files = files
+
+    def begin(self) -> int:
+        """Return when the first message was received [ns]."""
+        return self._files[0].begin()
+
+    def close(self) -> None:
+        """Close all files."""
+        for file in self._files:
+            file.close()
+
+    def pieces(self, wanted: Collection[int], start: int, end: int, timed: Collection[int] = ()) -> Iterator[Piece]:
+        """The files in order of time, as many at once as make a batch."""
+        batch: list[ChunkedFile] = []
+        size = 0
+        for file in self._files:
+            if all(chunk.last < start or chunk.first >= end for chunk in file.chunks):
+                continue
+            if batch and size + _size(file) > BATCH:
+                yield Piece(batch[0].begin(), partial(self._load, batch, wanted, start, end, timed))
+                batch, size = [], 0
+            batch.append(file)
+            size += _size(file)
+        if batch:
+            yield Piece(batch[0].begin(), partial(self._load, batch, wanted, start, end, timed))
+
+    def _load(
+        self, batch: Sequence[ChunkedFile], wanted: Collection[int], start: int, end: int, timed: Collection[int]
+    ) -> list[Messages]:
+        try:
+            return _at_once(batch, wanted, start, end, timed)
+        except (DamageError, OSError, SourceError):
+            return [messages for file in batch for messages in self._alone(file, wanted, start, end, timed)]
+
+    def _alone(
+        self, file: ChunkedFile, wanted: Collection[int], start: int, end: int, timed: Collection[int]
+    ) -> Iterator[Messages]:
+        found: Counter[int] = Counter()
+        file.notes = self.notes
+        with reading(file.path):
+            for piece in file.pieces(wanted, start, end, timed):
+                for messages in piece.load():
+                    found[messages.connection] += len(messages.times)
+                    yield messages
+        if all(chunk.first >= start and chunk.last < end for chunk in file.chunks):
+            file.note_missing(found, {*wanted, *timed})
+
+
+def _at_once(
+    batch: Sequence[ChunkedFile], wanted: Collection[int], start: int, end: int, timed: Collection[int]
+) -> list[Messages]:
+    """The messages of whole files, all in one buffer. Raises DamageError where not all of one is as it says."""
+    places = np.cumsum([0, *(file.size for file in batch)]).tolist()
+    buffer = np.empty(places[-1], np.uint8)
+    room = buffer.data
+    for file, begin, behind in zip(batch, places, places[1:], strict=False):
+        with file.source.open("rb", buffering=0) as content:
+            if content.readinto(room[begin:behind]) != file.size or content.read(1):
+                raise DamageError("changed")
+    one = _joined(batch, buffer, places)
+    found = [messages for piece in one.pieces(wanted, start, end, timed) for messages in piece.load()]
+    told: Counter[int] = Counter()
+    for messages in found:
+        told[messages.connection] += len(messages.times)
+    whole = all(chunk.first >= start and chunk.last < end for chunk in one.chunks)
+    if one.notes or one.late or (whole and any(one.counts[id_] > told[id_] for id_ in {*wanted, *timed})):
+        raise DamageError("something is lost")
+    return found
+
+
+def _joined(files: Sequence[ChunkedFile], content: Bytes, places: Sequence[int]) -> ChunkedFile:
+    """Files that define the same as one, which raises DamageError where one of them is not as it says.
+
+    ``content`` is that of all of them, which begins at these places.
+    """
+    one = copy(files[0])
+    one.hold(content)
+    one.notes, one.late, one.of_many = Counter(), Counter(), True
+    one.chunks = [chunk for file, place in zip(files, places, strict=False) for chunk in one.moved(file, place)]
+    counts: Counter[int] = Counter()
+    for file in files:
+        counts.update(file.counts)
+    one.counts = counts
+    return one
