@@ -26,7 +26,7 @@ setup:
 	@$(BIN)/python hatch_build.py || true
 
 demo: setup
-	@$(BIN)/robophm demo --output demo-output
+	@$(BIN)/robophm demo --to demo-output
 
 demo-ros: setup peers
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[sim]"

@@ -209,6 +209,6 @@ def test_tasks_of_a_recording_say_what_they_leave_out(wired: str, tmp_path: Path
 
 
 def test_the_page_says_it_of_the_span_too(inside: Run, wired: str, tmp_path: Path) -> None:
-    assert inside("report", "robot.yaml", "--store", "past.db", "--output", "health.html").returncode == 0
+    assert inside("report", "robot.yaml", "--store", "past.db", "--to", "health.html").returncode == 0
     said = r"median; at most 90 % between" if wired == "single" else r"median; 90 % between [^<]*, if it never fails"
     assert re.search(said, (tmp_path / "health.html").read_text())

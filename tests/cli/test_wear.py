@@ -388,17 +388,17 @@ def test_conditions_of_readings_and_to_come(inside, robot, tmp_path):
     (tmp_path / "warm.csv").write_text("time [h],value,temperature [degC]\n" + "\n".join(rows) + "\n")
     words = ("wear", robot, "warm.csv", "--part", "battery", "--threshold", 0.7)
     same, hotter = (
-        json.loads(inside(*words, *more, "--json").stdout)["signals"][0] for more in ((), ("--at", "temperature=60"))
+        json.loads(inside(*words, *more, "--json").stdout)["signals"][0] for more in ((), ("--use", "temperature=60"))
     )
     assert same["conditions_to_come"] == {"temperature": 40}
     factor = np.exp(0.7 / 8.617333e-5 * (1 / 313.15 - 1 / 333.15))
     assert same["remaining"]["median"] / hotter["remaining"]["median"] == pytest.approx(factor, rel=0.1)
-    assert "As it would be at temperature 60" in inside(*words, "--at", "temperature=60").stdout
+    assert "As it would be at temperature 60" in inside(*words, "--use", "temperature=60").stdout
     for at, said in (
         ("heat=3", "'heat' is no condition that is known to speed wear up; expected temperature"),
-        ("temperature", "--at temperature: expected a condition and a number, e.g. temperature=40"),
+        ("temperature", "--use temperature: expected a condition and a number, e.g. temperature=40"),
     ):
-        told = inside(*words, "--at", at)
+        told = inside(*words, "--use", at)
         assert told.returncode == 3
         assert said in " ".join(told.stderr.split())
 

@@ -12,18 +12,17 @@ import typer
 
 from robophm.cli.shared.fault_trees import of_model
 from robophm.cli.shared.option_hints import with_options
-from robophm.cli.shared.options import Failed, Future, Json, Store, Working
+from robophm.cli.shared.options import Failed, Future, Json, Store, Working, time_option
 from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.stored_past import kept
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError, nearest
-from robophm.core.units import quantity
 from robophm.design.build_task import with_knowledge
 from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.design.task import Plan
 from robophm.design.task_file import load_plan
-from robophm.health.importance import LONGEST, Importances, of_tree
+from robophm.health.importance import Importances, of_tree
 from robophm.health.ledger import Ledger
 from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.replacement import Replacements
@@ -58,14 +57,6 @@ class Question:
     most: int
 
 
-def hours_ahead(text: str) -> float:
-    """Return a time ahead in hours. Raises RobophmError."""
-    hours = quantity(text, "h")
-    if not 0 < hours <= LONGEST:
-        raise RobophmError(f"--after {text}: expected above zero, at most {LONGEST:g} h")
-    return hours
-
-
 def measure(name: str) -> str:
     """Return what a measure is called inside. Raises RobophmError."""
     if name not in MEASURES:
@@ -81,8 +72,8 @@ def command(
     working: Working = None,
     future: Future = "recent",
     function: Annotated[str | None, typer.Option(help="of the robot; default the whole robot")] = None,
-    after: Annotated[
-        str | None, typer.Option(help="time of operation ahead, e.g. '50 h'; default 1000 h, or half its life if less")
+    hours: Annotated[
+        float | None, time_option("--within", "of operation; default 1000 h, or half its life if less", above=True)
     ] = None,
     by: Annotated[str, typer.Option(help="birnbaum, criticality, fussell-vesely, raw, rrw, improvement "
                                          "or barlow-proschan")] = "criticality",
@@ -90,7 +81,7 @@ def command(
     as_json: Json = False,
 ) -> None:  # fmt: skip
     """What matters most to a robot's health, and what to replace first."""
-    hours, ranked = hours_ahead(after) if after is not None else None, measure(by)
+    ranked = measure(by)
     if design.suffix.lower() == ".xml":
         run_model(design, hours, ranked, most, as_json=as_json)
         return
@@ -130,7 +121,7 @@ def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: boo
 
 def run_model(path: Path, hours: float | None, by: str, most: int, *, as_json: bool) -> None:
     """Print the answer for a coherent fault tree in the Open-PSA format."""
-    refuse_unused("a fault tree", ("after", "by", "most"))
+    refuse_unused("a fault tree", ("hours", "by", "most"))
     system = of_model(path, hours, None)
     found = of_tree(system.event, math.nan if hours is None else hours)
     question = Question(Plan(()), "nominal", None, hours, by, most)

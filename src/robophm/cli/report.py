@@ -21,7 +21,7 @@ def command(
     design: Design,
     store: Store = None,
     output: Annotated[
-        Path | None, typer.Option(help="the page; health.html, or health.pdf", show_default=False)
+        Path | None, typer.Option("--to", help="the page; health.html, or health.pdf", show_default=False)
     ] = None,
     horizon: Horizon = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="as a PDF; needs robophm[pdf]")] = False,

@@ -83,6 +83,7 @@ def command(
     at: Annotated[
         list[str] | None,
         typer.Option(
+            "--use",
             help="of a table with columns temperature, stress or depth_of_discharge: conditions under which it goes "
             "on, e.g. temperature=40; default as of late",
             metavar="CONDITION=VALUE",
@@ -205,7 +206,7 @@ def _conditions(stated: Sequence[str]) -> dict[str, float]:
         try:
             found[name.strip()] = float(value)
         except ValueError:
-            raise DataError(f"--at {text}: expected a condition and a number, e.g. temperature=40") from None
+            raise DataError(f"--use {text}: expected a condition and a number, e.g. temperature=40") from None
     return found
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from robophm.core.errors import DesignError
+from robophm.core.files import stream_of
 
 MAX_BYTES = 50_000_000
 """A larger file is refused before it is parsed."""
@@ -55,7 +56,7 @@ class Markup:
     def __init__(self, path: Path) -> None:
         self.name = str(path)
         try:
-            with path.open("rb") as file:
+            with stream_of(path) as file:
                 self._text = file.read(MAX_BYTES + 1)
         except OSError as error:
             raise DesignError(f"{path}: cannot be read: {error.strerror}") from None

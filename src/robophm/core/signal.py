@@ -26,10 +26,18 @@ NOT_FINITE = "not finite: "
 """Prefix of a count: values of a signal that are NaN, infinite, or texts that are no number."""
 
 _TOPIC = re.compile(r"[^.\s\x00-\x1f]+\Z")
-_STEP = r"[A-Za-z_][A-Za-z0-9_]*(?:\[[^\[\]\x00-\x1f\x7f]+\])?"
+_ELEMENT = r"""'[^'\x00-\x1f\x7f]+'|"[^"\x00-\x1f\x7f]+"|[^\[\]\x00-\x1f\x7f]+"""
+_STEP = rf"[A-Za-z_][A-Za-z0-9_]*(?:\[(?:{_ELEMENT})\])?"
 _FIELD = re.compile(rf"{_STEP}(?:\.{_STEP})*\Z")
 _BAND = re.compile(r"band\s+(\d+(?:\.\d+)?)\s*-\s*(\d+(?:\.\d+)?)\s+of\s+(\d+(?:\.\d+)?)\Z")
-_STEPS = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(?:\[([^\[\]]+)\])?(?:\.|\Z)")
+_STEPS = re.compile(rf"([A-Za-z_][A-Za-z0-9_]*)(?:\[({_ELEMENT})\])?(?:\.|\Z)")
+_ANY = re.compile(rf"\[(?:{_ELEMENT})\]")
+_PAIR = re.compile(r"(?P<whose>[^\x00-\x1f\x7f]+)/(?P<what>[^/\x00-\x1f\x7f]+)\Z")
+_PAIRS = {
+    "diagnostics": "status[{whose}].values[{what}].value",
+    "dynamic_joint_states": "interface_values[{whose}].values[{what}]",
+}
+"""The field path of a pair of names, ``motor 3/temperature``, by what is in the name of a topic that has such pairs."""
 
 
 class Sample(NamedTuple):
@@ -44,12 +52,13 @@ class Sample(NamedTuple):
 
 
 def signal_name(topic: str, field: str) -> str:
-    """The name of a signal, ``/topic.field[2]``.
+    """The name of a signal, ``/topic.field[2]``; a pair of names, ``motor 3/temperature``, is spelled out.
 
     Raises SourceError where the field is not a path of names with optional indices, or the topic has a dot or blank.
     """
     if not _TOPIC.match(topic):
         raise SourceError(f"'{topic}' is not a topic; expected e.g. '/power/temperature', without dots and blanks")
+    field = _spelled_out(topic, field)
     if not _FIELD.match(field):
         raise SourceError(
             f"field '{field}' of topic '{topic}' is not a field path; expected e.g. 'pose.x' or 'effort[elbow]'"
@@ -61,9 +70,25 @@ def signal_name(topic: str, field: str) -> str:
 def split_signal(signal: str) -> tuple[str, str]:
     """Topic and field of a signal name. Raises SourceError where there is no field."""
     topic, dot, field = signal.partition(".")
+    field = _spelled_out(topic, field)
     if not dot or not _FIELD.match(field):
         raise SourceError(f"signal '{signal}' names no field; expected '/topic.field'")
     return topic, field
+
+
+def _spelled_out(topic: str, field: str) -> str:
+    """The path of a pair of names on a topic of diagnostics or of dynamic joint states; any other field as it is."""
+    if not (pair := None if _FIELD.match(field) else _PAIR.match(field)):
+        return field
+    names = {key: bracketed(name) for key, name in pair.groupdict().items()}
+    return next((path.format(**names) for part, path in _PAIRS.items() if part in topic), field)
+
+
+def bracketed(name: str) -> str:
+    """The name of an element as it is written in a field path: quoted where it would be read as something else."""
+    quote = '"' if "'" in name else "'"
+    other = (name.isdecimal() and name.isascii()) or name.startswith(":") or {*"[]"} & {*name}
+    return f"{quote}{name}{quote}" if other else name
 
 
 class Reduction(NamedTuple):
@@ -145,4 +170,4 @@ def no_number(signal: str) -> str:
 
 def any_element(field: str) -> str:
     """A field path for any index or name: ``effort[]`` for ``effort[2]``."""
-    return re.sub(r"\[[^\[\]]+\]", "[]", field)
+    return _ANY.sub("[]", field)

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block
 from robophm.core.argument_checks import one_of
 from robophm.core.errors import DesignError
+from robophm.design.robot_table import robot_table
 from robophm.design.task import Plan, Task, TaskStress
 from robophm.hazard.model import Evaluation, Model
 from robophm.life.distribution import LifeDistribution
@@ -359,6 +360,13 @@ class Robot(Module):
     """Remarks on what the design's sensors rest on, and what they do not reach."""
     design_hash: str = ""
     """SHA-256 of the design's content, to tell results of different designs apart."""
+
+    def __repr__(self) -> str:
+        counts = f"{self.part_count} parts, {len(self.modes)} failure modes, {len(self.signals)} signals"
+        return f"<Robot {self.name!r:.60}: {counts}>"
+
+    def _repr_html_(self) -> str:
+        return robot_table(repr(self)[1:-1], super().all_components(), CLOCK_UNITS)
 
     @property
     def name(self) -> str:

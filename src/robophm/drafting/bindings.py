@@ -10,8 +10,10 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+from robophm.design.importers.urdf import read_urdf
 from robophm.design.importers.urdf.drives import words_of
 from robophm.design.robot import Component, Robot
 from robophm.drafting.seen import KINDS, Seen, SeenSignal
@@ -107,6 +109,12 @@ def proposals(robot: Robot, seen: Seen, efforts: Mapping[str, float] | None = No
                 found.append(made)
     found += _clocks(robot, parts, seen)
     return found, list(dict.fromkeys(notes))
+
+
+def limits_of(urdf: Path | None) -> dict[str, float]:
+    """The most that each joint of a description may be driven with [N·m or N]; of none nothing. Raises DesignError."""
+    efforts = {joint.name: joint.effort for joint in read_urdf(urdf).joints} if urdf else {}
+    return {name: effort for name, effort in efforts.items() if effort > 0}
 
 
 def place_of(part: Component) -> tuple[str, ...]:

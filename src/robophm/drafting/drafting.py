@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -19,15 +19,19 @@ from robophm.design.importers.bom import import_bom
 from robophm.design.importers.urdf import read_urdf
 from robophm.design.naming import design_name, printable
 from robophm.design.robot import Robot
-from robophm.drafting.answers import Answers, Known, Question, environment_of, listed, settled, share_of_day
+from robophm.drafting.answers import Answers, Known, Question, listed, settled, share_of_day
 from robophm.drafting.bindings import Proposal, proposals
 from robophm.drafting.composing import Change, composed, left_to_others
 from robophm.drafting.seen import look
 from robophm.drafting.tasks import SeenTask, driven, tasks_seen, tasks_text
+from robophm.hazard.environments import environment, explained
 from robophm.parts import part as entry_of
 
 FUNCTION = "task"
 """The name of what must work for a task, where that is not everything."""
+
+STANDING = ("GB", "GF")
+"""Environments of what stands still."""
 
 OF_HANDBOOK = 3
 """Error factor of what a handbook says of a part on a list."""
@@ -55,6 +59,8 @@ class Draft:
     """The signals that it listens to."""
     unbound: tuple[str, ...]
     """Why other inputs have none."""
+    doubts: tuple[str, ...]
+    """Answers that do not go with what is seen, in words."""
     tasks: tuple[SeenTask, ...]
     assumptions: str
     """The page of everything that was assumed, as Markdown."""
@@ -125,8 +131,9 @@ def drafted(
         text, said_of = _with_list(text, Path(source), module, keys["environment"])
         lists.append(said_of)
     robot = parse(text, "the draft")
-    page = _page(robot, parts, bound, unbound, assumed, [*of_keys, *left_to_others(known, said)], lists)
-    return Draft(text, robot, tuple(parts), tuple(bound), tuple(unbound), tuple(tasks), page, known)
+    doubts = tuple(_doubts(known, said))
+    page = _page(robot, parts, bound, unbound, assumed, [*doubts, *of_keys, *left_to_others(known, said)], lists)
+    return Draft(text, robot, tuple(parts), tuple(bound), tuple(unbound), doubts, tuple(tasks), page, known)
 
 
 def _head(answers: Answers, changes: Sequence[Change]) -> list[str]:
@@ -154,9 +161,9 @@ def _robot_keys(
         else:
             usage[clock] = pace
             notes.append(f"usage: {pace}, assumed")
-    keys: dict[str, Any] = {
-        "name": design_name(stated), "environment": environment_of(answers.where or "indoor"), "usage": usage,
-    }  # fmt: skip
+    where = environment(answers.where or "mobile robot")
+    notes.append(f"environment: {explained(where)}")
+    keys: dict[str, Any] = {"name": design_name(stated), "environment": where, "usage": usage}
     leg: dict[str, Any] = dict(tasks[len(tasks) // 2].leg()) if tasks else {"duration": "1 h"}
     if not tasks:
         notes.append("task: an hour of work, assumed: no recording shows one")
@@ -166,6 +173,15 @@ def _robot_keys(
     else:
         keys["task"] = leg
     return keys, notes
+
+
+def _doubts(known: Known, answers: Answers) -> Iterator[str]:
+    """What somebody said that does not go with what is seen, in words."""
+    said = (answers.where or "").strip()
+    where = environment(said)
+    if (known.travels or known.flies) and where in STANDING and said != where:
+        better = "'flying' (ARW)" if known.flies else "'mobile robot' (GM)"
+        yield f"where {said!r:.40} is {explained(where)}; this robot moves: {better} is what the handbook has for it"
 
 
 def _drawn(word: str, parts: Sequence[DraftPart]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -61,7 +61,7 @@ class Importances:
     """P(the system fails within them | what is known now)."""
     ever: float
     """P(the system ever fails), the sum of the Barlow–Proschan importances."""
-    units: tuple[UnitImportance, ...]
+    units: tuple[UnitImportance, ...] = field(repr=False)
     refused: str = ""
     """The reason why there are no Fussell–Vesely importances, where there are none."""
     unknown: PartsOfUnknownRate | None = None

@@ -18,6 +18,7 @@ from rich.text import Text
 
 from robophm.cli.shared.option_hints import with_options
 from robophm.core.errors import RobophmError
+from robophm.core.files import STANDARD_INPUT
 from robophm.design.robot import Robot
 from robophm.health.failures_to_come import FailuresToCome
 from robophm.health.plant import Plant
@@ -247,6 +248,8 @@ def may_write(path: Path | None, *inputs: Path) -> None:
     """Raise RobophmError, before any work, where a file cannot be written or would take the place of an input."""
     if path is None:
         return
+    if path == STANDARD_INPUT:
+        raise RobophmError("-: is standard input, which is read; expected the name of a file to write")
     if any(path.resolve() == other.resolve() for other in inputs):
         raise RobophmError(f"{path}: is read or kept by this command too; expected a file of its own")
     if not path.parent.is_dir():

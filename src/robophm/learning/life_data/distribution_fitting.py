@@ -98,6 +98,9 @@ class Fit:
     model: Any = None
     """The fitted model of the library itself."""
 
+    def __repr__(self) -> str:
+        return f"<Fit {self.name} of {self.data.described()}: mean {self.mean:.4g}, AIC {self.aic:.4g}>"
+
     @property
     def known_until(self) -> float:
         """The age beyond which the data tell nothing of a figure."""
