@@ -36,7 +36,7 @@ def poisoned(tmp_path):
         monitor._take(Sample(IN_2038 + second * SECOND, T, 60.0))
     with SqliteStore(tmp_path / "past.db") as store:
         reports = [{"time": START + 60 * SECOND}, {"time": IN_2038}]
-        store.save("R", monitor.ledger.to_json(), None, reports)
+        store.save("R", monitor.ledger.to_json(), (), reports)
     return robot, good
 
 
