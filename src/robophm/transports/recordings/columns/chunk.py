@@ -17,17 +17,17 @@ class Chunk(NamedTuple):
     last: int
     """Earliest and latest receipt time [ns]."""
     offset: int
-    """Of its record."""
+    """The place of its record."""
     start: int
     end: int
-    """Of its content."""
+    """The end of its content."""
     compression: str
     size: int
-    """Of its content unpacked."""
+    """Bytes of its content, unpacked."""
     checksum: int
     """0 where it has none."""
     indices: dict[int, int] | None
-    """By connection: where in the file the index of its messages lies; None where there is none."""
+    """The places in the file of the index of its messages, by connection; None where there is none."""
     behind: int = 0
     """The end of those; 0 where that is not known."""
     cut: bool = False
@@ -44,7 +44,7 @@ Place = tuple[Chunk, int, int]
 
 
 class UnknownError(DamageError):
-    """What is not as it was known to be may be right nevertheless: it is not believed, nor called damaged."""
+    """Something is not as it was known to be, and may be right nevertheless: it is not believed, nor called damaged."""
 
 
 def distinct(offsets: NDArray[Any], most: int) -> bool:
